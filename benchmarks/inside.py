@@ -1,0 +1,129 @@
+"""What is measured inside one process of ours; each prints one JSON object.
+
+python inside.py stages COUNT TM        the compiler's stages, for as many lines
+python inside.py plan COUNT TM          lines to joint samples every TM ms
+python inside.py cost COUNT TM KIND     text to certified text, without the imports
+python inside.py task COUNT TM          the lines as peer_*.py read them
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import programs
+
+from yarclang.motion.plan import MotionPlan
+from yarclang.motion.profile import load_profile
+from yarclang.pipeline import inputs, stages
+from yarclang.robot.library import stdlib_folder
+from yarclang.source import SourceFile
+
+STAGES = ((inputs, ("parse", "load_robot")), (stages, ("check", "plan", "lower", "emit", "certify")))
+
+
+def main() -> None:
+    """What the command line asks for."""
+    what, count, tm, *kind = sys.argv[1:]
+    print(json.dumps(globals()[f"measure_{what}"](int(count), float(tm), *kind)))
+
+
+def measure_stages(count: int, tm: float) -> dict[str, Any]:
+    """Seconds in each stage of one compilation. `emit` counts both texts, the judged one and the one that is kept."""
+    seconds: defaultdict[str, float] = defaultdict(float)
+    for module, names in STAGES:
+        for name in names:
+            setattr(module, name, _timed(getattr(module, name), name, seconds))
+    begun = time.perf_counter()
+    compiled = _compiled(programs.lines(count), tm)
+    seconds["other"] = time.perf_counter() - begun - sum(seconds.values())
+    rows = sum(motion.curve.segments for motion in compiled.plan.motions)
+    return {
+        "seconds": seconds,
+        "rows": rows,
+        "bytes": len(compiled.text),
+        "summary": compiled.certificate.summary(),
+    }
+
+
+def measure_cost(count: int, tm: float, kind: str) -> dict[str, Any]:
+    """Seconds from text to certified text, the median of some different programs if they are short."""
+    make = getattr(programs, kind)
+    _compiled(make(10, 0), tm)  # the imports
+    seconds = [_seconds(_compiled, make(count, seed), tm) for seed in range(1, 2 + min(8, 1000 // count))]
+    return {"seconds": statistics.median(seconds)}
+
+
+def measure_plan(count: int, tm: float) -> dict[str, Any]:
+    """Seconds from text to joint positions at every `tm` of the plan, and to the plan alone."""
+    _planned(programs.lines(3, 0), tm)  # the imports
+    text = programs.lines(count)
+    begun = time.perf_counter()
+    planned = _planned(text, tm)
+    alone = time.perf_counter() - begun
+    q, _, _ = planned.sample(np.arange(0.0, planned.duration, tm * 1e-3))
+    return {"seconds": time.perf_counter() - begun, "planning": alone, "samples": len(q)}
+
+
+def measure_task(count: int, tm: float) -> dict[str, Any]:
+    """The lines as poses of {TCP}; with our joint positions there, to compare with."""
+    motions = _planned(programs.lines(count), tm).motions[1:]
+    samples = round(1000.0 / tm)
+    s = load_profile("LSPB").law(np.arange(1, samples + 1) / samples)
+    lines: list[Any] = [motion.path.line for motion in motions]  # type: ignore[attr-defined]
+    return {
+        "urdf": str(stdlib_folder() / "robots" / "industrial6" / "industrial6.urdf"),
+        "tool": motions[0].path.flange_from_moving.tolist(),  # type: ignore[attr-defined]
+        "start": motions[0].path.start.tolist(),
+        "poses": [line.poses(np.array([0.0, 1.0])).tolist() for line in lines],
+        "s": s.tolist(),
+        "joints": np.concatenate([motion.path.joints(s) for motion in motions]).tolist(),
+    }
+
+
+def _opened(text: str, tm: float) -> inputs.Opened:
+    opened = inputs.open_source(SourceFile("benchmark.yarc", text), Path.cwd(), inputs.Options(tm=tm))
+    return _value(opened)
+
+
+def _planned(text: str, tm: float) -> MotionPlan:
+    opened = _opened(text, tm)
+    return _value(stages.plan_module(opened.module, opened.request))
+
+
+def _compiled(text: str, tm: float) -> stages.Compiled:
+    opened = _opened(text, tm)
+    return _value(stages.compile_module(opened.module, opened.request))
+
+
+def _value(result: Any) -> Any:
+    if result.value is None:
+        raise SystemExit("\n".join(f"{one.code} {one.message}" for one in result.diagnostics[:5]))
+    return result.value
+
+
+def _timed(stage: Callable[..., Any], name: str, seconds: dict[str, float]) -> Callable[..., Any]:
+    def run(*arguments: Any) -> Any:
+        begun = time.perf_counter()
+        result = stage(*arguments)
+        seconds[name] += time.perf_counter() - begun
+        return result
+
+    return run
+
+
+def _seconds(work: Callable[..., object], *arguments: object) -> float:
+    begun = time.perf_counter()
+    work(*arguments)
+    return time.perf_counter() - begun
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+"""Processes and their times, several tasks by turns."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+import pyperf
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """A finished process: wall time [s], the most memory it had [MB], and its standard output."""
+
+    seconds: float
+    peak: float
+    output: str
+
+
+def process(*command: str) -> Process:
+    """Run a command to its end.
+
+    The peak is at least that of this process (a child begins with the peak of its parent): whoever calls
+    this imports nothing heavy.
+    """
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        begun = time.perf_counter()
+        child = subprocess.Popen(command, stdout=output, stderr=errors)
+        _, status, usage = os.wait4(child.pid, 0)
+        seconds = time.perf_counter() - begun
+        child.returncode = os.waitstatus_to_exitcode(status)
+        output.seek(0)
+        errors.seek(0)
+        if child.returncode != 0:
+            raise SystemExit(f"{' '.join(command)}\n{errors.read()[-4000:]}\nended with {child.returncode}")
+        return Process(seconds, usage.ru_maxrss / 1024.0, output.read())
+
+
+def by_turns(tasks: Mapping[str, Callable[[], T]], rounds: int) -> dict[str, list[T]]:
+    """What each task gives, `rounds` times: one task after the other, round by round, so that whatever else the machine
+    does meets all of them alike. A first round isn't counted."""
+    found: dict[str, list[T]] = {name: [] for name in tasks}
+    for number in range(rounds + 1):
+        for name, task in tasks.items():
+            value = task()
+            if number:
+                found[name].append(value)
+    return found
+
+
+def benchmark(name: str, seconds: list[float]) -> pyperf.Benchmark:
+    """Times as pyperf keeps them: `pyperf show`, `stats`, `compare_to` read the file."""
+    return pyperf.Benchmark(
+        [pyperf.Run(seconds, metadata={"name": name, "unit": "second"}, collect_metadata=True)]
+    )

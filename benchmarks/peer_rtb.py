@@ -1,0 +1,70 @@
+"""The lines through roboticstoolbox-python: `python peer_rtb.py TASK TOL` prints seconds and what they gave as JSON.
+
+For each line the poses by `ctraj`, then `ik_LM` (its C++ solver) from the sample before. Runs by itself: the
+toolbox may live in an environment of its own. TOL is that of `ik_LM`: half of the squared error.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tempfile
+import time
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+warnings.simplefilter("ignore")
+
+SHAPES = re.compile(r"<(visual|collision)>.*?</\1>", re.DOTALL)
+"""Its reader of URDFs knows no capsules; the joints are all that is needed."""
+
+
+def main() -> None:
+    """Solve the task of the command line."""
+    import roboticstoolbox as rtb
+    from spatialmath import SE3
+
+    task = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    tolerance = float(sys.argv[2])
+    with tempfile.TemporaryDirectory() as folder:
+        bare = Path(folder) / "robot.urdf"
+        bare.write_text(SHAPES.sub("", Path(task["urdf"]).read_text(encoding="utf-8")), encoding="utf-8")
+        robot = rtb.Robot.URDF(str(bare))
+    chain = robot.ets(end="flange") * rtb.ET.SE3(np.array(task["tool"]))
+    poses = [(SE3(first, check=False), SE3(last, check=False)) for first, last in np.array(task["poses"])]
+    s, start = np.array(task["s"]), np.array(task["start"])
+    begun = time.perf_counter()
+    found, failed = _solve(rtb.ctraj, chain, poses, s, start, tolerance)
+    seconds = time.perf_counter() - begun
+    apart = float(np.abs(np.array(found) - np.array(task["joints"])).max())
+    print(
+        json.dumps(
+            {
+                "seconds": seconds,
+                "samples": len(found),
+                "failed": failed,
+                "apart": apart,
+                "version": rtb.__version__,
+            }
+        )
+    )
+
+
+def _solve(ctraj: Any, chain: Any, poses: Any, s: Any, q: Any, tolerance: float) -> tuple[list[Any], int]:
+    """Joint positions at all samples, and how many weren't reached."""
+    found, failed = [], 0
+    for start, end in poses:
+        for pose in ctraj(start, end, s=s):
+            solution = chain.ik_LM(pose.A, q0=q, tol=tolerance)
+            q = solution.q
+            failed += not solution.success
+            found.append(q)
+    return found, failed
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,186 @@
+"""The reader takes what the emitter writes, number by number, and refuses anything else with its line."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.certify.certify_bench import everything, industrial6
+from yarclang.certify.read import ControllerText, Unreadable, read
+
+CONTROLLER = industrial6().controller
+
+
+@pytest.mark.parametrize("target", ["rotary", "prog"])
+def test_what_was_emitted(target):
+    case = everything()
+    text = read(case.text(target), CONTROLLER)
+    assert isinstance(text, ControllerText)
+    assert text.target == target
+    assert text.decimals == 9
+    assert [run.segment_ms for run in text.runs] == [50.0, 47.5, 50.0]
+    units = case.robot.axis_units
+    wanted = np.concatenate([job.points for job in case.jobs if job.points is not None]) / units
+    printed = np.concatenate([run.points for run in text.runs])
+    distinct = np.r_[True, np.abs(np.diff(printed, axis=0)).max(axis=1) > 0]
+    kept = np.r_[True, np.abs(np.diff(wanted.round(9), axis=0)).max(axis=1) > 0]
+    assert np.abs(printed[distinct] - wanted[kept]).max() <= 0.6e-9
+    lines = case.text(target).split("\n")
+    for run in text.runs:
+        assert all(lines[line - 1].startswith("X") for line in run.lines)
+    assert [(entry.step, entry.name) for entry in text.entries][-1] == (8, "STOP")
+    assert text.entries[-1].first is None
+    if target == "rotary":
+        assert np.allclose(text.start.rapid, case.start / units)
+    else:
+        assert np.allclose(text.start.guard_width, 3072)
+        assert text.start.guard[5] < 0
+
+
+@pytest.mark.parametrize(
+    ("form", "value"),
+    [("-5", 5.0), ("+5", -5.0), ("-(-5)", -5.0), ("-0.25", 0.25), ("-5*2", None), ("--5", None)],
+)
+def test_the_guard_compares_with_a_number(form, value):
+    lines = everything().text("prog").split("\n")
+    place = next(i for i, line in enumerate(lines) if line.startswith("IF(ABS(M361"))
+    lines[place] = f"IF(ABS(M361{form})>3072)"
+    text = read("\n".join(lines), CONTROLLER)
+    if value is None:
+        assert isinstance(text, Unreadable)
+        assert text.line == place + 1
+    else:
+        assert text.start.guard[2] == value
+
+
+REFUSED = [  # target, line as it begins, what it becomes (None: left out)
+    ("rotary", "; target", "; target tape"),
+    ("rotary", "; target", None),
+    ("rotary", "; command 3", "; command three"),
+    ("rotary", "; command 3", "; command 3 P0004 MOVEL 4 12 -"),
+    ("rotary", "CLOSE ALL", None),
+    ("rotary", "END GATHER", "END  GATHER"),
+    ("rotary", "&1", "&2"),
+    ("rotary", "&1", "&1B0R"),
+    ("rotary", "#1J/", "#1J/#2J/#3J/#4J/#5J/"),
+    ("rotary", "#1J/", "#1J+#2J/#3J/#4J/#5J/#6J/"),
+    ("rotary", "DEFINE ROT", "DEFINE ROT 479"),
+    ("rotary", "B0", None),
+    ("rotary", "CLEAR", None),
+    ("rotary", "RAPID", "LINEAR"),
+    ("rotary", "ABS", "INC"),
+    ("rotary", "DWELL0", "X0Y0Z0A0B0C0"),
+    ("rotary", "SPLINE1", "SPLINE2"),
+    ("rotary", "TM50", None),
+    ("rotary", "TM50", "TM-50"),
+    ("rotary", "TM50", "TM50\nTM47.5"),
+    ("rotary", "TM47.5", "TM50"),
+    ("rotary", "TM47.5", "DWELL0"),
+    ("rotary", "TM47.5", "R"),
+    ("rotary", "TM47.5", "M1==1"),
+    ("rotary", "TM47.5", "P8101=1"),
+    ("rotary", "TM47.5", "P8100=2"),
+    ("rotary", "TM47.5", "; command 9 P1 MOVEL 1 2 3"),
+    ("rotary", "TM47.5", "X1Y2Z3A4B5C6 ; remark"),
+    ("rotary", "TM47.5", ""),
+    ("rotary", "TM47.5", "garbage"),
+    ("rotary", "CLOSE", None),
+    ("rotary", "CLOSE", "CLOSE\nR"),
+    ("rotary", "CLOSE", "CLOSE\nCLOSE"),
+    ("prog", "OPEN PROG", "OPEN PROG 1"),
+    ("prog", "OPEN PROG", "OPEN PROG 0 CLEAR"),
+    ("prog", "WHILE", None),
+    ("prog", "IF(ABS(M261", "IF(ABS(M262-0)>3072)"),
+    ("prog", "IF(ABS(M261", "IF(ABS(M361-0)>3072)"),
+    ("prog", "SEND", 'CMD"#1J+"'),
+    ("prog", "SEND", 'SEND"a"CMD"#1J+"'),
+    ("prog", "ENDIF", None),
+    ("prog", "STOP", None),
+    ("prog", "ABS", "INC"),
+]
+
+
+@pytest.mark.parametrize(("target", "begins", "becomes"), REFUSED)
+def test_refused_lines(target, begins, becomes):
+    lines = everything().text(target).split("\n")
+    # the last CLOSE, the first of everything else
+    order = reversed(range(len(lines))) if begins == "CLOSE" else range(len(lines))
+    place = next(
+        i for i in order if lines[i].startswith(begins) and (begins != "CLOSE" or lines[i] == "CLOSE")
+    )
+    lines[place : place + 1] = [] if becomes is None else becomes.split("\n")
+    found = read("\n".join(lines), CONTROLLER)
+    assert isinstance(found, Unreadable)
+    assert found.code == "Y1151"
+    if begins != "; target":
+        # at the line, or where the next one shows that it is missing
+        assert place + 1 <= found.line <= place + 2
+    if becomes in ("R", "CLOSE\nR"):
+        assert "starts the motion by itself" in found.reason
+
+
+@pytest.mark.parametrize(
+    "becomes",
+    """XnanY0Z0A0B0C0 XinfY0Z0A0B0C0 X1e3Y0Z0A0B0C0 X1Y0Z0A0B0 Y1X0Z0A0B0C0 X1Y0Z0A0B0C0R X1Y0Z0A0B0C0U0
+    X--1Y0Z0A0B0C0 X1.Y0Z0A0B0C0 X.5Y0Z0A0B0C0 X(1)Y0Z0A0B0C0 X99999999Y0Z0A0B0C0 x1Y0Z0A0B0C0 X+1Y0Z0A0B0C0
+    X1Y0Z0A0B0C0; X1_Y0Z0A0B0C0 X1Y0Z0A0B0C0\r X1Y0Z0A0B0C0\x00""".replace("\n    ", " ").split(" "),
+)
+def test_refused_move_lines(becomes):
+    lines = everything().text().split("\n")
+    moves = [i for i, line in enumerate(lines) if line.startswith("X")]
+    for place in (moves[0], moves[1], moves[100], moves[-1]):
+        changed = [*lines]
+        changed[place] = becomes
+        found = read("\n".join(changed), CONTROLLER)
+        assert isinstance(found, Unreadable)
+        assert found.line == place + 1
+
+
+@pytest.mark.parametrize(
+    ("tm", "kept"),
+    [
+        ("50", True),
+        ("0.000244140625", True),
+        ("4095.999755859375", True),
+        ("49.999755859375", True),
+        ("4096", False),
+        ("0", False),
+        ("50.0001", False),
+        ("0.00012207031", False),
+        ("47.571411132812", False),
+    ],
+)
+def test_segment_times_are_exact(tm, kept):
+    found = read(everything().text().replace("TM47.5\n", f"TM{tm}\n"), CONTROLLER)
+    if tm == "50":  # the neighbour's: not known to end a sequence
+        assert isinstance(found, Unreadable)
+        assert found.code == "Y1151"
+    elif kept:
+        assert found.runs[1].segment_ms == float(tm)
+    else:
+        assert (found.code, found.line) == ("Y1152", everything().text().split("\n").index("TM47.5") + 1)
+
+
+def test_text_of_other_kinds():
+    text = everything().text()
+    assert read(text.replace("a free remark", "eine freie Äußerung"), CONTROLLER).line == 3
+    assert isinstance(read(text[:-1], CONTROLLER), Unreadable)
+    assert isinstance(read("", CONTROLLER), Unreadable)
+    assert isinstance(read(text.replace("\n", "\r\n"), CONTROLLER), Unreadable)
+    guarded = text.replace("TM50\n", "TM50\nP8100=1\n; a remark\n", 1)
+    assert isinstance(read(guarded, CONTROLLER), ControllerText)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data())
+def test_never_raises(data):
+    """Any stretch cut out, or anything put in: a text or an Unreadable."""
+    text = everything().text(data.draw(st.sampled_from(["rotary", "prog"])))
+    first = data.draw(st.integers(0, len(text)))
+    last = min(len(text), first + data.draw(st.integers(0, 200)))
+    put = data.draw(st.text(alphabet="XYZABCRTM0159.-+;()=&#\n ", max_size=12))
+    found = read(text[:first] + put + text[last:], CONTROLLER)
+    assert isinstance(found, ControllerText | Unreadable)
+    if isinstance(found, Unreadable):
+        assert 1 <= found.line <= text.count("\n") + 14
+        assert found.reason

@@ -1,0 +1,36 @@
+"""What the tests share: robots, the numbers worked out independently, and the flag that rewrites goldens."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from yarclang.robot.description import load_robot
+
+HERE = Path(__file__).parent
+EXAMPLES = HERE.parent / "examples"
+
+
+def pytest_addoption(parser):
+    parser.addoption("--rewrite-golden", action="store_true", help="write the golden files anew")
+
+
+@pytest.fixture
+def rewrite_golden(request):
+    return request.config.getoption("--rewrite-golden")
+
+
+@pytest.fixture(scope="session")
+def conformance():
+    """A function: the content of a conformance file by its name."""
+    return lambda name: json.loads((HERE / "conformance" / f"{name}.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def industrial6():
+    return load_robot("INDUSTRIAL6").value
+
+
+@pytest.fixture(scope="session")
+def tracked():
+    return load_robot("TRACKED_MANIPULATOR").value

@@ -1,0 +1,32 @@
+"""Programs in tests: the pipeline with its usual settings, and a short way to say what was found."""
+
+from yarclang.pipeline.stages import Request, check_program, compile_module, plan_module
+from yarclang.robot.description import load_robot
+from yarclang.source import SourceFile
+from yarclang.syntax.parse import parse
+
+
+def source(text, name="test.yarc"):
+    return SourceFile(name, text)
+
+
+def checked(text, robot="INDUSTRIAL6", **request):
+    parsed = parse(source(text))
+    result = check_program(parsed.value, Request(load_robot(robot).value, **request))
+    return result.value, (*parsed.diagnostics, *result.diagnostics)
+
+
+def planned(text, robot="INDUSTRIAL6", **request):
+    parsed = parse(source(text))
+    result = plan_module(parsed.value, Request(load_robot(robot).value, **request))
+    return result.value, (*parsed.diagnostics, *result.diagnostics)
+
+
+def compiled(text, robot="INDUSTRIAL6", **request):
+    parsed = parse(source(text))
+    result = compile_module(parsed.value, Request(load_robot(robot).value, **request))
+    return result.value, (*parsed.diagnostics, *result.diagnostics)
+
+
+def codes(diagnostics):
+    return [diagnostic.code for diagnostic in diagnostics]

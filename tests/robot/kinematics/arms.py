@@ -1,0 +1,136 @@
+"""The arms of these tests, from numbers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from yarclang.robot.model import Array, Chain, Limits
+
+JOINTS_SEED6 = [
+    ((0, 0, 0.23), (0, 0, 1)),
+    ((0, 0.2, 0.449), (1, 0, 0)),
+    ((0, 0, 0.89), (1, 0, 0)),
+    ((0, 0.4369, 0.195), (0, -1, 0)),
+    ((0, 0.1995, 0), (1, 0, 0)),
+    ((0, 0.238, 0), (0, -1, 0)),
+]
+
+
+def chain_of(joints, flange=(0.0, 0.0, 0.0), prismatic=(), rotation=None) -> Chain:
+    """A chain from the joints' origins, each in the frame before (all parallel to {B}), and axes."""
+    point = np.zeros(3)
+    screws = []
+    for index, (origin, axis) in enumerate(joints):
+        point = point + np.asarray(origin, float)
+        w = np.asarray(axis, float)
+        w = w / np.linalg.norm(w)
+        screws.append(np.r_[w, 0, 0, 0] if index in prismatic else np.r_[-np.cross(w, point), w])
+    home = np.eye(4)
+    home[:3, 3] = point + np.asarray(flange, float)
+    if rotation is not None:
+        home[:3, :3] = rotation
+    return Chain(frozen(np.array(screws)), frozen(home))
+
+
+def frozen(array: Array) -> Array:
+    array = np.ascontiguousarray(array, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+def limits_of(lower, upper) -> Limits:
+    lower, upper = np.asarray(lower, float), np.asarray(upper, float)
+    one = np.ones(len(lower))
+    return Limits(frozen(lower), frozen(upper), frozen(one), frozen(one), frozen(one), frozen(one))
+
+
+def degrees(*values) -> Array:
+    return np.radians(np.array(values, float))
+
+
+def industrial6() -> tuple[Chain, Limits]:
+    """The paper's Fig. 5, flange without tool."""
+    high = degrees(170, 135, 150, 190, 130, 360)
+    return chain_of(JOINTS_SEED6), limits_of(-high, high)
+
+
+TCP = np.eye(4)
+TCP[1, 3] = 0.1
+
+
+def offset6() -> tuple[Chain, Limits]:
+    """The same with a wrist whose axes don't meet."""
+    joints = list(JOINTS_SEED6)
+    joints[5] = ((0.03, 0.238, 0.05), (0, -1, 0))
+    high = degrees(170, 135, 150, 190, 130, 360)
+    return chain_of(joints), limits_of(-high, high)
+
+
+def skewed6() -> tuple[Chain, Limits]:
+    """A spherical wrist with axes that are not at right angles, shoulder and elbow with offsets, a
+    leaning base.
+    """
+    joints = [
+        ((0.0, 0.0, 0.3), (0.1, 0.2, 1.0)),
+        ((0.15, 0.08, 0.3), (0, 1, 0)),
+        ((0.1, 0.05, 0.6), (0, -1, 0)),
+        ((0.1, 0.03, 0.2), (1, 0.2, 0.1)),
+        ((0.5, 0.1, 0.05), (0.2, 1, 0.3)),
+        ((0.0, 0.0, 0.0), (1, 0.4, -0.2)),
+    ]
+    high = np.full(6, math.pi)
+    return chain_of(joints, flange=(0.1, 0.02, -0.03)), limits_of(-high, high)
+
+
+def scara4() -> tuple[Chain, Limits]:
+    """Two parallel turns, a slide, a turn: R R P R."""
+    joints = [
+        ((0, 0, 0.2), (0, 0, 1)),
+        ((0.3, 0, 0), (0, 0, 1)),
+        ((0.25, 0, 0), (0, 0, -1)),
+        ((0, 0, 0), (0, 0, 1)),
+    ]
+    return chain_of(joints, prismatic=(2,)), limits_of([-2.5, -2.6, -0.05, -6.3], [2.5, 2.6, 0.2, 6.3])
+
+
+def seven7() -> tuple[Chain, Limits]:
+    """Seven joints, shoulder and wrist spherical."""
+    z, y = (0, 0, 1), (0, 1, 0)
+    joints = [
+        ((0, 0, 0.36), z),
+        ((0, 0, 0), y),
+        ((0, 0, 0.21), z),
+        ((0, 0, 0.21), y),
+        ((0, 0, 0.2), z),
+        ((0, 0, 0.2), y),
+        ((0, 0, 0.126), z),
+    ]
+    high = degrees(170, 120, 170, 120, 170, 120, 175)
+    return chain_of(joints), limits_of(-high, high)
+
+
+def planar3() -> tuple[Chain, Limits]:
+    """Three parallel turns."""
+    z = (0, 0, 1)
+    high = np.full(3, 3.0)
+    return chain_of([((0, 0, 0), z), ((0.4, 0, 0), z), ((0.3, 0, 0), z)], (0.1, 0, 0)), limits_of(-high, high)
+
+
+def slider9() -> tuple[Chain, Limits]:
+    """Nine joints, the first a slide: an arm with a spherical shoulder on a rail, and two more turns."""
+    x, y, z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+    joints = [
+        ((0, 0, 0.1), y),
+        ((0, 0, 0.2), z),
+        ((0, 0.05, 0.1), x),
+        ((0, 0, 0.3), z),
+        ((0, 0, 0.1), x),
+        ((0, 0.02, 0.3), y),
+        ((0, 0.1, 0.1), x),
+        ((0, 0.1, 0), y),
+        ((0, 0.1, 0.03), z),
+    ]
+    high = np.r_[0.5, np.full(8, 2.8)]
+    return chain_of(joints, flange=(0.02, 0.1, 0), prismatic=(0,)), limits_of(-high, high)

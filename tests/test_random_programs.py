@@ -1,0 +1,128 @@
+"""Whatever compiles keeps every limit and the tolerance, as an independent reading of the text finds."""
+
+import independent
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from programs import compiled
+from scipy.spatial.transform import Rotation
+
+from yarclang.robot.description import load_robot
+
+ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
+ARMS = {name: independent.Arm(load_robot(name).value.folder) for name in ROBOTS}
+
+share = st.floats(-1, 1, allow_nan=False).map(lambda value: round(value, 3))
+six = st.lists(share, min_size=6, max_size=6)
+times = st.sampled_from(["[MIN]", "[2]", "[4.7]", "[0.9]", "[12]"])
+profiles = st.sampled_from(["", "_LSPB", "_POLY5"])
+commands = st.one_of(
+    st.tuples(st.just("joint"), six, profiles, times),
+    st.tuples(st.just("delta_joint"), six, profiles, times),
+    st.tuples(st.just("line"), six, profiles, times),
+    st.tuples(st.just("delta"), six, profiles, times),
+    st.tuples(st.just("spline"), st.lists(six, min_size=2, max_size=4), profiles, times),
+)
+
+
+def program(robot, entries):
+    """Program text near the robot's home, and what each command means."""
+    arm = ARMS[robot]
+    home = np.array(arm.data["positions"]["HOME"], float)
+    middle = home + np.array([0, -5, -20, 10, 40, 0]) * (robot == "INDUSTRIAL6")
+    reach = np.minimum(arm.upper - middle, middle - arm.lower)
+    (point,), (rotation,) = arm.poses(middle[None])
+    lines = ["DEFAULT {TCP} (mm,deg,s) {B}", f"P0001 MOVEJ {_numbers(middle)} [MIN]"]
+    meaning = [("joint", middle)]
+    for number, (kind, values, profile, time) in enumerate(entries, 2):
+        if kind == "joint":
+            goal = np.round(middle + np.array(values) * reach * 0.6, 4)
+            lines.append(f"P{number:04d} MOVEJ{profile} {_numbers(goal)} {time}")
+            meaning.append(("joint", goal))
+        elif kind == "delta_joint":
+            goal = np.round(np.array(values) * 10, 4)
+            lines.append(f"P{number:04d} DMOVEJ{profile} {_numbers(goal)} {time}")
+            meaning.append(("delta_joint", goal))
+        elif kind == "line":
+            shift = np.round(point + np.array(values[:3]) * 120, 3)
+            rpy = np.round(rotation.as_euler("xyz", degrees=True) + np.array(values[3:]) * 25, 3)
+            lines.append(f"P{number:04d} MOVEL{profile} {_numbers([*shift, *rpy])} {time}")
+            meaning.append(("line", shift, rpy))
+        elif kind == "delta":
+            shift, rpy = np.round(np.array(values[:3]) * 60, 3), np.round(np.array(values[3:]) * 15, 3)
+            lines.append(f"P{number:04d} DMOVE{profile} {_numbers([*shift, *rpy])} {time} {{TCP}}")
+            meaning.append(("delta", shift, rpy))
+        else:
+            goals = [np.round(middle + np.array(one) * reach * 0.4, 4) for one in values]
+            lines.append(f"P{number:04d} MOVEJ_SPLINE{profile} {'; '.join(map(_numbers, goals))} {time}")
+            meaning.append(("spline", goals))
+    return "\n".join(lines) + "\n", meaning
+
+
+def _numbers(values):
+    return " ".join(f"{value:.4f}" for value in values)
+
+
+def judge(robot, text, meaning):
+    """Hold an emitted text against limits, tolerance and what the program says."""
+    arm = ARMS[robot]
+    _, executed = independent.read(text)
+    for step, said in enumerate(meaning):
+        done = executed[step]
+        used = independent.shares(arm, done)
+        assert max(used.values()) <= 1 + 1e-6, (step, said[0], used)
+        for end in (0.0, done.duration):
+            assert np.abs(done.spline(end, nu=1)).max() < 1e-4
+        if said[0] == "joint":
+            assert independent.off_joint_line(done, said[1]) <= 0.002
+        elif said[0] == "delta_joint":
+            assert independent.off_joint_line(done, done.control[0] + said[1]) <= 0.002
+        elif said[0] == "spline":
+            assert independent.off_spline(done, said[1]) <= 0.002
+        else:
+            point, rotation = _goal(arm, done, said)
+            distance, angle = independent.off_line(arm, done, point, rotation)
+            assert distance <= 0.02
+            assert angle <= 0.002
+
+
+def _goal(arm, done, said):
+    if said[0] == "line":
+        return said[1], Rotation.from_euler("xyz", said[2], degrees=True)
+    (start,), rotations = arm.poses(done.control[:1])
+    turn = rotations[0]
+    return start + turn.apply(said[1]), turn * Rotation.from_euler("xyz", said[2], degrees=True)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(entries=st.lists(commands, min_size=1, max_size=4))
+def test_what_compiles_keeps_limits_and_tolerance(robot, entries):
+    text, meaning = program(robot, entries)
+    made, diagnostics = compiled(text, robot)
+    refused = [one for one in diagnostics if one.is_error]
+    # the planner may refuse, but what it plans is never refused by the certificate
+    assert not [one for one in refused if one.code.startswith("Y11")], [
+        (one.code, one.message) for one in refused
+    ]
+    if made is not None:
+        judge(robot, made.text, meaning)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(entry=commands)
+def test_the_shortest_time_that_an_error_names_works(robot, entry):
+    text, _ = program(robot, [(*entry[:3], "[0.3]")])
+    _, diagnostics = compiled(text, robot)
+    for one in diagnostics:
+        if one.code == "Y0601" and one.fix is not None:
+            (edit,) = one.fix.edits
+            lines = text.splitlines()
+            line = lines[edit.span.line - 1]
+            lines[edit.span.line - 1] = (
+                line[: edit.span.column - 1] + edit.text + line[edit.span.end_column - 1 :]
+            )
+            _, again = compiled("\n".join(lines), robot)
+            assert not [two.code for two in again if two.is_error]

@@ -1,0 +1,226 @@
+"""The closed forms and the theorems that the proofs stand on. All arrays, no sampling.
+
+Hermite remainder: a function e on an interval of length d, minus the cubic with the same values
+and derivatives at both ends, is at most d^4/384 max|e''''|; a jump G of e''' inside adds at most
+d^3/192 |G| (the deflection of a beam clamped at both ends, under an even load and under a load in its
+middle). The cubic itself stays in the convex hull of its four Bezier points. Both hold for
+vectors and matrices in any norm that comes from an inner product.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.model import Array, Chain
+
+HERMITE = 1.0 / 384.0
+JUMP = 1.0 / 192.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cubics:
+    """Motions with constant jerk, one a segment: position x, velocity v and acceleration a at
+    its start and jerk j, (N, n) each, over h (N,) [s].
+    """
+
+    x: Array
+    v: Array
+    a: Array
+    j: Array
+    h: Array
+
+    @staticmethod
+    def of_spline(control: Array, at: NDArray[np.int64], time: Array) -> Cubics:
+        """The uniform cubic B-spline's segments.
+
+        Args:
+            control: (G, n) control points.
+            at: (N,) the first of the four control points of each segment.
+            time: (N,) durations h [s].
+        """
+        f0, f1, f2, f3 = (control[at + i] for i in range(4))
+        h = time[:, None]
+        step0, step1, step2 = f1 - f0, f2 - f1, f3 - f2
+        first, second = step1 - step0, step2 - step1
+        # x as f1 and a difference: at rest it is f1 to the last bit
+        return Cubics(f1 + first / 6.0, (f2 - f0) / (2.0 * h), first / h**2, (second - first) / h**3, time)
+
+    def at(self, t: Array) -> tuple[Array, Array]:
+        """Position and velocity, (N, n) each, at the times `t` (N,) after the starts [s]."""
+        t = t[:, None]
+        x = self.x + t * (self.v + t * (self.a / 2.0 + t * self.j / 6.0))
+        return x, self.v + t * (self.a + t * self.j / 2.0)
+
+    def take(self, rows: NDArray[np.int64]) -> Cubics:
+        """Some of the segments."""
+        return Cubics(self.x[rows], self.v[rows], self.a[rows], self.j[rows], self.h[rows])
+
+    def mapped(self, matrix: Array) -> Cubics:
+        """The same motions in other coordinates: y = matrix x."""
+        m = matrix.T
+        return Cubics(self.x @ m, self.v @ m, self.a @ m, self.j @ m, self.h)
+
+    def acceleration_peaks(self) -> Array:
+        """Max |acceleration| (N, n): it is linear, so at an end."""
+        return np.maximum(np.abs(self.a), np.abs(self.a + self.h[:, None] * self.j))
+
+    def velocity_peaks(self) -> Array:
+        """Max |velocity| (N, n): a parabola, so at an end or at its vertex."""
+        h = self.h[:, None]
+        end = self.v + h * (self.a + h * self.j / 2.0)
+        peak = np.maximum(np.abs(self.v), np.abs(end))
+        inside = self.a * (self.a + h * self.j) < 0.0  # then the jerk isn't zero either
+        peak[inside] = np.maximum(
+            peak[inside], np.abs(self.v[inside] - self.a[inside] ** 2 / (2.0 * self.j[inside]))
+        )
+        return peak
+
+    def position_range(self) -> tuple[Array, Array]:
+        """Least and greatest position (N, n): at an end or where the velocity is zero."""
+        h = self.h[:, None]
+        end = self.x + h * (self.v + h * (self.a / 2.0 + h * self.j / 6.0))
+        lower, upper = np.minimum(self.x, end), np.maximum(self.x, end)
+        v_end = self.v + h * (self.a + h * self.j / 2.0)
+        middle = self.v + h * self.a / 2.0  # the three Bezier points of the velocity
+        turns = np.minimum(np.minimum(self.v, v_end), middle) <= 0.0
+        turns &= np.maximum(np.maximum(self.v, v_end), middle) >= 0.0
+        turns &= (self.a != 0.0) | (self.j != 0.0)
+        row, joint = np.nonzero(turns)
+        x, v, a, j = (values[row, joint] for values in (self.x, self.v, self.a, self.j))
+        for t in _roots(j / 2.0, a, v, self.h[row]):
+            there = x + t * (v + t * (a / 2.0 + t * j / 6.0))
+            lower[row, joint] = np.minimum(lower[row, joint], there)
+            upper[row, joint] = np.maximum(upper[row, joint], there)
+        return lower, upper
+
+
+def _roots(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array]:
+    """Both roots of a t^2 + b t + c, moved into [0, h] (any time in there is a lawful place to look)."""
+    q = -(b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0)), b)) / 2.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        roots = np.nan_to_num(q / a, nan=0.0), np.nan_to_num(c / q, nan=0.0)
+    return np.clip(roots[0], 0.0, h), np.clip(roots[1], 0.0, h)
+
+
+def fourth(w: Array, a: Array, j: Array) -> Array:
+    """Faa di Bruno's sum w^4 + 6 w^2 a + 3 a^2 + 4 w j.
+
+    It bounds the fourth time derivative of f(x(t)) where every partial derivative of f is at most 1,
+    x'''' = 0, and |x'|, |x''|, |x'''| are at most w, a, j.
+    """
+    return w**4 + 6.0 * w * w * a + 3.0 * a * a + 4.0 * w * j
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FourthDerivatives:
+    """Bounds (N,) of the fourth time derivatives of the arm: of the tool's origin [m/s^4], and
+    of its rotation matrix in the Frobenius norm [1/s^4].
+    """
+
+    origin: Array
+    rotation: Array
+
+
+def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j: Array) -> FourthDerivatives:
+    """Bounds of the tool's fourth time derivatives while every joint has constant jerk.
+
+    A partial derivative of the tool's origin by some joints is a chain of cross products with their
+    axes, innermost the one nearest to the tool: its length is at most the distance of that
+    joint's axis from the tool. Hence, summed over the joint m nearest to the tool,
+    R_m (B_m - B_{m-1}) with B the sum of `fourth` over joints up to m. A prismatic joint enters at most
+    once, and innermost (what is farther out only turns a free vector), with length 1: the derivative of B
+    in its direction. The rotation matrix: products of [axis]x, of Frobenius norm sqrt 2 at most.
+
+    Args:
+        reach: (n,) from `reaches`; not read for a prismatic joint.
+        prismatic: (n,) which joints slide.
+        w: (N, n) largest |velocity| of each joint on the piece [rad/s or m/s]; a and j likewise for
+            acceleration and jerk.
+        a: (N, n).
+        j: (N, n).
+    """
+    zero = np.zeros(len(w))
+    sum_w, sum_a, sum_j, before, origin = zero, zero, zero, zero, zero
+    for m in range(w.shape[1]):
+        if prismatic[m]:
+            origin = origin + (
+                (4.0 * sum_w**3 + 12.0 * sum_w * sum_a + 4.0 * sum_j) * w[:, m]
+                + 6.0 * (sum_w**2 + sum_a) * a[:, m]
+                + 4.0 * sum_w * j[:, m]
+            )
+            continue
+        sum_w, sum_a, sum_j = sum_w + w[:, m], sum_a + a[:, m], sum_j + j[:, m]
+        upto = fourth(sum_w, sum_a, sum_j)
+        origin = origin + reach[m] * (upto - before)
+        before = upto
+    return FourthDerivatives(origin, np.sqrt(2.0) * before)
+
+
+def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
+    """How far the tool's origin can ever be from each revolute axis.
+
+    From the tool backwards: the point of an axis nearest to the last point chosen; the lengths
+    add up (triangle inequality: what lies between two axes only turns), a prismatic joint adds its travel.
+
+    Args:
+        chain: the arm.
+        flange_from_tool: (4, 4).
+        travel: (n,) largest |q| of each prismatic joint in the motion [m].
+
+    Returns:
+        (n,) [m]; zero for a prismatic joint.
+    """
+    point = (chain.base_from_flange @ flange_from_tool)[:3, 3]
+    length = 0.0
+    reach = np.zeros(chain.size)
+    for joint in reversed(range(chain.size)):
+        linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
+        if not angular.any():
+            length += float(travel[joint])
+            continue
+        on_axis = np.cross(angular, linear)  # the point of the axis nearest to the base's origin
+        nearest = on_axis + angular * float(angular @ (point - on_axis))
+        length += float(np.linalg.norm(point - nearest))
+        reach[joint] = length
+        point = nearest
+    return reach
+
+
+def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -> tuple[Array, ...]:
+    """The four Bezier points of the cubic with values e and derivatives `rate` at both ends of d."""
+    third = d / 3.0
+    return e0, e0 + third * rate0, e1 - third * rate1, e1
+
+
+def catch_up(bezier: Array, group: NDArray[np.int64], end: float = 1.0) -> Array:
+    """How far a path parameter is from one that goes over the whole path and never back.
+
+    The Bezier points of s(t), clipped to the path and replaced by the most so far, the first by the
+    path's start and the last by its end, are those of a parameter that only grows: the distance between
+    both is at most that of their points. The path distance at that parameter is then one in
+    order of time and of the whole path (Frechet), not to the nearest point.
+
+    Args:
+        bezier: (P, 4) Bezier points of s on each piece, in order of time.
+        group: (P,) the command of each piece, in order, from 0 on.
+        end: the value of s at the path's end.
+
+    Returns:
+        (P,) the largest distance on each piece, in s.
+    """
+    share = np.clip(bezier / end, 0.0, 1.0)
+    share[np.flatnonzero(np.diff(group, prepend=-1)), 0] = 0.0
+    share[np.flatnonzero(np.diff(group, append=-1)), 3] = 1.0
+    lift = 2.0 * group[:, None]
+    forward = np.maximum.accumulate((share + lift).ravel()).reshape(bezier.shape) - lift
+    behind: Array = np.abs(forward * end - bezier).max(axis=1)
+    return behind
+
+
+def segment_max(values: Array, first: NDArray[np.int64]) -> Array:
+    """The maximum over the rows of each group; groups begin at the rows `first`, none is empty."""
+    result: Array = np.maximum.reduceat(values, first, axis=0)
+    return result

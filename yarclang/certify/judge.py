@@ -1,0 +1,214 @@
+"""The judgement: text, program and robot in; certificate and findings out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.bounds import Cubics
+from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation, Kind
+from yarclang.certify.deviations import Paths, find_deviations
+from yarclang.certify.joint import joint_weights
+from yarclang.certify.layout import Layout, Place, chunks, lay_out, moving_at_ends
+from yarclang.certify.limits import NO_LOADS, Loads, check_limits
+from yarclang.certify.read import TM_STEPS_PER_MS, ControllerText, Unreadable, read
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.robot.actuation import from_counts, joints_per_count
+from yarclang.robot.model import Array, Robot, Tolerance
+from yarclang.units import MS
+
+GUARD_SHARE = 0.05
+"""A fixed program may start so far off that it adds this share of the acceleration limit."""
+
+
+def certify(
+    text: str, program: hir.Program, robot: Robot, tolerance: Tolerance, witnesses: Mapping[int, Array]
+) -> Result[Certificate]:
+    """Prove what a controller text makes the robot do, against the program that it was compiled from.
+
+    Args:
+        text: the emitted text.
+        program: what the robot shall do.
+        robot: geometry, limits, actuation and controller.
+        tolerance: how far the executed path may be from the programmed one.
+        witnesses: for each SplineMove, by its number in the program's steps: the joint positions (k, n) that
+            the planner chose for its k way-points. Claims: each is checked against its way-point.
+
+    Returns:
+        The certificate, also where it proves violations (these are errors among the findings); None where
+        the text can't be read or its commands aren't the program's.
+    """
+    content = read(text, robot.controller)
+    if isinstance(content, Unreadable):
+        shown = Diagnostic(
+            content.code, f"line {content.line} of the controller's text {content.reason}", program.source
+        )
+        return Result(None, (shown,))
+    judge = _Judge(program, robot, tolerance, [])
+    start = judge.start(content)
+    layout = lay_out(content, program, start, robot.axis_units)
+    if not isinstance(layout, Layout):
+        step, reason = layout
+        judge.find("Y1153", reason, step)
+        return Result(None, tuple(judge.findings))
+    judge.segment_times(content, layout)
+    judge.rest(layout)
+    loads = judge.limits(layout)
+    deviations = find_deviations(Paths(robot, tolerance, witnesses, judge.find), layout)
+    commands = tuple(
+        judge.command(layout, place, loads[place.step], deviations[place.step]) for place in layout.places
+    )
+    return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
+
+
+@dataclass(frozen=True, slots=True)
+class _Judge:
+    """The context of one judgement, and what it has found so far."""
+
+    program: hir.Program
+    robot: Robot
+    tolerance: Tolerance
+    findings: list[Diagnostic]
+
+    def find(self, code: str, message: str, step: int | None) -> None:
+        """Add a finding about a step of the program."""
+        if step is None:
+            self.findings.append(Diagnostic(code, message, self.program.source))
+            return
+        command = self.program.steps[step]
+        assert not isinstance(command, hir.Gap)  # such a program is refused before
+        origin = command.origin
+        self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, origin.span))
+
+    # start, times, rest
+
+    def start(self, content: ControllerText) -> Array:
+        """Where the text starts (n,) [rad or m]; it must be the program's start, to the printed decimals."""
+        robot, start = self.robot, content.start
+        first = next((i for i, step in enumerate(self.program.steps) if isinstance(step, hir.Motion)), None)
+        if start.rapid is not None:
+            q = start.rapid * robot.axis_units
+            allowed = 0.5 * 10.0**-content.decimals * robot.axis_units
+        else:
+            assert start.guard is not None and start.guard_step is not None  # noqa: PT018 - by the reader
+            per_step = np.abs(joints_per_count(robot)) / (32.0 * robot.controller.ixx08)
+            q = from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
+            allowed = 0.5 * per_step @ start.guard_step
+            self._guard(content, per_step, first)
+        weights = joint_weights(robot, self.tolerance)
+        off = np.abs(q - self.program.start)
+        allowed = np.minimum(allowed * (1.0 + 1e-6) + 1e-12, 1.0 / weights)
+        if (off > allowed).any():
+            joint = int(np.argmax(off / allowed))
+            unit = robot.axis_units[joint]
+            self.find(
+                "Y1154",
+                f"the text starts with {robot.joint_names[joint]} at {q[joint] / unit:.9g}, the program at "
+                f"{self.program.start[joint] / unit:.9g} {robot.axis_unit_names[joint]} (line {start.line})",
+                first,
+            )
+        return q
+
+    def _guard(self, content: ControllerText, per_step: Array, first: int | None) -> None:
+        """The guard of a fixed program must be narrow: a start off by x adds x / TM^2 of acceleration."""
+        if not content.runs:
+            return
+        width = content.start.guard_width
+        assert width is not None
+        share = per_step @ width / (content.runs[0].segment_ms * MS) ** 2 / self.robot.limits.acceleration
+        joint = int(np.argmax(share))
+        if share[joint] > GUARD_SHARE * (1.0 + 1e-9):
+            self.find(
+                "Y1154",
+                f"the program's guard lets {self.robot.joint_names[joint]} start so far off that it adds "
+                f"{share[joint]:.1%} of its acceleration limit, more than {GUARD_SHARE:.0%} "
+                f"(line {content.start.line})",
+                first,
+            )
+
+    def segment_times(self, content: ControllerText, layout: Layout) -> None:
+        """Each motion takes its programmed time, and the controller can calculate that fast."""
+        for run in content.runs:
+            smallest = self.robot.controller.smallest_segment
+            if run.segment_ms * MS < smallest * (1.0 - 1e-9):
+                self.find(
+                    "Y1152",
+                    f"TM{run.segment_ms:.12g} in line {run.tm_line} is below {smallest / MS:.4f} ms, three "
+                    "real-time interrupts of the controller",
+                    None,
+                )
+        for place in layout.places:
+            if (programmed := place.motion.timing.duration) is None:
+                continue
+            duration = _duration(layout, place)
+            if abs(duration - programmed) > place.size / (2.0 * TM_STEPS_PER_MS) * MS + 1e-9:
+                self.find(
+                    "Y1156",
+                    f"the motion takes {duration:.9g} s ({place.size} segments), programmed are "
+                    f"{programmed:.9g} s",
+                    place.step,
+                )
+
+    def rest(self, layout: Layout) -> None:
+        """Each command ends at rest."""
+        for place in moving_at_ends(layout):
+            self.find(
+                "Y1155",
+                f"the command doesn't end at rest: its last three points differ (line {place.last_line})",
+                place.step,
+            )
+
+    # limits
+
+    def limits(self, layout: Layout) -> dict[int, Loads]:
+        """The loads of every step, and a finding for each limit that one breaks."""
+        loads = {place.step: NO_LOADS for place in layout.places}
+        for places in chunks([place for place in layout.places if place.size]):
+            segments = slice(places[0].first, places[-1].last)
+            cubics = Cubics.of_spline(layout.control, layout.at[segments], layout.time[segments])
+            for place, found in zip(places, check_limits(layout, places, cubics, self.robot), strict=True):
+                loads[place.step] = found
+                for excess in found.excesses:
+                    code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
+                    self.find(
+                        code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step
+                    )
+        return loads
+
+    # the table
+
+    def command(self, layout: Layout, place: Place, loads: Loads, deviation: Deviation) -> CommandCertificate:
+        """What was proved for one command."""
+        step = place.motion
+        kinds: dict[type, Kind] = {hir.JointMove: "joint", hir.LineMove: "line", hir.SplineMove: "spline"}
+        return CommandCertificate(
+            step=place.step,
+            index=step.origin.index,
+            name=step.origin.name,
+            kind=kinds[type(step)],
+            source_line=step.origin.span.line,
+            lines=place.lines,
+            segments=place.size,
+            segment_time=float(layout.time[place.first]) if place.size else 0.0,
+            duration=_duration(layout, place),
+            programmed_duration=step.timing.duration,
+            position=loads.loads["position"],
+            velocity=loads.loads["velocity"],
+            acceleration=loads.loads["acceleration"],
+            jerk=loads.loads["jerk"],
+            motor_velocity=loads.loads["motor_velocity"],
+            hold=loads.hold,
+            deviation=deviation,
+        )
+
+
+def _title(origin: hir.Origin) -> str:
+    return f"{origin.index} {origin.name}".strip()
+
+
+def _duration(layout: Layout, place: Place) -> float:
+    """All segments of a command have one duration [s]."""
+    return place.size * float(layout.time[place.first]) if place.size else 0.0

@@ -1,0 +1,220 @@
+"""From the lines of the text to spline segments, each with the command that it belongs to.
+
+The controller's law (SPLINE1, TUM 289-290): the control points of one sequence are
+S, S, S, c1 ... cM, cM, cM, with S where the robot stands and ci the programmed points; segment k, of
+duration TM, is the uniform cubic B-spline of the points k to k + 3. It starts and ends at rest. Three equal
+points inside a sequence are a full stop, and so a command ends there and the next one begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang import hir
+from yarclang.certify.read import ControllerText, Entry
+from yarclang.robot.model import Array
+from yarclang.units import MS
+
+CHUNK = 8192
+"""Segments that are judged at once: enough for whole-array work, few enough for the processor's cache."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """The segments `first` to `last` (not included) of `motion`, step `step` of the program.
+
+    `lines` are the first and the last of its move lines in the text; None for a step without.
+    """
+
+    step: int
+    motion: hir.Motion
+    first: int
+    last: int
+    lines: tuple[int, int] | None
+
+    @property
+    def size(self) -> int:
+        """How many segments."""
+        return self.last - self.first
+
+    @property
+    def last_line(self) -> str:
+        """The last line as text."""
+        return str(self.lines[1]) if self.lines else "none"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """All segments of the text, in order, and the commands that they belong to.
+
+    `control` (G, n) has the control points of all sequences [rad or m], `at` (N,) where
+    the four of a segment begin in it, `time` (N,) the duration of a segment [s]. `places` has one
+    entry for each motion of the program, in order; `stands` (len(places) + 1, n) is where the robot
+    is before each of them and behind the last.
+    """
+
+    control: Array
+    at: NDArray[np.int64]
+    time: Array
+    places: tuple[Place, ...]
+    stands: Array
+
+    def points(self, place: Place) -> Array:
+        """The control points of one command (segments + 3, n) [rad or m]."""
+        if place.size == 0:
+            return self.control[:0]
+        return self.control[self.at[place.first] : self.at[place.last - 1] + 4]
+
+
+def lay_out(
+    text: ControllerText, program: hir.Program, start: Array, axis_units: Array
+) -> Layout | tuple[int | None, str]:
+    """Give every segment to its command.
+
+    Args:
+        text: what was read.
+        program: whose steps the map in the text's header must name, one by one.
+        start: (n,) [rad or m], where the text starts.
+        axis_units: (n,), the axis unit of each joint in SI.
+
+    Returns:
+        The segments, or the step and the reason why map, moves and program don't fit together.
+    """
+    if problem := _compare(text.entries, program):
+        return problem
+    moving = [entry for entry in text.entries if entry.first is not None]
+    control, at, time, ends, lines = [], [], [], [0], []
+    stand, base, total = start, 0, 0
+    for run in text.runs:
+        points = run.points * axis_units
+        sequence = np.concatenate([np.tile(stand, (3, 1)), points, np.tile(points[-1], (2, 1))])
+        count = len(points) + 2
+        control.append(sequence)
+        at.append(base + np.arange(count))
+        time.append(np.full(count, run.segment_ms * MS))
+        lines.append(run.lines)
+        stand, base, total = points[-1], base + len(sequence), total + count
+        ends.append(total)
+    spans = _spans(moving, lines)
+    if isinstance(spans, tuple):
+        return spans
+    everything = Layout(
+        np.concatenate(control) if control else np.empty((0, len(start))),
+        np.concatenate(at) if at else np.empty(0, dtype=np.int64),
+        np.concatenate(time) if time else np.empty(0),
+        (),
+        np.empty((0, len(start))),
+    )
+    return _with_places(everything, text.entries, program, spans, start)
+
+
+def _compare(entries: tuple[Entry, ...], program: hir.Program) -> tuple[int | None, str] | None:
+    """Where the map names other steps than the program has."""
+    for step, entry in zip(range(len(program.steps)), entries, strict=False):
+        meant_step = program.steps[step]
+        if isinstance(meant_step, hir.Gap):
+            return None, "the program has a command with errors"
+        origin = meant_step.origin
+        said = (entry.step, entry.index, entry.name, entry.source_line)
+        meant = (step, origin.index, origin.name, origin.span.line)
+        if said != meant:
+            words = [
+                " ".join(str(part or "-") if part != 0 else "0" for part in pair) for pair in (said, meant)
+            ]
+            return step, f"the map says command {words[0]} where the program has {words[1]} (line {entry.at})"
+        if entry.first is not None and isinstance(meant_step, hir.Stop):
+            return step, f"the map gives a STOP move lines (line {entry.at})"
+    if len(entries) != len(program.steps):
+        return None, f"the map has {len(entries)} commands, the program {len(program.steps)}"
+    return None
+
+
+def _spans(
+    moving: list[Entry], lines: list[NDArray[np.int64]]
+) -> dict[int, tuple[int, int]] | tuple[int, str]:
+    """The segments of each step that moves: its lines, and two more where the sequence ends behind it."""
+    spans: dict[int, tuple[int, int]] = {}
+    rest = iter(moving)
+    segment = 0
+    step = moving[-1].step if moving else 0
+    for run in lines:
+        place = 0
+        while place < len(run):
+            entry = next(rest, None)
+            if entry is None:
+                return step, f"the move lines from line {run[place]} on belong to no command"
+            step = entry.step
+            behind = int(np.searchsorted(run, entry.last or 0, side="right"))
+            if entry.first != run[place] or behind <= place or run[behind - 1] != entry.last:
+                return step, (
+                    f"the map gives this command the lines {entry.first} to {entry.last}, but its moves "
+                    f"begin in line {run[place]} and the sequence has moves up to line {run[-1]}"
+                )
+            size = behind - place + (2 if behind == len(run) else 0)
+            spans[entry.step] = segment, segment + size
+            segment, place = segment + size, behind
+    if (entry := next(rest, None)) is not None:
+        return (
+            entry.step,
+            f"the map gives this command the lines {entry.first} to {entry.last}: no moves are there",
+        )
+    return spans
+
+
+def _with_places(
+    segments: Layout,
+    entries: tuple[Entry, ...],
+    program: hir.Program,
+    spans: dict[int, tuple[int, int]],
+    start: Array,
+) -> Layout:
+    places, stands = [], [start]
+    behind = 0
+    for entry, step in zip(entries, program.steps, strict=True):
+        if isinstance(step, hir.Stop | hir.Gap):
+            continue
+        first, last = spans.get(entry.step, (behind, behind))
+        lines = (entry.first, entry.last) if entry.first is not None and entry.last is not None else None
+        places.append(Place(entry.step, step, first, last, lines))
+        if last > first:
+            f = segments.control[segments.at[last - 1] + 1 : segments.at[last - 1] + 4]
+            # exact where the command ends at rest; where it doesn't, the knot
+            stands.append(f[2] if np.array_equal(f[0], f[2]) else (f[0] + 4.0 * f[1] + f[2]) / 6.0)
+        else:
+            stands.append(stands[-1])
+        behind = last
+    return Layout(segments.control, segments.at, segments.time, tuple(places), np.array(stands))
+
+
+def moving_at_ends(layout: Layout) -> list[Place]:
+    """The commands that don't end at rest: their last three control points differ."""
+    if not (moving := [place for place in layout.places if place.size]):
+        return []
+    last = layout.at[np.array([place.last for place in moving]) - 1] + 3
+    control = layout.control
+    rest = (control[last] == control[last - 1]) & (control[last] == control[last - 2])
+    return [place for place, still in zip(moving, rest.all(axis=1), strict=True) if not still]
+
+
+def chunks(places: list[Place]) -> Iterator[list[Place]]:
+    """Neighbouring commands together, up to about `CHUNK` segments."""
+    for rows in row_chunks(list(enumerate(places))):
+        yield [place for _, place in rows]
+
+
+def row_chunks(rows: list[tuple[int, Place]]) -> Iterator[list[tuple[int, Place]]]:
+    """The same for commands with a number each."""
+    chunk: list[tuple[int, Place]] = []
+    size = 0
+    for row, place in rows:
+        if chunk and size + place.size > CHUNK:
+            yield chunk
+            chunk, size = [], 0
+        chunk.append((row, place))
+        size += place.size
+    if chunk:
+        yield chunk

@@ -1,0 +1,143 @@
+"""The limits, at every instant: position, velocity, acceleration and jerk of joints, speed of motors.
+
+On a segment the jerk is constant, so each of them has its extremes in closed form; nothing is sampled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bounds import Cubics, segment_max
+from yarclang.certify.certificate import IDLE, Load, Quantity
+from yarclang.certify.layout import Layout, Place
+from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.model import Array, Robot
+
+QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jerk", "motor_velocity")
+
+RELATIVE = 1e-9
+"""What the comparison with a limit forgives as rounding, as a share of the limit."""
+POSITION_UNITS = 1e-9
+"""The same for positions, in axis units (deg or mm)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Excess:
+    """A limit that one command breaks, where it does so most: `text` says by how much; the segment begins
+    `time` [s] after the command does.
+    """
+
+    quantity: Quantity
+    name: str
+    text: str
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """The loads of one command and the limits that it breaks."""
+
+    loads: dict[Quantity, Load]
+    hold: Load
+    excesses: tuple[Excess, ...]
+
+
+NO_LOADS = Loads(dict.fromkeys(QUANTITIES, IDLE), IDLE, ())
+
+
+def check_limits(layout: Layout, places: list[Place], cubics: Cubics, robot: Robot) -> list[Loads]:
+    """Loads of neighbouring commands.
+
+    Args:
+        layout: the text's segments.
+        places: commands that follow each other, each with segments.
+        cubics: their segments, from the first one's to the last one's.
+        robot: whose limits count.
+    """
+    limits = robot.limits
+    base = places[0].first
+    first = np.array([place.first - base for place in places])
+    speed = cubics.velocity_peaks()
+    acceleration = cubics.acceleration_peaks()
+    motors = cubics.mapped(counts_per_joint(robot)).velocity_peaks()
+    lower, upper = cubics.position_range()
+    with np.errstate(invalid="ignore"):  # without limits: infinity minus infinity
+        middle, half = (limits.upper + limits.lower) / 2.0, (limits.upper - limits.lower) / 2.0
+        off = np.maximum(upper - middle, middle - lower)
+        position = np.where(np.isfinite(half), off / half, 0.0)
+    shares: dict[Quantity, Array] = {
+        "position": position,
+        "velocity": speed / limits.velocity,
+        "acceleration": acceleration / limits.acceleration,
+        "jerk": np.abs(cubics.j) / limits.jerk,
+        "motor_velocity": motors / robot.actuation.velocity,
+    }
+    hold = (acceleration + speed / robot.controller.hold_time) / limits.stop_acceleration
+    past = np.maximum(upper - limits.upper, limits.lower - lower) / robot.axis_units
+    peaks = {quantity: segment_max(share, first) for quantity, share in shares.items()}
+    holds, pasts = segment_max(hold, first), segment_max(past, first)
+
+    answer = []
+    for row, place in enumerate(places):
+        broken = {quantity: peak[row] > 1.0 + RELATIVE for quantity, peak in peaks.items()}
+        broken["position"] = pasts[row] > POSITION_UNITS
+        rows = slice(place.first - base, place.last - base)
+        measures = {**shares, "position": past}
+        answer.append(
+            Loads(
+                {quantity: _load(peak[row], _names(quantity, robot)) for quantity, peak in peaks.items()},
+                _load(holds[row], robot.joint_names),
+                tuple(
+                    _excess(
+                        quantity, joints, measures[quantity][rows], robot, float(layout.time[place.first])
+                    )
+                    for quantity, joints in broken.items()
+                    if joints.any()
+                ),
+            )
+        )
+    return answer
+
+
+def _names(quantity: Quantity, robot: Robot) -> tuple[str, ...]:
+    if quantity == "motor_velocity":
+        return tuple(f"motor {motor}" for motor in robot.controller.motors)
+    return robot.joint_names
+
+
+def _load(shares: Array, names: tuple[str, ...]) -> Load:
+    worst = int(np.argmax(shares))
+    return Load(names[worst], float(shares[worst])) if shares[worst] > 0.0 else IDLE
+
+
+def _excess(
+    quantity: Quantity, joints: NDArray[np.bool_], measure: Array, robot: Robot, segment_time: float
+) -> Excess:
+    """The worst place of one broken limit.
+
+    Args:
+        quantity: of which limit.
+        joints: (n,) which joints or motors break it.
+        measure: (segments, n) shares of the limit; for positions the axis units past it.
+        robot: whose limits count.
+        segment_time: [s].
+    """
+    segment, joint = np.unravel_index(int(np.argmax(np.where(joints, measure, -np.inf))), measure.shape)
+    worst = float(measure[segment, joint])
+    unit = robot.axis_unit_names[joint]
+    if quantity == "position":
+        text = f"goes {worst:.6g} {unit} past its limit"
+    else:
+        if quantity == "motor_velocity":
+            limit, unit = float(robot.actuation.velocity[joint]), "counts/s"
+        else:
+            limit = float(getattr(robot.limits, quantity)[joint] / robot.axis_units[joint])
+            unit += {"velocity": "/s", "acceleration": "/s2", "jerk": "/s3"}[quantity]
+        word = "velocity" if quantity == "motor_velocity" else quantity
+        text = (
+            f"has a peak {word} of {worst * limit:.6g} {unit}, {worst:.2%} of its limit of {limit:.6g} {unit}"
+        )
+    return Excess(quantity, _names(quantity, robot)[joint], text, int(segment) * segment_time)

@@ -1,0 +1,321 @@
+"""Reads the controller text that yarcc emits, and nothing else.
+
+The judge has a reader of its own: what a writer believes to have written is no evidence. Every
+line must have the one form that is allowed in its place, so that no line can do what nobody checked.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Literal, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.model import Array, Controller
+
+Target = Literal["rotary", "prog"]
+
+TM_STEPS_PER_MS = 4096
+"""TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
+LARGEST_TM_MS = 4096
+
+_NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
+"""Possessive: a line that has matched is never tried again, so that the time is linear."""
+_TARGET = re.compile(r"; target (rotary|prog)")
+_ENTRY = re.compile(r"; command ([0-9]+) (\S+) (\S+) ([0-9]+) (?:([0-9]+) ([0-9]+)|- -)")
+_TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
+_PLAIN = r"([0-9]{1,15}(?:\.[0-9]{1,12})?)"
+_COMPARE = re.compile(rf"IF\(ABS\(M([0-9]+)61([-+])(\(-)?{_PLAIN}(\))?\)>{_PLAIN}\)")
+
+
+@dataclass(frozen=True, slots=True)
+class Unreadable:
+    """The first place of the text that isn't what yarcc emits: its line (from 1), the reason, the code."""
+
+    line: int
+    reason: str
+    code: str = "Y1151"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A line `; command` of the header: which move lines belong to which step of the program.
+
+    `first` and `last` are lines of the text, from 1; None for a step without move lines.
+    """
+
+    at: int
+    step: int
+    index: str
+    name: str
+    source_line: int
+    first: int | None
+    last: int | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """One spline sequence: the move lines between two values of TM.
+
+    `segment_ms` is TM [ms], exact; `points` (M, n) are the printed numbers [deg or mm];
+    `lines` (M,) are their lines in the text.
+    """
+
+    segment_ms: float
+    tm_line: int
+    points: Array
+    lines: NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where the motion starts.
+
+    `rapid` (n,) [deg or mm] is the target of the RAPID move. A fixed program has no such
+    move: it waits until each motor is within `guard_width` of `guard` (n,), both in
+    1/(Ixx08 * 32) count as the register of the commanded position is; `guard_step` (n,) is
+    the last printed digit of `guard`.
+    """
+
+    line: int
+    rapid: Array | None = None
+    guard: Array | None = None
+    guard_width: Array | None = None
+    guard_step: Array | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ControllerText:
+    """What the text makes the controller do. `decimals` is the most that a move line prints."""
+
+    target: Target
+    entries: tuple[Entry, ...]
+    start: Start
+    runs: tuple[Run, ...]
+    decimals: int
+
+
+def read(text: str, controller: Controller) -> ControllerText | Unreadable:
+    """Read a whole text.
+
+    Args:
+        text: what yarcc emitted.
+        controller: whose axes, motors and coordinate system the text must name.
+
+    Returns:
+        What it says, or the first place that isn't what yarcc emits.
+    """
+    if not text.isascii():
+        line = next(i for i, content in enumerate(text.split("\n"), 1) if not content.isascii())
+        return Unreadable(line, "has a character that isn't ASCII")
+    if not text.endswith("\n"):
+        return Unreadable(text.count("\n") + 1, "doesn't end with a line feed")
+    cursor = _Cursor(text, controller)
+    try:
+        return _read(cursor, controller)
+    except _Refusal as refusal:
+        return Unreadable(*refusal.args)
+
+
+class _Refusal(Exception):  # noqa: N818 - never leaves this module
+    """Line, reason and code of an `Unreadable`."""
+
+
+class _Cursor:
+    """The place in the text: hands out lines, and blocks of move lines as numbers."""
+
+    def __init__(self, text: str, controller: Controller) -> None:
+        self._text = text
+        self._place = 0
+        self._axes = controller.axes
+        self.line = 1  # of the line that comes next
+        self.decimals = 0
+        move = "".join(letter + _NUMBER for letter in controller.axes) + "\n"
+        self._block = re.compile(f"(?:{move})++")
+        self._blank = str.maketrans(dict.fromkeys((*controller.axes, "\n"), " "))
+
+    @property
+    def at_end(self) -> bool:
+        return self._place == len(self._text)
+
+    def peek(self) -> str:
+        return self._text[self._place : self._text.find("\n", self._place)] if not self.at_end else ""
+
+    def take(self) -> str:
+        """The next line, comments left out."""
+        self.skip_remarks()
+        content = self.peek()
+        if self.at_end:
+            self.refuse("the text ends too early")
+        self.skip()
+        return content
+
+    def skip_remarks(self) -> None:
+        """Go over comments; those that the header gives a meaning belong there."""
+        while self.peek().startswith(";"):
+            if re.match(r"; *(command|target)\b", self.peek()):
+                self.refuse("is a line of the header behind the header")
+            self.skip()
+
+    def skip(self) -> None:
+        self._place = self._text.find("\n", self._place) + 1
+        self.line += 1
+
+    def block(self) -> Array | None:
+        """The move lines from here on (k, n), or None where the next line is none."""
+        found = self._block.match(self._text, self._place)
+        if found is None:
+            return None
+        block = found.group()
+        while re.search(rf"\.[0-9]{{{self.decimals + 1}}}", block):
+            self.decimals += 1
+        points = np.fromstring(block.translate(self._blank), sep=" ").reshape(-1, len(self._axes))
+        self._place = found.end()
+        self.line += len(points)
+        return points
+
+    def expect(self, *lines: str) -> None:
+        """The next lines are these."""
+        for line in lines:
+            if (found := self.take()) != line:
+                self.refuse(f"is {_shown(found)} where {_shown(line)} belongs", back=1)
+
+    def refuse(self, reason: str, *, back: int = 0, code: str = "Y1151") -> NoReturn:
+        raise _Refusal(self.line - back, reason, code)
+
+
+def _shown(line: str) -> str:
+    return f"'{line[:60]}...'" if len(line) > 63 else f"'{line}'"
+
+
+def _read(cursor: _Cursor, controller: Controller) -> ControllerText:
+    target, entries = _read_header(cursor)
+    system = f"&{controller.coordinate_system}"
+    cursor.expect("CLOSE ALL", "END GATHER", "DELETE GATHER", system)
+    start = (_read_rotary_start if target == "rotary" else _read_prog_start)(cursor, controller)
+    cursor.expect("SPLINE1")
+    runs = _read_runs(cursor)
+    cursor.skip_remarks()
+    if not cursor.at_end:
+        cursor.refuse(f"is {_shown(cursor.peek())} behind CLOSE" + _why(cursor.peek()))
+    return ControllerText(target, entries, start, runs, cursor.decimals)
+
+
+def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...]]:
+    target: Target | None = None
+    entries: list[Entry] = []
+    while (line := cursor.peek()).startswith(";"):
+        if found := _TARGET.fullmatch(line):
+            if target is not None:
+                cursor.refuse("names the target a second time")
+            target = "rotary" if found[1] == "rotary" else "prog"
+        elif found := _ENTRY.fullmatch(line):
+            index = "" if found[2] == "-" else found[2]
+            first, last = (int(found[5]), int(found[6])) if found[5] else (None, None)
+            entries.append(Entry(cursor.line, int(found[1]), index, found[3], int(found[4]), first, last))
+        elif re.match(r"; *(command|target)\b", line):
+            cursor.refuse(f"is no line of the map: {_shown(line)}")
+        cursor.skip()
+    if target is None:
+        cursor.refuse("the header names no target")
+    return target, tuple(entries)
+
+
+def _read_rotary_start(cursor: _Cursor, controller: Controller) -> Start:
+    cursor.expect("".join(f"#{motor}J/" for motor in controller.motors), "DELETE ROT")
+    while re.fullmatch(r"I1[67]=[0-9]{1,6}", cursor.peek()):  # the marks of the buffer's guard
+        cursor.skip()
+    found = re.fullmatch(r"DEFINE ROT ([0-9]{1,9})", cursor.take())
+    if found is None or int(found[1]) < controller.rotary_words:
+        cursor.refuse(f"DEFINE ROT with at least {controller.rotary_words} words belongs here", back=1)
+    cursor.expect("B0", "OPEN ROT", "CLEAR", "RAPID", "ABS")
+    line = cursor.line
+    point = cursor.block()
+    if point is None or len(point) != 1:
+        cursor.refuse("one move to the start belongs here")
+    cursor.expect("DWELL0")
+    return Start(line, rapid=point[0])
+
+
+def _read_prog_start(cursor: _Cursor, controller: Controller) -> Start:
+    if re.fullmatch(r"OPEN PROG [1-9][0-9]{0,4} CLEAR", cursor.take()) is None:
+        cursor.refuse("OPEN PROG with CLEAR belongs here", back=1)
+    line = cursor.line
+    cursor.expect("P8101=1", "WHILE(P8101=1)", "P8101=0")
+    places, widths, steps = [], [], []
+    for motor in controller.motors:
+        compare = cursor.take()
+        found = _COMPARE.fullmatch(compare)
+        if found is None or int(found[1]) != motor or bool(found[3]) != bool(found[5]):
+            cursor.refuse(f"the comparison of M{motor}61 with the start belongs here", back=1)
+        # the register minus x: x is negative for a plus sign or one in parentheses
+        negative = (found[2] == "+") != bool(found[3])
+        places.append(-float(found[4]) if negative else float(found[4]))
+        widths.append(float(found[6]))
+        steps.append(10.0 ** -len(found[4].partition(".")[2]))
+        cursor.expect("P8101=1")
+        if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
+            cursor.refuse("SEND with a text belongs here", back=1)
+        cursor.expect("ENDIF")
+    cursor.expect("IF(P8101=1)", "STOP", "ENDIF", "ENDWHILE", "ABS")
+    return Start(line, guard=np.array(places), guard_width=np.array(widths), guard_step=np.array(steps))
+
+
+def _read_runs(cursor: _Cursor) -> tuple[Run, ...]:
+    """Everything from the first TM up to CLOSE."""
+    runs: list[Run] = []
+    segment: float | None = None
+    tm_line = 0
+    blocks: list[tuple[int, Array]] = []
+
+    def finish() -> None:
+        if segment is not None and not blocks:
+            raise _Refusal(tm_line, "is a TM without move lines", "Y1151")
+        if segment is not None:
+            lines = np.concatenate([np.arange(line, line + len(block)) for line, block in blocks])
+            runs.append(Run(segment, tm_line, np.concatenate([block for _, block in blocks]), lines))
+        blocks.clear()
+
+    while True:
+        cursor.skip_remarks()
+        line = cursor.line
+        points = cursor.block()
+        if points is not None:
+            if segment is None:
+                raise _Refusal(line, "is a move line before the first TM", "Y1151")
+            blocks.append((line, points))
+            continue
+        content = cursor.take()
+        if content == "CLOSE":
+            finish()
+            return tuple(runs)
+        if found := _TM.fullmatch(content):
+            finish()
+            new = _segment_ms(found[1], cursor)
+            if new == segment:
+                cursor.refuse(f"repeats TM{found[1]}: not known to end a sequence", back=1)
+            segment, tm_line = new, cursor.line - 1
+        elif content not in ("P8100=1", "P8100=0"):
+            cursor.refuse(f"is {_shown(content)}: no move line, TM, P8100 or CLOSE" + _why(content), back=1)
+
+
+def _segment_ms(printed: str, cursor: _Cursor) -> float:
+    """TM [ms], where the controller can keep it exactly."""
+    exact = Decimal(printed)
+    steps = exact * TM_STEPS_PER_MS
+    if not 0 < exact < LARGEST_TM_MS or steps != steps.to_integral_value():
+        cursor.refuse(
+            f"is TM{printed}: the controller keeps multiples of 1/{TM_STEPS_PER_MS} ms "
+            f"below {LARGEST_TM_MS} ms",
+            back=1,
+            code="Y1152",
+        )
+    return float(exact)
+
+
+def _why(line: str) -> str:
+    """What is worst about a line that doesn't belong here."""
+    return ": an R starts the motion by itself" if re.search(r"(^|[^A-Z])R", line) else ""

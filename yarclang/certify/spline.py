@@ -1,0 +1,242 @@
+"""How far a motion is from the natural cubic spline through way-points in joint space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bounds import HERMITE, JUMP, Cubics, catch_up, hermite_bezier
+from yarclang.robot.model import Array
+
+REMAINDER_SHARE = 0.02
+"""Pieces are made so short that the remainder of the proof is at most this share of the tolerance."""
+MOST_PIECES = 16
+"""... but never more than this many a segment."""
+SAME = 1e-9
+"""Neighbours nearer than this [rad or m] are one way-point."""
+_STIFFNESS = 1e-3
+_GAUSS_NODES = np.sqrt(0.6) * np.array([-0.5, 0.0, 0.5]) + 0.5
+_GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+_TABLE = 32
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NaturalSpline:
+    """The cubic spline y(s) through way-points, with y'' = 0 at both ends.
+
+    `s` (m,) is the chord length up to each way-point (sum of the Euclidean distances of joint positions
+    in rad and m), `y` (m, n) the way-points, `bend` (m, n) y'' there.
+    """
+
+    s: Array
+    y: Array
+    bend: Array
+
+    @staticmethod
+    def through(points: Array) -> NaturalSpline:
+        """The spline through `points` (m, n); equal neighbours count once."""
+        apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > SAME
+        y = points[np.concatenate([[True], apart])]
+        chord = np.linalg.norm(np.diff(y, axis=0), axis=1)
+        s = np.concatenate([[0.0], np.cumsum(chord)])
+        bend = np.zeros_like(y)
+        if len(y) > 2:
+            slope = np.diff(y, axis=0) / chord[:, None]
+            bend[1:-1] = _solve_tridiagonal(
+                chord[1:-1], 2.0 * (chord[:-1] + chord[1:]), 6.0 * np.diff(slope, axis=0)
+            )
+        return NaturalSpline(s, y, bend)
+
+    def span(self, s: Array) -> NDArray[np.int64]:
+        """Between which way-points `s` lies: the first span before the start, the last behind the end."""
+        return np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        """Y and y' at `s` (N,), (N, n) each; beyond the ends the cubic goes on."""
+        i = self.span(s)
+        chord, t = (self.s[i + 1] - self.s[i])[:, None], (s - self.s[i])[:, None]
+        b0, b1 = self.bend[i], self.bend[i + 1]
+        third = (b1 - b0) / chord
+        slope = (self.y[i + 1] - self.y[i]) / chord - chord * (2.0 * b0 + b1) / 6.0
+        return self.y[i] + t * (slope + t * (b0 / 2.0 + t * third / 6.0)), slope + t * (b0 + t * third / 2.0)
+
+    def bends(self, s: Array) -> Array:
+        """Y'' at `s` (N, n)."""
+        i = self.span(s)
+        share = ((s - self.s[i]) / (self.s[i + 1] - self.s[i]))[:, None]
+        return (1.0 - share) * self.bend[i] + share * self.bend[i + 1]
+
+
+def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
+    """Solve the symmetric system with `diagonal` (m,), `beside` (m - 1,) and right sides (m, n).
+
+    Its diagonal dominates, so no pivoting.
+    """
+    diagonal, right = diagonal.copy(), right.copy()
+    for i in range(1, len(diagonal)):
+        factor = beside[i - 1] / diagonal[i - 1]
+        diagonal[i] -= factor * beside[i - 1]
+        right[i] -= factor * right[i - 1]
+    right[-1] /= diagonal[-1]
+    for i in reversed(range(len(diagonal) - 1)):
+        right[i] = (right[i] - beside[i] * right[i + 1]) / diagonal[i]
+    return right
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SplineBound:
+    """The largest deviation of each joint (n,) [rad or m], and what of it is remainder."""
+
+    deviation: Array
+    remainder: Array
+
+
+def spline_deviation(cubics: Cubics, waypoints: Array, weights: Array) -> SplineBound:
+    """A proved bound of the deviation from the natural spline through way-points.
+
+    As for a line, with e(t) = q(t) - y(s(t)) for each joint, s(t) piecewise cubic. As q'''' = 0
+    and y'''' = 0, |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|; where s passes a
+    way-point, e''' jumps by s'^3 times the jump of y'''.
+
+    Args:
+        cubics: the segments of one command, all of one duration.
+        waypoints: (m, n) where the robot stands, and the way-points behind it.
+        weights: (n,) one over the tolerance of each joint.
+    """
+    spline = NaturalSpline.through(waypoints)
+    if len(spline.y) == 1:
+        lower, upper = cubics.position_range()
+        away = np.maximum(np.abs(lower - spline.y), np.abs(upper - spline.y)).max(axis=0)
+        return SplineBound(away, np.zeros_like(away))
+    pieces = 1 if len(cubics.h) >= 4 else 4  # third differences want four points
+    while True:
+        bound = _bound(cubics, spline, weights, pieces)
+        need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
+        if need <= 1.0 or pieces == MOST_PIECES:
+            return bound
+        pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * need**0.25))))
+
+
+def _bound(cubics: Cubics, spline: NaturalSpline, weights: Array, pieces: int) -> SplineBound:
+    count = len(cubics.h) * pieces
+    segment = np.arange(count) // pieces
+    d = cubics.h[segment] / pieces
+    starts = cubics.take(segment)
+    offset = (np.arange(count) % pieces) * d
+    q, rate = starts.at(offset)
+    q_end, rate_end = starts.at(offset + d)
+    q, rate = np.concatenate([q, q_end[-1:]]), np.concatenate([rate, rate_end[-1:]])
+    s, s_rate = _project(starts, offset, q, rate, spline, weights, d)
+
+    y, slope = spline.at(s)
+    e, e_rate = q - y, rate - slope * s_rate[:, None]
+    hull = np.stack(hermite_bezier(e[:-1], e_rate[:-1], e[1:], e_rate[1:], d[:, None]))
+    bezier_s = np.stack(hermite_bezier(s[:-1], s_rate[:-1], s[1:], s_rate[1:], d), axis=1)
+    rest = _remainder(spline, bezier_s, d)
+    behind = catch_up(bezier_s, np.zeros(count, dtype=np.int64), float(spline.s[-1]))
+    reach = _steepest(spline, float(max(-bezier_s.min(), bezier_s.max() - spline.s[-1], 0.0)))
+    deviation = np.abs(hull).max(axis=0) + rest + behind[:, None] * reach
+    return SplineBound(deviation.max(axis=0), rest.max(axis=0))
+
+
+def _project(
+    starts: Cubics, offset: Array, q: Array, rate: Array, spline: NaturalSpline, weights: Array, d: Array
+) -> tuple[Array, Array]:
+    """Values and derivatives of a good s(t) at the points between pieces. Any would be lawful.
+
+    Least squares of q - y(s), weighed by the tolerances. Where a spline turns back on itself, y' is zero
+    and the position doesn't say what s is: a little stiffness against third differences, of no effect
+    elsewhere, carries s smoothly through. Arc length, which knows which way it goes, starts the iteration.
+    """
+    from scipy.linalg import solveh_banded
+
+    run = np.zeros(len(d))
+    for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True):
+        run += weight * np.linalg.norm(starts.at(offset + node * d)[1] * weights, axis=1) * d
+    run = np.concatenate([[0.0], np.cumsum(run)])
+    table_s, table_run = _arc_length(spline, weights)
+    s = np.interp(run * (table_run[-1] / max(run[-1], 1e-300)), table_run, table_s)
+
+    typical = (table_run[-1] / table_s[-1]) ** 2
+    stiffness = _STIFFNESS**2 * typical
+    bands = _third_differences(len(s)) * stiffness
+    for _ in range(5):
+        y, slope = spline.at(s)
+        system = bands.copy()
+        system[0] += ((slope * weights) ** 2).sum(axis=1) + 1e-9 * stiffness
+        pull = ((q - y) * slope * weights**2).sum(axis=1)
+        s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
+    y, slope = spline.at(s)
+    guess = np.gradient(s, float(d[0]))
+    steep = ((slope * weights) ** 2).sum(axis=1)
+    s_rate = ((rate * slope * weights**2).sum(axis=1) + stiffness * guess) / (steep + stiffness)
+    return s, s_rate
+
+
+def _arc_length(spline: NaturalSpline, weights: Array) -> tuple[Array, Array]:
+    """A table of s and of the weighed arc length up to there."""
+    chord = np.diff(spline.s)
+    left = (spline.s[:-1, None] + chord[:, None] * (np.arange(_TABLE) / _TABLE)).ravel()
+    width = np.repeat(chord / _TABLE, _TABLE)
+    run = np.zeros(len(left))
+    for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True):
+        run += weight * np.linalg.norm(spline.at(left + node * width)[1] * weights, axis=1) * width
+    return np.append(left, spline.s[-1]), np.concatenate([[0.0], np.cumsum(run)])
+
+
+def _third_differences(size: int) -> Array:
+    """The matrix of the sum of squared third differences, lower bands (4, size)."""
+    kernel = np.array([-1.0, 3.0, -3.0, 1.0])
+    bands = np.zeros((4, size))
+    for band in range(4):
+        for first in range(4 - band):
+            bands[band, first : size - 3 + first] += kernel[first] * kernel[first + band]
+    return bands
+
+
+def _times(bands: Array, x: Array) -> Array:
+    """The symmetric banded matrix times x."""
+    product = bands[0] * x
+    for band in range(1, len(bands)):
+        product[band:] += bands[band, :-band] * x[:-band]
+        product[:-band] += bands[band, :-band] * x[band:]
+    return np.asarray(product)
+
+
+def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
+    """What e(t) can be away from its Hermite cubic on each piece (P, n)."""
+    ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
+    dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
+    s3 = (np.abs(np.diff(dds, axis=1)[:, 0]) / d)[:, None]
+    s1, s2 = np.abs(ds).max(axis=1)[:, None], np.abs(dds).max(axis=1)[:, None]
+    lower, upper = bezier_s.min(axis=1), bezier_s.max(axis=1)
+    third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
+    low, high = spline.span(lower), spline.span(upper)
+    bend = np.maximum(np.abs(spline.bends(lower)), np.abs(spline.bends(upper)))
+    sharp = np.maximum(np.abs(third[low]), np.abs(third[high]))
+    jump = np.zeros_like(bend)
+    (several,) = np.nonzero(high > low)
+    jumps = np.concatenate([np.zeros((1, third.shape[1])), np.cumsum(np.abs(np.diff(third, axis=0)), axis=0)])
+    jump[several] = jumps[high[several]] - jumps[low[several]]
+    for row in several:  # few pieces pass a way-point
+        inside = slice(low[row] + 1, high[row] + 1)
+        bend[row] = np.maximum(bend[row], np.abs(spline.bend[inside]).max(axis=0))
+        sharp[row] = np.maximum(sharp[row], np.abs(third[low[row] : high[row] + 1]).max(axis=0))
+    change: Array = 6.0 * s1 * s1 * s2 * sharp + (3.0 * s2 * s2 + 4.0 * s1 * s3) * bend
+    rest: Array = HERMITE * d[:, None] ** 4 * change + JUMP * d[:, None] ** 3 * s1**3 * jump
+    return rest
+
+
+def _steepest(spline: NaturalSpline, beyond: float) -> Array:
+    """Max |y'| of each joint (n,) on the spline and `beyond` it, by the Bezier points of y' on each span."""
+    chord = np.diff(spline.s)[:, None]
+    b0, b1 = spline.bend[:-1], spline.bend[1:]
+    slope = np.diff(spline.y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    middle = slope + chord * b0 / 2.0
+    end = slope + chord * (b0 + b1) / 2.0
+    inside = np.abs(np.stack([slope, middle, end])).max(axis=(0, 1))
+    third = np.abs((b1 - b0) / chord).max(axis=0)
+    steepest: Array = inside + beyond * (np.abs(spline.bend).max(axis=0) + beyond * third)
+    return steepest

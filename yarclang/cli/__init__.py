@@ -1,0 +1,1 @@
+"""The commands `yarcc` and `yarc`. Importing this brings in no planner."""

@@ -1,0 +1,47 @@
+"""`yarc check`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from yarclang.cli.options import format_option, planning_options, tm_option
+
+
+@click.command("check")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@planning_options
+@tm_option
+@click.option("--strict", is_flag=True, help="A warning counts as an error.")
+@format_option
+def command(files: tuple[str, ...], strict: bool, format_: str, **planning: Any) -> None:
+    """Check programs: everything that yarcc checks before it writes. - reads standard input."""
+    from yarclang.cli.show import count_text, finding_json, show_findings
+    from yarclang.cli.work import Progress, options_from
+    from yarclang.diagnostics import Diagnostic, in_order
+    from yarclang.pipeline.inputs import open_program
+    from yarclang.pipeline.stages import plan_module
+
+    found: list[Diagnostic] = []
+    with Progress() as progress:
+        options = options_from(planning, progress)
+        for file in files:
+            opened = open_program(file, options)
+            diagnostics = opened.diagnostics
+            if opened.value is not None:
+                diagnostics += plan_module(opened.value.module, opened.value.request).diagnostics
+            progress.pause()
+            if format_ == "text":
+                show_findings(in_order(diagnostics))
+            found += in_order(diagnostics)
+    if format_ == "json":
+        import json
+
+        document = {"version": 1, "diagnostics": [finding_json(diagnostic) for diagnostic in found]}
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    else:
+        files_text = f"{len(files)} file{'s' * (len(files) != 1)}"
+        click.echo(f"{files_text} checked: {count_text(found) or 'nothing to complain of'}", err=True)
+    failed = any(one.is_error or (strict and one.severity == "warning") for one in found)
+    raise SystemExit(1 if failed else 0)

@@ -1,0 +1,98 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Numbers(click.ParamType[tuple[float, ...]]):
+    """Numbers separated by commas."""
+
+    def __init__(self, name: str, most: int | None = None, positive: bool = False) -> None:
+        self.name, self.most, self.positive = name, most, positive
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """The text as numbers; what isn't one is wrong usage."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            numbers = tuple(float(part) for part in str(value).split(","))
+        except ValueError:
+            self.fail(f"{value!r} isn't a list of numbers separated by commas", param, ctx)
+        if not all(math.isfinite(number) for number in numbers):
+            self.fail(f"{value!r} has a value that isn't finite", param, ctx)
+        if self.positive and min(numbers) <= 0:
+            self.fail(f"{value!r}: only positive numbers make sense here", param, ctx)
+        if self.most is not None and len(numbers) > self.most:
+            self.fail(
+                f"{value!r} has {len(numbers)} numbers, at most {self.most} make sense here", param, ctx
+            )
+        return numbers
+
+
+class PositiveNumber(click.ParamType[float]):
+    """One positive, finite number."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The text as a number; what isn't one is wrong usage."""
+        try:
+            number = float(value)
+        except ValueError:
+            self.fail(f"{value!r} isn't a number", param, ctx)
+        if not (math.isfinite(number) and number > 0):
+            self.fail(f"{value!r} isn't a positive number", param, ctx)
+        return number
+
+
+def planning_options(function: F) -> F:
+    """--robot, --start and --tolerance: they belong to every command that plans."""
+    for option in (
+        click.option(
+            "--tolerance",
+            type=Numbers("MM[,DEG]", most=2, positive=True),
+            help="How far the executed path may be from the programmed one (default: the robot's).",
+        ),
+        click.option(
+            "--start",
+            type=Numbers("Q1,Q2,..."),
+            help="Where the robot stands at first: deg, mm for prismatic joints (default: START, else the robot's home).",
+        ),
+        click.option(
+            "--robot",
+            metavar="NAME|PATH",
+            help="A robot of the standard library, or the path of a robot.toml.",
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+def format_option(function: F) -> F:
+    """--format text|json."""
+    return click.option(
+        "--format",
+        "format_",
+        type=click.Choice(["text", "json"]),
+        default="text",
+        help="How to write the findings.",
+    )(function)
+
+
+def tm_option(function: F) -> F:
+    """--tm MS."""
+    return click.option(
+        "--tm",
+        type=PositiveNumber("MS"),
+        help="The longest segment time to use, in ms (default: the robot's largest).",
+    )(function)

@@ -1,0 +1,63 @@
+"""The certificate as a table, a command a row."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from yarclang.certify.certificate import Certificate, CommandCertificate, Load
+from yarclang.units import DEG, MM
+
+_HEAD = (
+    "command",
+    "",
+    "time s",
+    "TM ms",
+    "position",
+    "velocity",
+    "accel.",
+    "jerk",
+    "motor",
+    "path mm",
+    "path deg",
+)
+
+
+def certificate_table(certificate: Certificate) -> str:
+    """Duration, the worst joint and its share of each limit, and the proved deviation, for each command."""
+    rows = [_HEAD, *(tuple(_row(command)) for command in certificate.commands)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
+    lines = [
+        "  ".join(
+            cell.ljust(width) if column < 2 else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+    lines.insert(1, "-" * max(len(line) for line in lines))
+    return "\n".join(lines)
+
+
+def _row(command: CommandCertificate) -> Iterator[str]:
+    yield command.index or f"line {command.source_line}"
+    yield command.name
+    yield f"{command.duration:.3f}"
+    yield f"{command.segment_time * 1e3:.4g}" if command.segments else "-"
+    for load in (
+        command.position,
+        command.velocity,
+        command.acceleration,
+        command.jerk,
+        command.motor_velocity,
+    ):
+        yield _load(load)
+    yield _size(command.deviation.position / MM)
+    yield _size(command.deviation.angle / DEG)
+
+
+def _load(load: Load) -> str:
+    return f"{load.name} {load.share * 100:.0f}%" if load.name else "-"
+
+
+def _size(value: float) -> str:
+    """Four decimals, and a bound instead of a zero that isn't one."""
+    return f"{value:.4f}" if value >= 5e-5 or value == 0.0 else "<0.0001"

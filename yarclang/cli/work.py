@@ -1,0 +1,94 @@
+"""What the commands do around the pipeline: options, progress, files."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.pipeline.inputs import Options
+
+_SILENT = 1.0
+"""Work shorter than this [s] shows no progress."""
+
+
+class Progress:
+    """A progress bar on standard error: only on a terminal, and only for long work."""
+
+    def __init__(self) -> None:
+        self._wanted = sys.stderr.isatty()
+        self._since = time.monotonic()
+        self._bar: Any = None
+        self._task: Any = None
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.pause()
+
+    def __call__(self, what: str, done: int, total: int) -> None:
+        """Say what is being done, and how much of it is done."""
+        if not self._wanted or time.monotonic() - self._since < _SILENT:
+            return
+        if self._bar is None:
+            from rich.console import Console
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(console=Console(stderr=True), transient=True)
+            self._bar.start()
+            self._task = self._bar.add_task(what, total=total)
+        self._bar.update(self._task, description=what, completed=done, total=total)
+
+    def pause(self) -> None:
+        """Take the bar away, so that something else can be written."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+        self._since = time.monotonic()
+
+
+def options_from(planning: dict[str, Any], progress: Progress | None = None) -> Options:
+    """The options of a command line."""
+    tolerance = planning.get("tolerance")
+    return Options(
+        robot=planning.get("robot"),
+        start=planning.get("start"),
+        tm=planning.get("tm"),
+        tolerance=None if tolerance is None else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
+        target=planning.get("target", "rotary"),
+        progress=progress,
+    )
+
+
+def write_whole(path: Path, content: str | bytes) -> tuple[Diagnostic, ...]:
+    """Write a file whole or not at all; its folder is made where it is missing."""
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    temporary: str | None = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists() and not path.is_file():  # a device or a pipe
+            path.write_bytes(data)
+            return ()
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        umask = os.umask(0)
+        os.umask(umask)
+        Path(temporary).chmod(0o666 & ~umask)
+        Path(temporary).replace(path)
+    except OSError as error:
+        if temporary is not None:
+            Path(temporary).unlink(missing_ok=True)
+        reason = (error.strerror or str(error)).lower()
+        return (
+            Diagnostic("Y0107", f"{path} can't be written: {reason}", help="check the path and its rights"),
+        )
+    return ()

@@ -1,0 +1,171 @@
+"""`yarcc`: programs to certified controller text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from yarclang.cli.options import format_option, planning_options, tm_option
+
+if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.inputs import Options
+    from yarclang.pipeline.stages import Compiled
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="yarclang", message="yarcc %(version)s")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option(
+    "-o", "--output", metavar="OUT", help="Where to write the text of one program (- for standard output)."
+)
+@click.option(
+    "--out-dir",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="The folder to write to (default: beside each source).",
+)
+@planning_options
+@tm_option
+@click.option(
+    "--target",
+    type=click.Choice(["rotary", "prog"]),
+    default="rotary",
+    help="For streaming into the rotary buffer, or as a program buffer to download.",
+)
+@click.option(
+    "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
+)
+@click.option("--strict", is_flag=True, help="A warning counts as an error.")
+@format_option
+def main(
+    files: tuple[str, ...],
+    output: str | None,
+    out_dir: Path | None,
+    certificate: Path | None,
+    strict: bool,
+    format_: str,
+    **planning: Any,
+) -> None:
+    """Compile YARC programs to Turbo PMAC text, and prove what they do.
+
+    FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
+    """
+    _check_usage(files, output, out_dir, certificate, format_)
+    from yarclang.cli.work import Progress, options_from
+
+    failed = False
+    reports: list[dict[str, Any]] = []
+    with Progress() as progress:
+        options = options_from(planning, progress)
+        for file in files:
+            destination = _destination(file, output, out_dir)
+            compiled, diagnostics = _compile(file, options)
+            progress.pause()
+            if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
+                compiled = None
+            if compiled is not None:
+                diagnostics += _write(compiled, destination, certificate)
+            written = compiled is not None and not any(one.is_error for one in diagnostics)
+            failed |= not written
+            if format_ == "json":
+                reports.append(_report(file, destination if written else None, compiled, diagnostics))
+            else:
+                _show(file, destination, compiled if written else None, diagnostics)
+    if format_ == "json":
+        import json
+
+        click.echo(json.dumps({"version": 1, "files": reports}, indent=2, ensure_ascii=False))
+    raise SystemExit(1 if failed else 0)
+
+
+def _check_usage(
+    files: tuple[str, ...], output: str | None, out_dir: Path | None, certificate: Path | None, format_: str
+) -> None:
+    """What can't be meant together is wrong usage."""
+    if output is not None and out_dir is not None:
+        raise click.UsageError("-o and --out-dir exclude each other")
+    if len(files) > 1 and (output is not None or certificate is not None):
+        raise click.UsageError("-o and --certificate go with one program; --out-dir takes several")
+    if output == "-" and format_ == "json":
+        raise click.UsageError("-o - and --format json both write to standard output")
+    if len(set(files)) < len(files):
+        raise click.UsageError("a file is named twice")
+
+
+def _destination(file: str, output: str | None, out_dir: Path | None) -> str:
+    if output is not None:
+        return output
+    if file == "-":
+        return "-" if out_dir is None else str(out_dir / "stdin.pmc")
+    path = Path(file)
+    return str((out_dir or path.parent) / path.with_suffix(".pmc").name)
+
+
+def _compile(file: str, options: Options) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
+    from yarclang.diagnostics import has_errors, in_order
+    from yarclang.pipeline.inputs import open_program
+    from yarclang.pipeline.stages import compile_module
+
+    opened = open_program(file, options)
+    if opened.value is None:
+        return None, in_order(opened.diagnostics)
+    compiled = compile_module(opened.value.module, opened.value.request)
+    diagnostics = in_order((*opened.diagnostics, *compiled.diagnostics))
+    return (None if has_errors(diagnostics) else compiled.value), diagnostics
+
+
+def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tuple[Diagnostic, ...]:
+    """Write text and certificate, each whole or not at all."""
+    from yarclang.cli.work import write_whole
+
+    found: tuple[Diagnostic, ...] = ()
+    if certificate is not None:
+        import json
+
+        found += write_whole(certificate, json.dumps(compiled.certificate.to_json(), indent=2) + "\n")
+    if not found:
+        if destination == "-":
+            click.echo(compiled.text, nl=False)
+        else:
+            found += write_whole(Path(destination), compiled.text)
+    return found
+
+
+def _show(
+    file: str, destination: str, compiled: Compiled | None, diagnostics: tuple[Diagnostic, ...]
+) -> None:
+    from yarclang.cli.show import count_text, show_findings
+    from yarclang.cli.table import certificate_table
+
+    show_findings(diagnostics)
+    name = "<stdin>" if file == "-" else file
+    if compiled is None:
+        click.echo(f"{name}: {count_text(diagnostics) or 'no output'}; nothing written", err=True)
+        if destination != "-" and Path(destination).exists():
+            click.echo(f"  {destination} is of an earlier version of the program", err=True)
+        return
+    to_stderr = destination == "-"
+    if compiled.certificate.commands:
+        click.echo(certificate_table(compiled.certificate), err=to_stderr)
+    where = "standard output" if to_stderr else destination
+    tolerance = compiled.certificate.tolerance
+    click.echo(
+        f"{name}: {compiled.certificate.duration:.3f} s, certified: {compiled.certificate.summary()} "
+        f"(tolerance {tolerance.position * 1e3:g} mm, {tolerance.angle * 57.29577951308232:.4g} deg)\nwritten to {where}",
+        err=to_stderr,
+    )
+
+
+def _report(
+    file: str, destination: str | None, compiled: Compiled | None, diagnostics: tuple[Diagnostic, ...]
+) -> dict[str, Any]:
+    from yarclang.cli.show import finding_json
+
+    return {
+        "file": file,
+        "output": destination,
+        "diagnostics": [finding_json(diagnostic) for diagnostic in diagnostics],
+        "certificate": compiled.certificate.to_json() if compiled and destination else None,
+    }

@@ -1,0 +1,1 @@
+"""One file a command; `yarclang.commands.registry` finds them."""

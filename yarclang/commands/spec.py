@@ -1,0 +1,94 @@
+"""What a command is: one value of `CommandSpec`, in one file of commands/builtin.
+
+The checks, the documentation and the completion read it; nothing else in the language
+knows a command by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from yarclang.hir import Origin, Step, Timing
+from yarclang.units import Kind
+
+
+class Values(Enum):
+    """What the values between two semicolons mean."""
+
+    JOINTS = "joint values"
+    JOINT_DELTAS = "joint increments"
+    POSE_RPY = "a pose as x y z roll pitch yaw"
+    POSE_QUAT = "a pose as x y z qx qy qz qw"
+    DELTA_RPY = "a pose increment as x y z roll pitch yaw"
+    DELTA_QUAT = "a pose increment as x y z qx qy qz qw"
+
+    @property
+    def of_joints(self) -> bool:
+        """Whether there is one value a joint, and so no frame is needed."""
+        return self in {Values.JOINTS, Values.JOINT_DELTAS}
+
+    @property
+    def is_delta(self) -> bool:
+        """Whether the values are counted from where the robot stands."""
+        return self in {Values.JOINT_DELTAS, Values.DELTA_RPY, Values.DELTA_QUAT}
+
+    @property
+    def is_quaternion(self) -> bool:
+        """Whether the orientation is a unit quaternion."""
+        return self in {Values.POSE_QUAT, Values.DELTA_QUAT}
+
+    def labels(self, joints: tuple[str, ...]) -> tuple[str, ...]:
+        """The name of each value, for a robot with these joints."""
+        if self.of_joints:
+            return joints
+        if self.is_quaternion:
+            return ("x", "y", "z", "qx", "qy", "qz", "qw")
+        return ("x", "y", "z", "roll", "pitch", "yaw")
+
+    def kinds(self, joint_kinds: tuple[Kind, ...]) -> tuple[Kind | None, ...]:
+        """The kind of unit of each value (None: a plain number)."""
+        if self.of_joints:
+            return joint_kinds
+        if self.is_quaternion:
+            return ("length",) * 3 + (None,) * 4
+        return ("length",) * 3 + ("angle",) * 3
+
+
+@dataclass(frozen=True, slots=True)
+class Arguments:
+    """A checked command in SI, as its `build` gets it.
+
+    `goals` has one entry a way-point: a JointGoal, JointDelta, PoseGoal or PoseDelta, as the
+    target of the command's name says (a JointGoal wherever a joint position's name stands).
+    """
+
+    origin: Origin
+    goals: tuple[Any, ...]
+    profile: str
+    timing: Timing
+
+
+@dataclass(frozen=True, slots=True)
+class CommandSpec:
+    """One command of the language.
+
+    `targets` maps the target suffix ("" for none) to what the values mean; a command
+    without values has none. `waypoints` is the least and the largest number of way-points
+    (None: any). `is_motion` commands take a profile and a motion time. `frames_may_move` allows a base
+    frame that is carried by the robot. `examples` are lines that compile as they stand for
+    every robot after the standard DEFAULT of the documentation.
+    """
+
+    name: str
+    summary: str
+    doc: str
+    build: Callable[[Arguments], Step]
+    examples: tuple[str, ...]
+    old_name: str = ""
+    targets: Mapping[str, Values] = field(default_factory=dict)
+    waypoints: tuple[int, int | None] = (1, 1)
+    is_motion: bool = True
+    frames_may_move: bool = False

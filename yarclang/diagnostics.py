@@ -1,0 +1,109 @@
+"""What every stage says about the user's input: findings, collected, never raised."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from yarclang.findings import CATALOGUE, Severity
+from yarclang.source import SourceFile, Span
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace the text of a span."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """A change of the source that removes the finding."""
+
+    title: str
+    edits: tuple[Edit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding: a code of the catalogue, one sentence with its figures, and where.
+
+    `source` and `span` are None where the finding has no place in a text.
+    """
+
+    code: str
+    message: str
+    source: SourceFile | None = None
+    span: Span | None = None
+    help: str = ""
+    fix: Fix | None = None
+
+    @property
+    def severity(self) -> Severity:
+        """The severity that the catalogue gives this code."""
+        return CATALOGUE[self.code].severity
+
+    @property
+    def is_error(self) -> bool:
+        """Whether this finding stops the output."""
+        return self.severity == "error"
+
+
+@dataclass(frozen=True, slots=True)
+class Result(Generic[T]):
+    """The answer of a stage: its product, or None where an error forbids one, and the findings."""
+
+    value: T | None
+    diagnostics: tuple[Diagnostic, ...] = field(default=())
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is a product and no error."""
+        return self.value is not None and not has_errors(self.diagnostics)
+
+
+def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
+    """Whether one of the findings is an error."""
+    return any(diagnostic.is_error for diagnostic in diagnostics)
+
+
+def in_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The findings sorted by file and place, each said once."""
+
+    def key(diagnostic: Diagnostic) -> tuple[str, Span, str]:
+        name = diagnostic.source.name if diagnostic.source else ""
+        return name, diagnostic.span or Span(0, 0, 0, 0), diagnostic.code
+
+    return tuple(sorted(dict.fromkeys(diagnostics), key=key))
+
+
+def suggest(word: str, known: Iterable[str]) -> str:
+    """`did you mean X?` for a mistyped word, or nothing where no known one is near."""
+    from difflib import get_close_matches
+
+    by_upper = {name.upper(): name for name in known}
+    near = get_close_matches(word.upper(), by_upper, n=1, cutoff=0.6)
+    return f"did you mean {by_upper[near[0]]}?" if near else ""
+
+
+class Collector:
+    """Collects the findings of one source while a stage goes on."""
+
+    def __init__(self, source: SourceFile) -> None:
+        self.source = source
+        self.found: list[Diagnostic] = []
+
+    def add(
+        self, code: str, message: str, span: Span | None = None, help_: str = "", fix: Fix | None = None
+    ) -> None:
+        """Add one finding."""
+        self.found.append(Diagnostic(code, message, self.source, span, help_, fix))
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether an error was added."""
+        return has_errors(self.found)

@@ -1,0 +1,35 @@
+"""The catalogue of codes: each file y*.py of this folder is a family. Nothing here imports the rest of yarclang."""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from yarclang.findings.finding import Finding, Severity
+
+FAMILIES = {
+    "01": "syntax",
+    "02": "names",
+    "03": "frames and units",
+    "04": "values",
+    "05": "reach",
+    "06": "limits and time",
+    "07": "singularity",
+    "08": "configuration",
+    "09": "collision and workspace",
+    "10": "flow",
+    "11": "controller and certificate",
+    "12": "style",
+    "13": "robot and settings files",
+}
+"""The families of the codes by their two digits."""
+
+
+def _catalogue() -> dict[str, Finding]:
+    names = sorted(module.name for module in iter_modules(__path__) if module.name.startswith("y"))
+    families: list[tuple[Finding, ...]] = [import_module(f"{__name__}.{name}").FINDINGS for name in names]
+    return {finding.code: finding for family in families for finding in family}
+
+
+CATALOGUE = _catalogue()
+"""Every finding by its code."""
+
+__all__ = ["CATALOGUE", "FAMILIES", "Finding", "Severity"]

@@ -1,0 +1,31 @@
+"""What the catalogue says of one code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Severity = Literal["error", "warning", "note"]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A kind of finding.
+
+    `code` is permanent: `Y` and four digits, the first two the family. `why` says what is
+    wrong and why it matters at the machine; `example` shows it and `better` shows what to
+    write instead (YARC source, or a line of robot.toml).
+    """
+
+    code: str
+    name: str
+    severity: Severity
+    title: str
+    why: str
+    example: str = ""
+    better: str = ""
+
+    @property
+    def family(self) -> str:
+        """The two digits of the family."""
+        return self.code[1:3]

@@ -1,0 +1,78 @@
+"""Family 02: names."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y0201",
+        "duplicate-index",
+        "error",
+        "two commands have the same index",
+        "A log or a message that names the index would mean two commands. P1 is P0001.",
+        "P0010 MOVEJ HOME [5] (s)\nP10 STOP",
+        "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
+    ),
+    Finding(
+        "Y0202",
+        "unknown-command",
+        "error",
+        "no command has this name",
+        "The name of a command is MOTION[_TARGET][_AVOID][_PROFILE].",
+        "P0010 MOVEK HOME [5] (s)",
+        "P0010 MOVEJ HOME [5] (s)",
+    ),
+    Finding(
+        "Y0203",
+        "unknown-suffix",
+        "error",
+        "the command doesn't take this suffix",
+        "A target suffix says what the values are, a profile suffix which law of motion is used; the target comes first.",
+        "P0010 MOVEJ_LSPB_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        "P0010 MOVEJ_RPY_LSPB {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+    ),
+    Finding(
+        "Y0204",
+        "old-name",
+        "warning",
+        "a name of the first public release",
+        "Programs of the first release are read (MOVJ, MOVL, DMOVJ, DMOV; frames {t}, {tool}, {root}); today's names say the same.",
+        "P0010 MOVJ_LSPB HOME [5] (s)",
+        "P0010 MOVEJ_LSPB HOME [5] (s)",
+    ),
+    Finding(
+        "Y0205",
+        "unknown-joint-position",
+        "error",
+        "no joint position has this name",
+        "A name among the values stands for a joint position: HOME, or another that the robot declares.",
+        "P0010 MOVEJ HOEM [5] (s)",
+        "P0010 MOVEJ HOME [5] (s)",
+    ),
+    Finding(
+        "Y0206",
+        "declared-twice",
+        "error",
+        "a declaration that a file has only once stands twice",
+        "DEFAULT, START and ROBOT hold for the whole file; a second one would change what the lines above it mean.",
+        "DEFAULT (mm,deg,s)\nDEFAULT (m,rad,s)\nP0010 STOP",
+        "DEFAULT (mm,deg,s)\nP0010 STOP",
+    ),
+    Finding(
+        "Y0207",
+        "not-in-this-version",
+        "error",
+        "a part of the language that this version doesn't carry out",
+        "The word belongs to the language, but this version can't do what it says; to leave it out silently would move the arm otherwise.",
+        "REPEAT 4\nP0010 STOP",
+        "P0010 STOP",
+    ),
+    Finding(
+        "Y0208",
+        "declaration-too-late",
+        "error",
+        "a declaration stands behind the first command",
+        "DEFAULT, START and ROBOT come before the first command: a line says all that holds for it with what stands above it.",
+        "P0010 STOP\nDEFAULT (mm,deg,s)",
+        "DEFAULT (mm,deg,s)\nP0010 STOP",
+    ),
+)

@@ -1,0 +1,49 @@
+"""Family 05: reach."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y0501",
+        "out-of-reach",
+        "error",
+        "the robot can't reach this pose",
+        "No joint position, whatever the limits, brings the moving frame there; the message says by how much it misses.",
+        "P0010 MOVEJ_RPY {TCP} 0 4000 1176 0 0 0 [5] (mm,deg,s) {B}",
+        "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+    ),
+    Finding(
+        "Y0502",
+        "joint-out-of-limits",
+        "error",
+        "a joint would be out of its limits",
+        "The target needs a joint position outside the limits of the robot; the message says by how much.",
+        "P0010 MOVEJ 171 0 0 0 0 0 [5] (deg,s)",
+        "P0010 MOVEJ 169 0 0 0 0 0 [5] (deg,s)",
+    ),
+    Finding(
+        "Y0503",
+        "path-leaves-workspace",
+        "error",
+        "the path leaves the workspace half way",
+        "Start and end can be reached, but not all between: a straight line may pass outside the reach, or too near to the robot's own axis.",
+    ),
+    Finding(
+        "Y0504",
+        "path-leaves-limits",
+        "error",
+        "a joint leaves its limits half way",
+        "Start and end are within the limits, but the path between takes a joint beyond them: a straight line because the "
+        "configuration is kept, a spline because it swings between its way-points.",
+        "P0010 MOVEJ_SPLINE 169 0 0 0 0 0; 169 60 0 0 0 0; 0 0 0 0 0 0 [30] (deg,s)",
+        "P0010 MOVEJ_SPLINE 150 0 0 0 0 0; 150 60 0 0 0 0; 0 0 0 0 0 0 [30] (deg,s)",
+    ),
+    Finding(
+        "Y0505",
+        "spline-swings-out",
+        "note",
+        "a spline swings beyond its way-points",
+        "A smooth curve through way-points can leave the range that they span. The note says which joint and by how much; a "
+        "way-point between holds it back.",
+    ),
+)

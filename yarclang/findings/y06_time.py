@@ -1,0 +1,33 @@
+"""Family 06: limits and time."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y0601",
+        "time-too-short",
+        "error",
+        "the motion would break a limit in this time",
+        "Velocity, acceleration, jerk and motor speed have limits. The message names the joint, the place and the excess, and "
+        "the shortest time that works: it is computed for the very curve that the controller executes, and tried.",
+        "P0010 MOVEJ 90 0 0 0 0 0 [1] (deg,s)",
+        "P0010 MOVEJ 90 0 0 0 0 0 [MIN] (deg)",
+    ),
+    Finding(
+        "Y0602",
+        "tolerance-not-held",
+        "error",
+        "the path can't be held within the tolerance",
+        "The controller runs a spline with segments of one duration. Shorter segments follow the path better, but it can't calculate "
+        "segments of any shortness, and `--tm` asks for a certain one.",
+    ),
+    Finding(
+        "Y0603",
+        "no-motion",
+        "warning",
+        "the motion goes nowhere",
+        "The robot already stands at the target. The motion time is spent at rest.",
+        "P0010 MOVEJ HOME [5] (s)",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+    ),
+)

@@ -1,0 +1,95 @@
+"""Family 11: the controller. Y1101 to Y1149 its settings, Y1151 to Y1199 what the certificate says."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS: tuple[Finding, ...] = (
+    Finding(
+        "Y1151",
+        "text-unreadable",
+        "error",
+        "the controller's text isn't what yarcc emits",
+        "The certificate is about the text that goes to the controller. Its reader takes only the lines that "
+        "yarcc writes, each in its place, so that no line can do what nobody has checked. The text was "
+        "changed, or cut short, or the emitter has an error.",
+    ),
+    Finding(
+        "Y1152",
+        "segment-time-not-kept",
+        "error",
+        "the controller can't keep this segment time",
+        "The controller keeps TM in steps of 1/4096 ms, below 4096 ms, and must calculate a move within it. "
+        "Another value would be rounded or clipped, and every velocity, acceleration and jerk would be other "
+        "than the proved one.",
+    ),
+    Finding(
+        "Y1153",
+        "map-mismatch",
+        "error",
+        "the text's map doesn't fit the program",
+        "The header names the move lines of every command. Where it, the moves and the program disagree, the "
+        "moves of one command would be judged by another's path.",
+    ),
+    Finding(
+        "Y1154",
+        "wrong-start",
+        "error",
+        "the motion starts elsewhere than the program",
+        "The controller draws the first spline from where the robot stands. From another place than the "
+        "program's start, the motion begins with a jerk and off the path. A fixed program must therefore wait "
+        "until each motor is near enough.",
+    ),
+    Finding(
+        "Y1155",
+        "no-rest-between-commands",
+        "error",
+        "a command doesn't end at rest",
+        "Three equal points are a full stop. Without them, the next command begins with a velocity, and "
+        "neither of both paths is what was programmed.",
+    ),
+    Finding(
+        "Y1156",
+        "wrong-duration",
+        "error",
+        "a motion takes another time than programmed",
+        "Segments times segment time must be the programmed duration, but for half a step of TM (1/8192 ms) "
+        "a segment.",
+    ),
+    Finding(
+        "Y1157",
+        "joint-limit-in-text",
+        "error",
+        "the emitted motion breaks a joint limit",
+        "On each segment the jerk is constant, so that the extremes of position, velocity, acceleration and "
+        "jerk are known exactly. One of them is beyond the robot's limit.",
+    ),
+    Finding(
+        "Y1158",
+        "motor-limit-in-text",
+        "error",
+        "the emitted motion breaks a motor's speed limit",
+        "A motor may follow several joints: its speed can be too high while each joint's is allowed. The "
+        "controller would stop the motor with a following error, off the path.",
+    ),
+    Finding(
+        "Y1159",
+        "path-deviation",
+        "error",
+        "the emitted path can't be proved within the tolerance",
+        "The proved bound of the distance between executed and programmed path is larger than the tolerance.",
+    ),
+    Finding(
+        "Y1160",
+        "wrong-end",
+        "error",
+        "a motion ends elsewhere than programmed",
+        "The last control point of a command, taken through the arm's kinematics, isn't at the programmed goal.",
+    ),
+    Finding(
+        "Y1161",
+        "waypoint-not-reached",
+        "error",
+        "the joint way-points that a spline was planned through aren't the programmed ones",
+        "A pose has several joint positions. The planner says which it took; the certificate checks that they "
+        "are at the programmed poses, and could not.",
+    ),
+)

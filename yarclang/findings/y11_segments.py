@@ -1,0 +1,35 @@
+"""Family 11, first part: what the controller's segments can do."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y1101",
+        "segment-time-rounded",
+        "error",
+        "the controller would round this segment time",
+        "TM is kept in steps of 1/4096 ms. A segment time between two steps would make the whole motion run faster or slower than asked.",
+        "yarcc --tm 5.0001",
+        "yarcc --tm 5",
+    ),
+    Finding(
+        "Y1102",
+        "segment-time-too-long",
+        "error",
+        "the segment time is longer than the robot or the controller takes",
+        "The controller clips TM at 4096 ms, and robot.toml says the longest for this robot (controller.largest_tm): the path "
+        "error grows with the fourth power of the segment time.",
+        "yarcc --tm 80",
+        "yarcc --tm 50",
+    ),
+    Finding(
+        "Y1103",
+        "segment-time-too-short",
+        "error",
+        "the controller can't calculate segments this short in time",
+        "A segment has to outlast three real-time interrupts, one each I8 + 1 servo cycles; otherwise the next move isn't "
+        "ready and the program ends with a run-time error.",
+        "yarcc --tm 1",
+        "yarcc --tm 5",
+    ),
+)

@@ -1,0 +1,42 @@
+"""Family 13, second part: which robot, and the settings of a project."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y1391",
+        "no-robot",
+        "error",
+        "it isn't said for which robot",
+        "Reach, limits and the controller's text are those of a robot: without one, nothing can be checked. The command line "
+        "names it, or a ROBOT line of the program, or yarc.toml.",
+        "P0010 MOVEJ HOME [5] (s)",
+        "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [5] (s)",
+    ),
+    Finding(
+        "Y1392",
+        "two-robots",
+        "error",
+        "the program is for another robot than the command line says",
+        "A program with a ROBOT line was written for that robot's reach and limits.",
+        "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [5] (s)",
+    ),
+    Finding(
+        "Y1393",
+        "bad-project-file",
+        "error",
+        "yarc.toml can't be used as it is",
+        "Settings that can't be read are never left out silently: the program would be checked for something else.",
+        "robott = 'INDUSTRIAL6'",
+        "robot = 'INDUSTRIAL6'",
+    ),
+    Finding(
+        "Y1394",
+        "bad-start",
+        "error",
+        "the start position isn't one of this robot",
+        "Where the robot stands at first decides what its first motion is: one value a joint, within the limits.",
+        "yarcc --start 0,0,0",
+        "yarcc --start 0,0,0,0,0,0",
+    ),
+)

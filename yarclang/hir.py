@@ -1,0 +1,171 @@
+"""The checked program: a closed set of primitives in SI units, with every name resolved.
+
+Arrays are float64 and read-only. Joint positions q are (n,) in rad (m for a prismatic joint), poses
+are (4, 4) homogeneous transforms. `base_from_moving` maps coordinates of the moving frame to
+the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FLANGE}.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.source import SourceFile, Span
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The command that a primitive comes from."""
+
+    index: str
+    """The command's index as printed: P0001 (empty for a line without one)."""
+    name: str
+    """The command's name in full: MOVEJ_RPY_LSPB."""
+    source: SourceFile
+    span: Span
+    time_span: Span | None = None
+    """Where the motion time stands in the source, for a fix that writes another one."""
+    time_unit: str = "s"
+    """The unit in which it stands there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointGoal:
+    """A joint position q (n,)."""
+
+    q: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointDelta:
+    """A change of the joint position (n,), from where the robot stands."""
+
+    dq: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseGoal:
+    """The moving frame shall stand at `base_from_moving`."""
+
+    base_from_moving: Array
+    flange_from_moving: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseDelta:
+    """Shift and turn the moving frame from where it stands, along given axes.
+
+    From the pose p, Q to p + R d, R D R^T Q with d = `shift` [m] and D = `turn` (3, 3).
+    R is `axes` itself where they are fixed to {B}, or, with `axes_on_flange`, the
+    flange's rotation at the start times `axes` (flange_from_axes).
+    """
+
+    shift: Array
+    turn: Array
+    axes: Array
+    axes_on_flange: bool
+    flange_from_moving: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How long a motion takes: `duration` [s], or the shortest that the limits allow (None)."""
+
+    duration: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointMove:
+    """Straight in joint space."""
+
+    origin: Origin
+    goal: JointGoal | JointDelta | PoseGoal
+    profile: str
+    timing: Timing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LineMove:
+    """The moving frame goes straight, turning about one fixed axis, the short way."""
+
+    origin: Origin
+    goal: PoseGoal | PoseDelta
+    profile: str
+    timing: Timing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SplineMove:
+    """A natural cubic spline in joint space from where the robot stands through all way-points,
+    over the chord length in joint space; equal neighbours count once.
+    """
+
+    origin: Origin
+    waypoints: tuple[JointGoal | PoseGoal, ...]
+    profile: str
+    timing: Timing
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The end of the program."""
+
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A command with errors: what it does, and where the robot stands behind it, isn't known."""
+
+
+Motion = JointMove | LineMove | SplineMove
+Step = Motion | Stop | Gap
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Program:
+    """A checked program: where the robot stands at first, and what it does.
+
+    `start` is (n,) in rad (m), within the joint limits. A program with a Gap has errors: it is
+    planned for the sake of further findings, and never emitted.
+    """
+
+    source: SourceFile
+    start: Array
+    steps: tuple[Step, ...]
+
+
+def fingerprint(program: Program) -> str:
+    """A hash of what the program does: layout, comments and the file's name don't enter.
+
+    Returns:
+        The SHA-256 as 64 hex digits.
+    """
+    digest = hashlib.sha256()
+    _feed(digest, program.start)
+    for step in program.steps:
+        _feed(digest, step)
+    return digest.hexdigest()
+
+
+def _feed(digest: Any, value: object) -> None:
+    if isinstance(value, Origin):
+        digest.update(f"{value.index} {value.name};".encode())
+    elif isinstance(value, np.ndarray):
+        digest.update(str(value.shape).encode() + (value + 0.0).tobytes())
+    elif isinstance(value, tuple):
+        for item in value:
+            _feed(digest, item)
+    elif is_dataclass(value):
+        digest.update(type(value).__name__.encode() + b"(")
+        for entry in fields(value):
+            _feed(digest, getattr(value, entry.name))
+        digest.update(b")")
+    else:
+        digest.update(f"{value!r};".encode())

@@ -1,0 +1,117 @@
+"""The curve that a controller with uniform segments executes: a cubic B-spline in joint space.
+
+A motion of n segments of h seconds has n + 3 control points, the first three equal to its
+start and the last three equal to its end, so that it starts and ends at rest. With f the control
+points, at knot k (time k h):
+
+    x = (f[k] + 4 f[k+1] + f[k+2]) / 6        v = (f[k+2] - f[k]) / 2h
+    a = (f[k+2] - 2 f[k+1] + f[k]) / h^2      jerk = (f[k+3] - 3 f[k+2] + 3 f[k+1] - f[k]) / h^3
+
+Acceleration is linear between knots and jerk constant in each segment. The velocity anywhere lies in the convex hull of the
+first differences over h: limits of velocity, acceleration and jerk hold at all instants where they hold for the differences
+(Turbo PMAC User Manual pp. 289-290; de Boor, B-spline basics).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import Array
+
+FEWEST_SEGMENTS = 4
+"""With fewer there is no control point left between the three of the start and the three of the end."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s]."""
+
+    points: Array
+    segment: float
+
+    @property
+    def segments(self) -> int:
+        """The number n of segments."""
+        return len(self.points) - 3
+
+    @property
+    def duration(self) -> float:
+        """N h [s]."""
+        return self.segments * self.segment
+
+    def sample(self, times: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration.
+
+        Args:
+            times: (N,) in s from the start; outside the motion the robot is at rest.
+
+        Returns:
+            Three arrays (N, d) in rad (m), per s, per s^2.
+        """
+        along = np.clip(times / self.segment, 0.0, self.segments)
+        k = np.minimum(along.astype(np.intp), self.segments - 1)
+        u = (along - k)[:, None]
+        f0, f1, f2, f3 = (self.points[k + i] for i in range(4))
+        w = 1.0 - u
+        x = (
+            w**3 * f0 + (3 * u**3 - 6 * u**2 + 4) * f1 + (-3 * u**3 + 3 * u**2 + 3 * u + 1) * f2 + u**3 * f3
+        ) / 6.0
+        v = (w**2 * (f1 - f0) + (1 + 2 * u - 2 * u**2) * (f2 - f1) + u**2 * (f3 - f2)) / (2.0 * self.segment)
+        a = (w * (f2 - 2 * f1 + f0) + u * (f3 - 2 * f2 + f1)) / self.segment**2
+        return x, v, a
+
+
+def knot_values(points: Array) -> Array:
+    """The values at the knots 0 to n, (n + 1, ...), of control points (n + 3, ...)."""
+    values: Array = (points[:-2] + 4.0 * points[1:-1] + points[2:]) / 6.0
+    return values
+
+
+def middle_values(points: Array) -> Array:
+    """The values in the middle of the n segments, (n, ...), of control points (n + 3, ...)."""
+    values: Array = (points[:-3] + 23.0 * (points[1:-2] + points[2:-1]) + points[3:]) / 48.0
+    return values
+
+
+def through_knots(inner: Array, start: Array, end: Array) -> Array:
+    """The control points whose curve passes through given positions at the knots 2 to n - 2.
+
+    Knots 0 and n are met as well (the curve rests there); knots 1 and n - 1 belong to the
+    controller's first and last segment, and are met as well as the law of motion is smooth.
+
+    Args:
+        inner: (n - 3, d), the positions at knots 2 to n - 2.
+        start: (d,), the position at rest before.
+        end: (d,), the position at rest behind.
+
+    Returns:
+        (n + 3, d) control points.
+    """
+    right = 6.0 * inner
+    right[0] -= start
+    right[-1] -= end
+    solved = solve_tridiagonal(np.full(len(inner), 4.0), np.ones(len(inner) - 1), right)
+    return np.concatenate((np.tile(start, (3, 1)), solved, np.tile(end, (3, 1))))
+
+
+def solve_tridiagonal(diagonal: Array, beside: Array, right: Array) -> Array:
+    """Solve a symmetric, positive definite tridiagonal system.
+
+    Args:
+        diagonal: (m,), m at least 1.
+        beside: (m - 1,), the values next to the diagonal.
+        right: (m, d) right sides.
+
+    Returns:
+        (m, d).
+    """
+    from scipy.linalg import solveh_banded
+
+    if len(diagonal) == 1:  # LAPACK's wrapper has no system of one equation
+        return right / diagonal[:, None]
+    band = np.zeros((2, len(diagonal)))
+    band[0, 1:], band[1] = beside, diagonal
+    solved: Array = solveh_banded(band, right, check_finite=False)
+    return solved

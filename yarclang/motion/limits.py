@@ -1,0 +1,100 @@
+"""Limits of joints and motors, against the control points of a curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.curve import FEWEST_SEGMENTS
+from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.model import Robot
+
+LimitKind = Literal["velocity", "motor speed", "acceleration", "jerk"]
+
+# What printing the control points with finitely many decimals may add, as shares of the limits:
+# the backend chooses the decimals so that this is enough.
+HEADROOM: dict[LimitKind, float] = {"velocity": 2e-4, "motor speed": 2e-4, "acceleration": 1e-3, "jerk": 1e-2}
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """What a limit asks of the segment time: `segment` [s] is the least at which control points keep it.
+
+    `row` is the joint, or the motor for `motor speed`; `at` is the first control point of the
+    difference that asks most.
+    """
+
+    kind: LimitKind
+    segment: float
+    row: int
+    at: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bounds:
+    """The limits of a robot, less the headroom.
+
+    Joint limits (n,) in rad (m) per s, s^2, s^3; `motor_velocity` (n,) in counts/s, for the motors
+    of `counts` (n, n) counts per rad (m).
+    """
+
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    counts: Array
+    motor_velocity: Array
+
+    def demands(self, points: Array) -> tuple[Demand, ...]:
+        """What each kind of limit asks for control points (N, n), by the convex hull property."""
+        first = np.diff(points, axis=0)
+        second = np.diff(first, axis=0)
+        third = np.diff(second, axis=0)
+        return (
+            _demand("velocity", first, self.velocity, 1),
+            _demand("motor speed", first @ self.counts.T, self.motor_velocity, 1),
+            _demand("acceleration", second, self.acceleration, 2),
+            _demand("jerk", third, self.jerk, 3),
+        )
+
+
+def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> Demand:
+    shares = np.abs(differences) / limit
+    at, row = divmod(int(np.argmax(shares)), shares.shape[1])
+    return Demand(kind, float(shares[at, row] ** (1.0 / order)), row, at)
+
+
+def bounds_of(robot: Robot) -> Bounds:
+    """The limits that a plan for this robot has to keep."""
+    limits = robot.limits
+    return Bounds(
+        velocity=limits.velocity * (1.0 - HEADROOM["velocity"]),
+        acceleration=limits.acceleration * (1.0 - HEADROOM["acceleration"]),
+        jerk=limits.jerk * (1.0 - HEADROOM["jerk"]),
+        counts=counts_per_joint(robot),
+        motor_velocity=robot.actuation.velocity * (1.0 - HEADROOM["motor speed"]),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """The segment times that the controller takes [s]: from `smallest` to `largest` in steps of `quantum`."""
+
+    smallest: float
+    largest: float
+    quantum: float
+
+    def fewest(self, duration: float) -> int:
+        """The fewest segments, none longer than the largest, of a motion of `duration` [s]."""
+        return max(FEWEST_SEGMENTS, int(np.ceil(duration / self.largest - 1e-9)))
+
+    def nearest(self, segment: float) -> float:
+        """The nearest segment time that the controller keeps [s]."""
+        return round(segment / self.quantum) * self.quantum
+
+    def not_below(self, segment: float) -> float:
+        """The least segment time that the controller keeps and that isn't below `segment` or the smallest [s]."""
+        steps = np.ceil(max(segment, self.smallest) / self.quantum - 1e-6)
+        return float(steps * self.quantum)

@@ -1,0 +1,183 @@
+"""What the planner says: the code, one sentence with its figures, the place, the remedy, the fix."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from yarclang.diagnostics import Edit, Fix
+from yarclang.hir import Array, Motion, Origin
+from yarclang.motion.fit import NotHeld, TooFast
+from yarclang.robot.kinematics.nearest import Unreachable
+from yarclang.robot.kinematics.track import Broken
+from yarclang.robot.model import Robot
+from yarclang.source import Span
+from yarclang.units import DEG, MM, MS, UNITS
+
+Message = tuple[str, str, Span, str, Fix | None]
+
+MUCH_SWING = 1.0
+"""A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
+
+_BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a via pose beside it"
+
+
+def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
+    """A pose without a joint position."""
+    if solved.kind == "reach":
+        turn = f" and {solved.miss_angle / DEG:.3g} deg" if solved.miss_angle > 1e-4 else ""
+        message = f"{which}out of reach by {_length(solved.miss)}{turn}"
+        return (
+            "Y0501",
+            message,
+            origin.span,
+            "check the pose, its units and its frames; or move the robot nearer",
+            None,
+        )
+    joint = solved.joint or 0
+    message = (
+        f"{which}the pose needs {_beyond(robot, joint, solved.excess)}, in the configuration that needs least"
+    )
+    return "Y0502", message, origin.span, _range(robot, joint), None
+
+
+def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Message:
+    """DMOVEJ to a joint position beyond the limits."""
+    limits = robot.limits
+    excess = np.maximum(end - limits.upper, limits.lower - end) / robot.axis_units
+    joint = int(np.argmax(excess))
+    over = end[joint] - limits.upper[joint]
+    amount = float(over if over > 0 else end[joint] - limits.lower[joint])
+    message = f"the increments take {_beyond(robot, joint, amount)}"
+    return "Y0502", message, origin.span, _range(robot, joint), None
+
+
+def half_turn(origin: Origin) -> Message:
+    """A straight motion that turns by half a revolution."""
+    message = "the orientation turns by half a revolution: there is no short way"
+    return "Y0409", message, origin.span, "give a via pose that says which way round", None
+
+
+def broken_line(robot: Robot, broken: Broken, poses: Callable[[Array], Array], origin: Origin) -> Message:
+    """A straight motion that can't be followed to its end."""
+    point = poses(np.array([broken.s]))[0, :3, 3] / MM
+    where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
+    joint = broken.joint
+    if broken.kind == "reach":
+        turn = f" and {broken.angle / DEG:.3g} deg" if broken.angle > 1e-4 else ""
+        message = f"the straight line leaves the workspace {where}: it is out of reach by up to {_length(broken.amount)}{turn}"
+        return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
+    if broken.kind == "limits" and joint is not None:
+        message = f"the straight line takes {_beyond(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"
+        return "Y0504", message, origin.span, f"{_range(robot, joint)}; {_BY_JOINTS}", None
+    if broken.kind == "configuration":
+        why = (
+            f": {_beyond(robot, joint, broken.amount)} otherwise"
+            if joint is not None and broken.amount
+            else ""
+        )
+        message = f"the straight line needs another configuration {where}{why}"
+        return "Y0801", message, origin.span, _BY_JOINTS, None
+    name = robot.joint_names[joint] if joint is not None else "a joint"
+    message = f"the straight line meets a singularity {where}: {name} would have to jump by {_amount(robot, joint or 0, abs(broken.amount))}"
+    return "Y0701", message, origin.span, _BY_JOINTS, None
+
+
+def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, origin: Origin) -> Message:
+    """A spline that takes a joint beyond its limits."""
+    name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
+    message = f"the curve takes {name} out of its limits by {excess:.4g} {unit} at {s * 100:.3g} % of the way"
+    return (
+        "Y0504",
+        message,
+        origin.span,
+        f"{_range(robot, joint)}; a way-point between holds the curve back",
+        None,
+    )
+
+
+def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: Origin) -> Message:
+    """A spline that leaves the range of its way-points by much."""
+    name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
+    message = (
+        f"the curve swings {swing:.3g} {unit} beyond its way-points in {name}, at {s * 100:.3g} % of the way"
+    )
+    return "Y0505", message, origin.span, "a way-point between holds it back", None
+
+
+def no_motion(origin: Origin) -> Message:
+    """A motion to where the robot stands."""
+    message = "the robot stands at the target already: nothing moves"
+    return "Y0603", message, origin.span, "take the command away, or check its target", None
+
+
+def too_fast(robot: Robot, fitted: TooFast, step: Motion) -> Message:
+    """A time in which a limit is broken."""
+    origin = step.origin
+    shortest = f"{fitted.shortest:.10g} s"
+    fix = None
+    if origin.time_span is not None:
+        factor = UNITS[origin.time_unit].factor
+        text = f"{_not_below(fitted.shortest / factor):.10g}"
+        shortest = f"[{text}] ({origin.time_unit})"
+        fix = Fix(f"write [{text}]", (Edit(origin.time_span, f"[{text}]"),))
+    help_ = f"the shortest time that works is {shortest}; [MIN] takes the shortest there is"
+    span = origin.time_span or origin.span
+    demand = fitted.demand
+    if demand is None:
+        message = "the controller's segments are too long for a motion of this duration"
+        return "Y0601", message, span, help_, fix
+    limits, row = robot.limits, demand.row
+    if demand.kind == "motor speed":
+        limit = robot.actuation.velocity[row] * MS
+        what, unit, whose = "speed", "counts/ms", f"motor {robot.controller.motors[row]}"
+    else:
+        table = {"velocity": limits.velocity, "acceleration": limits.acceleration, "jerk": limits.jerk}
+        limit = table[demand.kind][row] / robot.axis_units[row]
+        what, whose = demand.kind, robot.joint_names[row]
+        unit = (
+            robot.axis_unit_names[row] + {"velocity": "/s", "acceleration": "/s²", "jerk": "/s³"}[demand.kind]
+        )
+    used = limit * fitted.share
+    message = (
+        f"the {what} of {whose} would be {used:,.4g} {unit}, {(fitted.share - 1) * 100:.3g} % above its limit of "
+        f"{limit:,.4g} {unit}, {fitted.time:.3g} s after the start ({fitted.s * 100:.3g} % of the way)"
+    )
+    return "Y0601", message, span, help_, fix
+
+
+def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
+    """A path that the controller's segments can't follow."""
+    message = (
+        f"with segments of {fitted.segment / MS:.4g} ms the path is missed by {_length(fitted.position)} and "
+        f"{fitted.angle / DEG:.2g} deg, and the controller takes none shorter than {smallest / MS:.4g} ms"
+    )
+    return "Y0602", message, origin.span, "give the motion more time, or allow more (--tolerance)", None
+
+
+def _not_below(value: float) -> float:
+    """The value rounded up to six digits behind its first."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 6)
+    return math.ceil(value / step - 1e-6) * step
+
+
+def _length(metres: float) -> str:
+    return f"{metres / MM:.3g} mm" if abs(metres) < 1.0 else f"{metres / MM:,.0f} mm"
+
+
+def _amount(robot: Robot, joint: int, value: float) -> str:
+    return f"{value / robot.axis_units[joint]:.4g} {robot.axis_unit_names[joint]}"
+
+
+def _beyond(robot: Robot, joint: int, excess: float) -> str:
+    side = "above its upper" if excess > 0 else "below its lower"
+    return f"{robot.joint_names[joint]} {_amount(robot, joint, abs(excess))} {side} limit"
+
+
+def _range(robot: Robot, joint: int) -> str:
+    lower, upper = (
+        limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
+    )
+    return f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {robot.axis_unit_names[joint]}"

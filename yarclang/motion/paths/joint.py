@@ -1,0 +1,29 @@
+"""A straight line in joint space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from yarclang.hir import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointPath:
+    """From `start` to `end` (n,) [rad or m], all joints in one ratio."""
+
+    start: Array
+    end: Array
+
+    @property
+    def is_straight_in_joints(self) -> bool:
+        """Always."""
+        return True
+
+    def joints(self, s: Array) -> Array:
+        """Joint positions (N, n) at `s` (N,)."""
+        q: Array = self.start + s[:, None] * (self.end - self.start)
+        return q
+
+    def deviation(self, q: Array, s: Array) -> tuple[float, float]:  # noqa: ARG002
+        """None: control points on the line execute it exactly."""
+        return 0.0, 0.0

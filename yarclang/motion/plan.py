@@ -1,0 +1,58 @@
+"""The motion plan: what the robot does, as a function of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from yarclang.hir import Array, Program
+from yarclang.motion.curve import Curve
+from yarclang.motion.path import Path
+from yarclang.robot.model import Robot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedMotion:
+    """One motion, from rest to rest: step number `step` of the program.
+
+    `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
+    """
+
+    step: int
+    path: Path
+    profile: str
+    curve: Curve
+    waypoints: Array
+
+
+@dataclass(frozen=True)
+class MotionPlan:
+    """All motions of a program, one after the other, each of them a curve that the controller can execute exactly."""
+
+    program: Program
+    robot: Robot
+    motions: tuple[PlannedMotion, ...]
+
+    @cached_property
+    def starts(self) -> Array:
+        """The time [s] at which each motion begins, and that at which the last one ends (m + 1,)."""
+        return np.concatenate(([0.0], np.cumsum([motion.curve.duration for motion in self.motions])))
+
+    @property
+    def duration(self) -> float:
+        """The time that all motions take [s]."""
+        return float(self.starts[-1])
+
+    def sample(self, times: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of the joints, each (N, n), at `times` (N,) [s], in SI."""
+        q = np.tile(self.program.start, (len(times), 1))
+        v, a = np.zeros_like(q), np.zeros_like(q)
+        number = np.clip(
+            np.searchsorted(self.starts, times, side="right") - 1, 0, max(len(self.motions) - 1, 0)
+        )
+        for motion in np.unique(number) if self.motions else ():
+            here = number == motion
+            q[here], v[here], a[here] = self.motions[motion].curve.sample(times[here] - self.starts[motion])
+        return q, v, a

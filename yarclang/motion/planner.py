@@ -1,0 +1,259 @@
+"""A checked program to a plan: one motion after the other, from where the last one ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.diagnostics import Collector, Diagnostic, Result
+from yarclang.hir import (
+    Array,
+    Gap,
+    JointDelta,
+    JointGoal,
+    JointMove,
+    LineMove,
+    Motion,
+    PoseDelta,
+    PoseGoal,
+    Program,
+    SplineMove,
+    Stop,
+)
+from yarclang.motion import messages
+from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
+from yarclang.motion.fit import NotHeld, TooFast, fit
+from yarclang.motion.limits import Bounds, Grid, bounds_of
+from yarclang.motion.path import Path
+from yarclang.motion.paths.joint import JointPath
+from yarclang.motion.paths.line import LinePath, along, line_between
+from yarclang.motion.paths.spline import SplinePath, distinct, through
+from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.motion.profile import load_profile
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.kinematics.nearest import Unreachable, nearest_solutions
+from yarclang.robot.kinematics.track import Broken
+from yarclang.robot.model import Robot, Tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How to plan: the segment times that the controller takes, the tolerance, and who wants to hear of progress.
+
+    `progress` is called with the number of steps done.
+    """
+
+    grid: Grid
+    tolerance: Tolerance
+    progress: Callable[[int], None] | None = None
+
+
+def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPlan]:
+    """Plan all motions of a program.
+
+    Returns:
+        The plan, or None where a motion can't be done. After an error the planning goes on
+        from where the robot would stand, as far as that is known, so that each fault is found.
+    """
+    planner = _Planner(robot, settings, bounds_of(robot))
+    motions: list[PlannedMotion] = []
+    diagnostics: list[Diagnostic] = []
+    complete = True
+    stands: Array | None = program.start
+    for number, step in enumerate(program.steps):
+        if settings.progress is not None:
+            settings.progress(number)
+        if isinstance(step, Stop):
+            break
+        if isinstance(step, Gap):
+            complete, stands = False, None
+            continue
+        findings = Collector(step.origin.source)
+        planned, stands = planner.motion(number, step, stands, findings)
+        diagnostics += findings.found
+        complete &= planned is not None
+        if planned is not None:
+            motions.append(planned)
+    return Result(MotionPlan(program, robot, tuple(motions)) if complete else None, tuple(diagnostics))
+
+
+@dataclass(slots=True)
+class _Planner:
+    robot: Robot
+    settings: Settings
+    bounds: Bounds
+
+    def motion(
+        self, number: int, step: Motion, stands: Array | None, findings: Collector
+    ) -> tuple[PlannedMotion | None, Array | None]:
+        """Plan one motion from `stands` (None: not known).
+
+        Returns:
+            The motion, and where the robot stands behind it; None each where that isn't known.
+        """
+        if stands is None:
+            return None, self._from_anywhere(step, findings)
+        match step:
+            case JointMove():
+                end = self._joint_end(step, stands, findings)
+                path: Path | None = None if end is None else JointPath(stands, end)
+                waypoints = None if end is None else end[None]
+            case LineMove():
+                path, end = self._line(step, stands, findings)
+                waypoints = None if end is None else end[None]
+            case SplineMove():
+                path, end, waypoints = self._spline(step, stands, findings)
+        if path is None or waypoints is None:
+            return None, end
+        curve = self._curve(step, path, findings)
+        if curve is None:
+            return None, end
+        return PlannedMotion(number, path, step.profile, curve, waypoints), curve.points[-1]
+
+    def _from_anywhere(self, step: Motion, findings: Collector) -> Array | None:
+        """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all."""
+        goals = step.waypoints if isinstance(step, SplineMove) else (step.goal,)
+        for goal in goals:
+            if isinstance(goal, PoseGoal):
+                self._solve(goal, self.robot.home, step, findings)
+        return goals[-1].q if isinstance(goals[-1], JointGoal) else None
+
+    def _joint_end(self, step: JointMove, stands: Array, findings: Collector) -> Array | None:
+        """Where a joint motion ends; None where it can't be reached."""
+        if isinstance(step.goal, JointGoal):
+            return step.goal.q
+        if isinstance(step.goal, JointDelta):
+            end = stands + step.goal.dq
+            if not self._within_limits(end):
+                findings.add(*messages.increments_out_of_limits(self.robot, end, step.origin))
+                return None
+            return end
+        return self._solve(step.goal, stands, step, findings)
+
+    def _solve(
+        self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
+    ) -> Array | None:
+        """The joint position nearest to `near` that takes the moving frame to its goal."""
+        flange = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
+        solved = nearest_solutions(self.robot.chain, self.robot.limits, flange, near)
+        if isinstance(solved, Unreachable):
+            findings.add(*messages.unreachable(self.robot, solved, step.origin, which))
+            return None
+        return np.array(solved.q[0])
+
+    def _line(
+        self, step: LineMove, stands: Array, findings: Collector
+    ) -> tuple[LinePath | JointPath | None, Array | None]:
+        """The path of a straight motion, and where it ends if that is known."""
+        tool = step.goal.flange_from_moving
+        start = tool_poses(self.robot.chain, stands[None], tool)[0]
+        goal = step.goal if isinstance(step.goal, PoseGoal) else _absolute(step.goal, start)
+        line = line_between(start, goal.base_from_moving)
+        if line is None:
+            findings.add(*messages.half_turn(step.origin))
+            return None, None
+        if line.is_point:
+            return JointPath(stands, stands), stands
+        path = along(self.robot.chain, self.robot.limits, tool, line, stands)
+        if not isinstance(path, Broken):
+            return path, path.end
+        end = self._solve(goal, stands, step, findings)
+        if end is not None:  # the goal can be reached, but not along the line
+            findings.add(*messages.broken_line(self.robot, path, line.poses, step.origin))
+        return None, end
+
+    def _spline(
+        self, step: SplineMove, stands: Array, findings: Collector
+    ) -> tuple[Path | None, Array | None, Array | None]:
+        """The path of a spline, where it ends, and the joint way-points that were chosen."""
+        waypoints: list[Array] = []
+        near = stands
+        for number, goal in enumerate(step.waypoints, 1):
+            q = (
+                goal.q
+                if isinstance(goal, JointGoal)
+                else self._solve(goal, near, step, findings, f"way-point {number}: ")
+            )
+            if q is None:
+                return None, None, None
+            waypoints.append(q)
+            near = q
+        chosen = np.array(waypoints)
+        path = distinct(np.concatenate((stands[None], chosen)))
+        if len(path) == 1:
+            return JointPath(stands, stands), stands, chosen
+        spline = through(path, self.robot.chain.is_prismatic)
+        if not self._swings_within_limits(spline, step, findings):
+            return None, spline.end, chosen
+        return spline, spline.end, chosen
+
+    def _swings_within_limits(self, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
+        """Whether a spline keeps the joint limits all along; a note where it leaves its way-points by much."""
+        low, low_at, high, high_at = spline.extremes()
+        limits = self.robot.limits
+        excess = np.maximum(limits.lower - low, high - limits.upper) / self.robot.axis_units
+        joint = int(np.argmax(excess))
+        if excess[joint] > 1e-9:
+            at = low_at if limits.lower[joint] - low[joint] > high[joint] - limits.upper[joint] else high_at
+            findings.add(
+                *messages.spline_out_of_limits(self.robot, joint, excess[joint], at[joint], step.origin)
+            )
+            return False
+        swing = (
+            np.maximum(spline.waypoints.min(axis=0) - low, high - spline.waypoints.max(axis=0))
+            / self.robot.axis_units
+        )
+        joint = int(np.argmax(swing))
+        if swing[joint] > messages.MUCH_SWING:
+            below = spline.waypoints[:, joint].min() - low[joint]
+            at = low_at if below / self.robot.axis_units[joint] == swing[joint] else high_at
+            findings.add(*messages.spline_swings_out(self.robot, joint, swing[joint], at[joint], step.origin))
+        return True
+
+    def _within_limits(self, q: Array) -> bool:
+        limits, slack = self.robot.limits, 1e-9 * self.robot.axis_units
+        return bool(np.all((q >= limits.lower - slack) & (q <= limits.upper + slack)))
+
+    def _curve(self, step: Motion, path: Path, findings: Collector) -> Curve | None:
+        """The path in the time that the command asks for."""
+        if isinstance(path, JointPath) and np.array_equal(path.start, path.end):
+            findings.add(*messages.no_motion(step.origin))
+            return self._rest(path.start, step.timing.duration)
+        fitted = fit(
+            path,
+            load_profile(step.profile),
+            step.timing.duration,
+            self.bounds,
+            self.settings.grid,
+            self.settings.tolerance,
+        )
+        if isinstance(fitted, TooFast):
+            findings.add(*messages.too_fast(self.robot, fitted, step))
+            return None
+        if isinstance(fitted, NotHeld):
+            findings.add(*messages.not_held(fitted, self.settings.grid.smallest, step.origin))
+            return None
+        return fitted
+
+    def _rest(self, q: Array, duration: float | None) -> Curve:
+        """Standing still for a time; the shortest is what the controller needs for a sequence at all."""
+        grid = self.settings.grid
+        shortest = FEWEST_SEGMENTS * grid.not_below(grid.smallest)
+        duration = max(duration or 0.0, shortest)
+        segments = grid.fewest(duration)
+        points = np.tile(q, (segments + 3, 1))
+        points.setflags(write=False)
+        return Curve(points, grid.nearest(duration / segments))
+
+
+def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:
+    """The pose (4, 4) to which an increment leads from `start` (4, 4), both of the moving frame in {B}."""
+    axes = delta.axes
+    if delta.axes_on_flange:
+        axes = start[:3, :3] @ delta.flange_from_moving[:3, :3].T @ delta.axes
+    pose = np.eye(4)
+    pose[:3, 3] = start[:3, 3] + axes @ delta.shift
+    pose[:3, :3] = axes @ delta.turn @ axes.T @ start[:3, :3]
+    return PoseGoal(pose, delta.flange_from_moving)

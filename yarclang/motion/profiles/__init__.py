@@ -1,0 +1,1 @@
+"""One file a profile; `yarclang.motion.profile` finds them."""

@@ -1,0 +1,34 @@
+"""POLY5: the quintic that starts and ends with no velocity and no acceleration, s = 10 u^3 - 15 u^4 + 6 u^5."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.profile import Profile
+
+
+def _law(u: Array) -> Array:
+    u = np.clip(u, 0.0, 1.0)
+    s: Array = u**3 * (10.0 + u * (-15.0 + 6.0 * u))
+    return s
+
+
+def _control(segments: int, ramp: int) -> Array:  # noqa: ARG001  (a smooth law needs no ramps)
+    # a cubic B-spline meets s at a knot where its control value is s - h^2 s'' / 6
+    u = np.arange(segments + 1) / segments
+    bend = u * (60.0 + u * (-180.0 + 120.0 * u)) / segments**2
+    control = np.empty(segments + 3)
+    control[1:-1] = _law(u) - bend / 6.0
+    control[:3], control[-3:] = 0.0, 1.0
+    return control
+
+
+PROFILE = Profile(
+    name="POLY5",
+    summary="a quintic: smooth acceleration that starts and ends at zero",
+    law=_law,
+    control=_control,
+    longest_ramp=lambda segments: 1,  # noqa: ARG005
+    strain=lambda segments, ramp: (1.875 / segments, 5.774 / segments**2, 60.0 / segments**3),  # noqa: ARG005
+)

@@ -1,0 +1,153 @@
+"""From a file's name and the options of a door to a syntax tree and a request."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
+from yarclang.hir import Array
+from yarclang.pipeline.project import Project, find_project
+from yarclang.pipeline.sources import STANDARD_INPUT, read_source
+from yarclang.pipeline.stages import Progress, Request
+from yarclang.pmac.program import Target
+from yarclang.robot.description import load_robot
+from yarclang.robot.library import list_robots
+from yarclang.robot.model import Robot, Tolerance
+from yarclang.semantics.declarations import declared_robot
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Module
+from yarclang.syntax.parse import parse
+from yarclang.units import DEG, MM
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
+    `tolerance` in mm and deg (None: the robot's own).
+    """
+
+    robot: str | None = None
+    start: tuple[float, ...] | None = None
+    tm: float | None = None
+    tolerance: tuple[float, float | None] | None = None
+    target: Target = "rotary"
+    progress: Progress | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Opened:
+    """A parsed program and the request to compile it."""
+
+    module: Module
+    request: Request
+
+
+def open_program(path: str, options: Options) -> Result[Opened]:
+    """Read and parse a program, and find its robot.
+
+    Returns:
+        None where the file or the robot can't be read; syntax errors alone leave a value, so
+        that the rest can still be checked.
+    """
+    read = read_source(path)
+    if read.value is None:
+        return Result(None, read.diagnostics)
+    folder = Path.cwd() if path == STANDARD_INPUT else Path(path).parent
+    return open_source(read.value, folder, options)
+
+
+def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Opened]:
+    """Parse a program that belongs to a folder, and find its robot."""
+    parsed = parse(source)
+    module = parsed.value
+    assert module is not None  # parsing always gives a tree
+    if not parsed.diagnostics and not module.statements:
+        span = Span.on_line(1, 1, 2)
+        return Result(
+            None, (Diagnostic("Y0104", "the file has no command", source, span, "was another file meant?"),)
+        )
+    project = find_project(folder)
+    if project.value is None:
+        return Result(None, (*parsed.diagnostics, *project.diagnostics))
+    found = _robot(module, folder, project.value, options)
+    diagnostics = (*parsed.diagnostics, *found.diagnostics)
+    if found.value is None:
+        return Result(None, diagnostics)
+    robot = found.value
+    findings = Collector(source)
+    start = _start(robot, options.start, "--start", findings)
+    fallback = _start(robot, project.value.start, "start in yarc.toml", findings)
+    diagnostics = (*diagnostics, *findings.found)
+    if has_errors(findings.found):
+        return Result(None, diagnostics)
+    request = Request(
+        robot=robot,
+        start=start,
+        fallback_start=fallback,
+        tm=options.tm,
+        tolerance=_tolerance(robot, options.tolerance),
+        target=options.target,
+        progress=options.progress,
+    )
+    return Result(Opened(module, request), diagnostics)
+
+
+def _robot(module: Module, folder: Path, project: Project, options: Options) -> Result[Robot]:
+    """The command line and a ROBOT line, which must agree; else yarc.toml."""
+    declared = declared_robot(module)
+    if options.robot is not None:
+        found = load_robot(options.robot)
+        if declared is None or found.value is None:
+            return found
+        other = load_robot(_placed(declared, folder))
+        if other.value is not None and other.value.fingerprint != found.value.fingerprint:
+            message = f"the program is for {other.value.name}, the command line says {found.value.name}"
+            help_ = "leave --robot out, or change the ROBOT line"
+            return Result(None, (Diagnostic("Y1392", message, module.source, help=help_),))
+        return Result(found.value if other.value else None, other.diagnostics)
+    if declared is not None:
+        return load_robot(_placed(declared, folder))
+    if project.robot is not None:
+        return load_robot(_placed(project.robot, project.folder))
+    names = ", ".join(robot.name for robot in list_robots())
+    help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
+    return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", module.source, help=help_),))
+
+
+def _placed(name_or_path: str, folder: Path) -> str:
+    """A path counts from the file that it stands in; a plain name stays a name."""
+    if "/" in name_or_path or name_or_path.endswith(".toml"):
+        return str(folder / name_or_path)
+    return name_or_path
+
+
+def _start(robot: Robot, values: tuple[float, ...] | None, what: str, findings: Collector) -> Array | None:
+    """Joint values in deg (mm) as a joint position in SI, checked."""
+    if values is None:
+        return None
+    names = " ".join(robot.joint_names)
+    if len(values) != robot.size:
+        message = f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} joints ({names})"
+        findings.add("Y1394", message, None, "give one value a joint, in deg (mm for prismatic joints)")
+        return None
+    q: Array = np.array(values, dtype=np.float64) * robot.axis_units
+    excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
+    excess = np.where(np.isfinite(q), excess, np.inf)
+    joint = int(np.argmax(excess))
+    if excess[joint] > 1e-9:
+        name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
+        message = f"{what} takes {name} out of its limits by {excess[joint]:.4g} {unit}"
+        findings.add("Y1394", message, None, "the robot can't stand there")
+        return None
+    q.setflags(write=False)
+    return q
+
+
+def _tolerance(robot: Robot, asked: tuple[float, float | None] | None) -> Tolerance | None:
+    if asked is None:
+        return None
+    position, angle = asked
+    return Tolerance(position * MM, robot.tolerance.angle if angle is None else angle * DEG)

@@ -1,0 +1,59 @@
+"""Bytes to source text."""
+
+from __future__ import annotations
+
+import codecs
+import sys
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.source import SourceFile, Span
+
+STANDARD_INPUT = "-"
+_PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
+
+
+def read_source(path: str) -> Result[SourceFile]:
+    """Read a program from a file, or from standard input (`-`).
+
+    A byte order mark is taken away; what isn't UTF-8 text is one finding at the first byte that isn't.
+    """
+    name = "<stdin>" if path == STANDARD_INPUT else path
+    try:
+        content = sys.stdin.buffer.read() if path == STANDARD_INPUT else Path(path).read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        return Result(
+            None,
+            (Diagnostic("Y0107", f"{name} can't be read: {reason}", help="check the path and its rights"),),
+        )
+    return decode_source(name, content)
+
+
+def decode_source(name: str, content: bytes) -> Result[SourceFile]:
+    """Bytes of a file called `name` as a source text."""
+    content = content.removeprefix(codecs.BOM_UTF8)
+    bad = _first_bad_byte(content)
+    if bad is None:
+        return Result(SourceFile(name, content.decode("utf-8")))
+    before = content[:bad].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    line = before.count(b"\n") + 1
+    column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
+    message = f"this is not UTF-8 text: the first byte that isn't is 0x{content[bad]:02X}, at line {line}, column {column}"
+    shown = SourceFile(name, before.decode("utf-8"))
+    help_ = "save the program as UTF-8 text; or another file was meant"
+    return Result(None, (Diagnostic("Y0103", message, shown, Span.on_line(line, column, column + 1), help_),))
+
+
+def _first_bad_byte(content: bytes) -> int | None:
+    """Where the text stops being text: a control character, or bytes that aren't UTF-8."""
+    end = len(content)
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        end = error.start
+    controls = [code for code in range(32) if code not in _PLAIN_CONTROLS]
+    places = [place for code in (*controls, 127) if (place := content.find(bytes([code]), 0, end)) >= 0]
+    if places:
+        return min(places)
+    return end if end < len(content) else None

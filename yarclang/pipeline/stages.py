@@ -1,0 +1,162 @@
+"""Text to certified controller text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import PurePath
+
+import numpy as np
+
+from yarclang.backend_pmac.emit import emit, segment_time
+from yarclang.backend_pmac.lower import lower
+from yarclang.certify.certificate import Certificate
+from yarclang.certify.judge import certify
+from yarclang.diagnostics import Result, has_errors, in_order
+from yarclang.hir import Array, Program, SplineMove, fingerprint
+from yarclang.motion.plan import MotionPlan
+from yarclang.motion.planner import Settings, plan
+from yarclang.motion.profile import profile_names
+from yarclang.pipeline.segments import segment_grid
+from yarclang.pmac.program import PmacProgram, Target
+from yarclang.robot.model import Robot, Tolerance
+from yarclang.semantics.check import check
+from yarclang.semantics.context import Context
+from yarclang.syntax.ast import Module
+from yarclang.units import MS
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, how much of it is done, and how much there is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Request:
+    """What a door asks for besides the program.
+
+    `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
+    the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's).
+    """
+
+    robot: Robot
+    start: Array | None = None
+    fallback_start: Array | None = None
+    tm: float | None = None
+    tolerance: Tolerance | None = None
+    target: Target = "rotary"
+    progress: Progress | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compiled:
+    """A compiled program: the text and all that led to it."""
+
+    text: str
+    program: Program
+    plan: MotionPlan
+    certificate: Certificate
+
+
+def check_program(module: Module, request: Request) -> Result[Program]:
+    """Syntax tree to checked program."""
+    return check(module, Context(request.robot, profile_names(), request.start, request.fallback_start))
+
+
+def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
+    """Checked program to motion plan, in segment times that the controller takes."""
+    grid = segment_grid(request.robot, request.tm)
+    if grid.value is None:
+        return Result(None, grid.diagnostics)
+    total = len(program.steps)
+    report = request.progress
+    return plan(
+        program,
+        request.robot,
+        Settings(
+            grid.value,
+            request.tolerance or request.robot.tolerance,
+            (lambda done: report("planning", done, total)) if report else None,
+        ),
+    )
+
+
+def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
+    """Syntax tree to motion plan. A program with errors is planned as well, for what else is to be found."""
+    checked = check_program(module, request)
+    assert checked.value is not None  # a check always gives a program
+    planned = plan_program(checked.value, request)
+    diagnostics = in_order((*checked.diagnostics, *planned.diagnostics))
+    return Result(None if has_errors(diagnostics) else planned.value, diagnostics)
+
+
+def compile_module(module: Module, request: Request) -> Result[Compiled]:
+    """Syntax tree to certified controller text.
+
+    Returns:
+        None where a stage finds an error; a text that the certificate refuses is never returned.
+    """
+    planned = plan_module(module, request)
+    if planned.value is None:
+        return Result(None, planned.diagnostics)
+    made = certified(planned.value, request)
+    return Result(made.value, in_order((*planned.diagnostics, *made.diagnostics)))
+
+
+def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
+    """Motion plan to controller text, read back and proved."""
+    robot, program = request.robot, planned.program
+    lowered = lower(planned, request.target, ())
+    header = tuple(_header(lowered, planned, request.target))
+    if request.progress:
+        request.progress("certifying", 0, 1)
+    text = emit(_with_header(lowered, (*header, "certificate being made")))
+    judged = certify(text, program, robot, request.tolerance or robot.tolerance, _witnesses(planned))
+    if judged.value is None or has_errors(judged.diagnostics):
+        return Result(None, judged.diagnostics)
+    # only this comment line differs from the text that was judged
+    final = emit(_with_header(lowered, (*header, f"certificate {judged.value.summary()}")))
+    return Result(Compiled(final, program, planned, judged.value), judged.diagnostics)
+
+
+def _with_header(lowered: PmacProgram, header: tuple[str, ...]) -> PmacProgram:
+    return replace(lowered, header=header)
+
+
+def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[str]:
+    """What a person who finds the text wants to know, but for the certificate."""
+    robot = planned.robot
+    times = {motion.curve.segment for motion in planned.motions}
+    segments = ""
+    if times:
+        least, most = (segment_time(time / MS) for time in (min(times), max(times)))
+        segments = f", segments of {least} ms" if least == most else f", segments of {least} to {most} ms"
+    units = dict.fromkeys(robot.axis_unit_names)
+    start = "".join(
+        f"{axis}{value:.{lowered.decimals}f}" for axis, value in zip(lowered.axes, lowered.start, strict=True)
+    )
+    load = {
+        "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
+        "prog": f"loading moves nothing; &{lowered.coordinate_system}B1R runs it, from the start only",
+    }[target]
+    made_with = ", ".join(f"{name} {version(name)}" for name in ("numpy", "pin", "scipy"))
+    return [
+        f"yarcc {version('yarclang')}: {PurePath(planned.program.source.name).name}",
+        f"target {target}",
+        f"robot {robot.name} {robot.fingerprint}",
+        f"program {fingerprint(planned.program)}",
+        f"made with {made_with}",
+        f"start {start} ({', '.join(units)})",
+        f"duration {planned.duration:.3f} s{segments}",
+        load,
+        "commands: step, index, name, line in the source, first and last line of the moves in this file",
+    ]
+
+
+def _witnesses(planned: MotionPlan) -> Mapping[int, Array]:
+    """The joint way-points that were chosen for the splines."""
+    steps = planned.program.steps
+    return {
+        motion.step: np.asarray(motion.waypoints)
+        for motion in planned.motions
+        if isinstance(steps[motion.step], SplineMove)
+    }

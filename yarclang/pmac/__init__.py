@@ -1,0 +1,1 @@
+"""Facts about the Turbo PMAC, without behaviour, and the type of a program for it."""

@@ -1,0 +1,71 @@
+"""A program for the controller, before it is text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Target = Literal["rotary", "prog"]
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentTime:
+    """TM: the segment time of the moves that follow [ms], exactly as the controller keeps it."""
+
+    milliseconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """A variable takes a value when the controller gets there; the motion doesn't mind."""
+
+    variable: str
+    value: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moves:
+    """Move lines of one command: `values` (k, axes) in axis units, rounded to the printed decimals."""
+
+    step: int
+    values: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What the map in the header says of a command of the program."""
+
+    step: int
+    index: str
+    name: str
+    source_line: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PmacProgram:
+    """All that the text says.
+
+    `start` (axes,) is where the motion begins, in axis units; `start_counts` and `start_slack` are the
+    motors' positions there and how far each may be off [1/(Ixx08 32) count].
+    `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
+    and as low below so many. `rotary_words` is the size to define.
+    """
+
+    target: Target
+    header: tuple[str, ...]
+    coordinate_system: int
+    motors: tuple[int, ...]
+    axes: tuple[str, ...]
+    joint_names: tuple[str, ...]
+    decimals: int
+    start: NDArray[np.float64]
+    start_counts: NDArray[np.float64]
+    start_slack: NDArray[np.float64]
+    rotary_words: int
+    full_lines: int
+    low_lines: int
+    body: tuple[SegmentTime | Assignment | Moves, ...]
+    commands: tuple[Command, ...]

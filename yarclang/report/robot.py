@@ -1,0 +1,26 @@
+"""A robot as text."""
+
+from __future__ import annotations
+
+from yarclang.robot.model import Robot
+from yarclang.units import MS
+
+
+def robot_text(robot: Robot) -> str:
+    """Joints with their limits, frames, positions and controller, for people."""
+    limits, units = robot.limits, robot.axis_units
+    lines = [f"{robot.name}: {robot.title}", "", f"{'joint':8}{'axis':6}{'from':>9}{'to':>9}{'per s':>9}{'per s2':>9}{'per s3':>9}"]
+    for joint, name in enumerate(robot.joint_names):
+        numbers = (limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
+        cells = "".join(f"{values[joint] / units[joint]:>9.5g}" for values in numbers)
+        lines.append(f"{name:8}{robot.controller.axes[joint]:6}{cells} {robot.axis_unit_names[joint]}")
+    lines.append("")
+    lines.append("frames on the flange: " + ", ".join(f"{{{name}}}" for name in robot.flange_from_frame))
+    for name, q in robot.positions.items():
+        lines.append(f"joint position {name}: " + " ".join(f"{value:g}" for value in q / units))
+    controller = robot.controller
+    lines.append(
+        f"controller {controller.kind}, coordinate system {controller.coordinate_system}, segments of "
+        f"{controller.smallest_segment / MS:.4g} to {controller.largest_segment / MS:g} ms"
+    )
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""Robots: their description, kinematics and actuation, as plain data in SI."""

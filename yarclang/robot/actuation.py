@@ -1,0 +1,35 @@
+"""From joint positions to motor counts and back (the paper's eq. 5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.model import Array, Robot
+
+
+def counts_per_joint(robot: Robot) -> Array:
+    """The matrix K J for joints in SI.
+
+    Returns:
+        (n, n): counts of motor row per rad (or m) of joint column.
+    """
+    actuation = robot.actuation
+    matrix: Array = actuation.gear[:, None] * actuation.coupling / robot.axis_units[None, :]
+    return matrix
+
+
+def joints_per_count(robot: Robot) -> Array:
+    """The inverse of `counts_per_joint` (n, n), made from the same matrix."""
+    return np.linalg.inv(counts_per_joint(robot)).astype(np.float64)
+
+
+def to_counts(robot: Robot, q: Array) -> Array:
+    """Motor positions [counts] of joint positions `q` (..., n) [rad or m]."""
+    counts: Array = q @ counts_per_joint(robot).T + robot.actuation.offset
+    return counts
+
+
+def from_counts(robot: Robot, counts: Array) -> Array:
+    """Joint positions [rad or m] of motor positions `counts` (..., n)."""
+    q: Array = (counts - robot.actuation.offset) @ joints_per_count(robot).T
+    return q

@@ -1,0 +1,102 @@
+"""The chain from the base to the flange: along a URDF's joints, and as screws by Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from yarclang.robot.model import Chain
+from yarclang.robot.urdf import MOVING, Joint, Urdf, did_you_mean
+from yarclang.robot.urdf_xml import Element
+
+
+def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | None:
+    """All joints from link `base` to link `flange`, fixed ones too; None where there is no way.
+
+    The URDF must be a sound tree with both links.
+    """
+    above = {joint.child: joint for joint in urdf.joints.values()}
+    joints: list[Joint] = []
+    here = flange
+    while here != base:
+        if here not in above:
+            return None
+        joints.append(above[here])
+        here = above[here].parent
+    return tuple(reversed(joints))
+
+
+def check_chain(urdf: Urdf, joints: Sequence[Joint]) -> None:
+    """Findings about the moving joints that aren't in the chain, which nothing would move."""
+    inside = {joint.name for joint in joints}
+    for joint in urdf.joints.values():
+        if joint.kind in MOVING and joint.name not in inside:
+            message = f"Joint {joint.name} is {joint.kind}, but isn't between the base and the flange."
+            remedy = "Make it fixed, or name the links in robot.toml so that it is between them."
+            urdf.say("Y1354", message, remedy, joint.element)
+
+
+def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Sequence[str]]) -> None:
+    """Findings about the moving joints that move nothing that could collide."""
+    below: dict[str, list[Joint]] = {}
+    for joint in urdf.joints.values():
+        below.setdefault(joint.parent, []).append(joint)
+    for joint in joints:
+        if joint.kind not in MOVING:
+            continue
+        body, todo = [], [joint.child]
+        while todo:  # the links that fixed joints make one body with the joint's child
+            body.append(todo.pop())
+            todo += [other.child for other in below.get(body[-1], []) if other.kind == "fixed"]
+        if not any(shapes.get(link) for link in body):
+            message = f"Link {joint.child}, which joint {joint.name} moves, has no <collision>."
+            remedy = "Add a <collision> with a simple shape around it, so that the collision check sees it."
+            urdf.say("Y1359", message, remedy, urdf.links[joint.child])
+
+
+def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str]]:
+    """Which of the links that robot.toml names, by key, the URDF doesn't have: key, message, help."""
+    return [
+        (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", did_you_mean(link, urdf.links))
+        for key, link in names.items()
+        if link not in urdf.links
+    ]
+
+
+def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain | None:
+    """The chain as a product of exponentials; None and a finding where Pinocchio refuses the file.
+
+    Args:
+        urdf: a URDF without errors.
+        base: the link that is {B}.
+        flange: the link that is {FLANGE}.
+        joints: the moving joints from base to flange.
+    """
+    import pinocchio as pin
+
+    try:
+        model = pin.buildModelFromXML(urdf.text)
+    except Exception as error:  # boost throws several kinds, and all mean the same
+        root = urdf.root or Element("", {}, 0, 0)
+        message = f"Pinocchio can't read the URDF: {str(error)[:200].rstrip('.')}."
+        urdf.say("Y1360", message, "What it prints on the terminal names the element.", root)
+        return None
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    pin.updateFramePlacements(model, data)
+    world_from_base = data.oMf[model.getFrameId(base, pin.FrameType.BODY)]
+    world_from_flange = data.oMf[model.getFrameId(flange, pin.FrameType.BODY)]
+    base_from_world = world_from_base.inverse()
+    columns = [model.joints[model.getJointId(joint.name)].idx_v for joint in joints]
+    # Pinocchio's world Jacobian: velocity of the point at the world's origin, then angular velocity
+    matrix = base_from_world.toActionMatrix() @ data.J[:, columns]
+    placed = (base_from_world * world_from_flange).homogeneous
+    return Chain(frozen(matrix.T), frozen(placed))
+
+
+def frozen(values: object) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """A read-only float64 array, without negative zeros."""
+    array = np.array(values, dtype=np.float64) + 0.0
+    array.setflags(write=False)
+    return array

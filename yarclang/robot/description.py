@@ -1,0 +1,302 @@
+"""Reading a robot: its robot.toml and URDF become a `Robot`, or findings about both files.
+
+Everything heavy (pydantic, Pinocchio) is imported where it is first used.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.robot.chain import check_bodies, check_chain, find_links, frozen, joints_between, screws
+from yarclang.robot.checks import check_narrower, check_table
+from yarclang.robot.library import RobotSummary, find_robot, list_robots, stdlib_folder
+from yarclang.robot.model import Actuation, Array, Chain, Controller, JointKind, Limits, Robot, Tolerance
+from yarclang.robot.toml_file import TomlFile
+from yarclang.robot.toml_places import find_places
+from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
+from yarclang.robot.urdf_shapes import check_shapes
+from yarclang.source import SourceFile, Span
+from yarclang.units import DEG, MM, MS
+
+if TYPE_CHECKING:
+    from yarclang.robot.draft import Draft
+    from yarclang.robot.schema import RobotTable
+
+__all__ = ["RobotSummary", "list_robots", "load_robot", "stdlib_folder"]
+
+T = TypeVar("T")
+
+_LARGEST_FILE = 20_000_000
+
+
+def load_robot(name_or_path: str) -> Result[Robot]:
+    """Reads a robot.
+
+    Args:
+        name_or_path: a robot of the standard library by its name in any case (INDUSTRIAL6), or the path of a
+            robot.toml, or of a folder that has one.
+
+    Returns:
+        The robot, with warnings if there are any; or None and all mistakes of robot.toml and URDF.
+    """
+    path, near = find_robot(name_or_path)
+    if path is None:
+        names = ", ".join(robot.name for robot in list_robots())
+        remedy = f"The robots are {names}; a robot of yours is named by its path."
+        remedy = f"Did you mean {near}? {remedy}" if near else remedy
+        return _nothing(Diagnostic("Y1301", f"There is no robot {name_or_path[:80]!r}.", help=remedy))
+    source = _read(path, "Name a folder with a robot.toml, or a robot of the library.")
+    if isinstance(source, Diagnostic):
+        return _nothing(source)
+    data = _parse_toml(source)
+    if isinstance(data, Diagnostic):
+        return _nothing(data)
+    return _load(path.parent.absolute(), source, data)
+
+
+def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robot]:
+    """The robot of a robot.toml that is TOML."""
+    from yarclang.robot.draft import read_draft
+
+    file = TomlFile(source, find_places(source))
+    draft = read_draft(data)
+    for mistake in draft.mistakes:
+        file.say(mistake.code, mistake.path, mistake.message, mistake.help, at_key=mistake.at_key)
+    urdf, shapes = _open_urdf(file, folder, draft)
+    moving: tuple[Joint, ...] | None = None
+    if urdf is not None and urdf.sound:
+        ends = {
+            key: link for key, link in (("base", draft.table.base), ("flange", draft.table.flange)) if link
+        }
+        lost = find_links(urdf, ends)
+        for key, message, remedy in lost:
+            file.say("Y1347", (key,), message, remedy)
+        if len(ends) == 2 and not lost:
+            moving = _chain(file, urdf, ends["base"], ends["flange"], shapes)
+    check_table(file, draft, moving)
+    if urdf is not None and moving is not None:
+        check_narrower(urdf, draft, moving)
+    findings = [*file.findings, *(urdf.findings if urdf else ())]
+    if urdf is None or moving is None or has_errors(findings):
+        return Result(None, in_order(findings))
+    table = draft.table
+    chain = screws(urdf, _given(table.base), _given(table.flange), moving)
+    if chain is None:
+        return Result(None, in_order([*findings, *urdf.findings]))
+    fingerprint = _fingerprint(table, urdf, shapes)
+    return Result(_assemble(folder, table, moving, chain, fingerprint), in_order(findings))
+
+
+def _open_urdf(file: TomlFile, folder: Path, draft: Draft) -> tuple[Urdf | None, dict[str, list[str]]]:
+    """The URDF with its findings, and the collision shapes of its links."""
+    name = draft.table.urdf
+    if name is None:
+        return None, {}
+    source = _read(folder / name, "")
+    if isinstance(source, Diagnostic) and source.source is not None:
+        file.findings.append(source)
+        return None, {}
+    if isinstance(source, Diagnostic):
+        file.say(
+            "Y1302", ("urdf",), source.message, "Name the URDF file, seen from the folder of this robot.toml."
+        )
+        return None, {}
+    urdf = read_urdf(source)
+    return urdf, check_shapes(urdf, folder / Path(name).parent)
+
+
+def _chain(
+    file: TomlFile, urdf: Urdf, base: str, flange: str, shapes: Mapping[str, Sequence[str]]
+) -> tuple[Joint, ...] | None:
+    """The moving joints from base to flange, or None and a finding."""
+    joints = joints_between(urdf, base, flange)
+    if joints is None:
+        back = joints_between(urdf, flange, base) is not None
+        message = f"No chain of joints leads from the base {base} to the flange {flange}"
+        message += ", only from the flange to the base." if back else "."
+        remedy = (
+            "Exchange base and flange." if back else "Name a link above the flange as base, the arm's foot."
+        )
+        file.say("Y1353", ("base",), message, remedy)
+        return None
+    moving = tuple(joint for joint in joints if joint.kind in MOVING)
+    if not moving:
+        message = f"No joint between the base {base} and the flange {flange} moves."
+        file.say("Y1353", ("base",), message, "Name the arm's foot as base and its end as flange.")
+        return None
+    check_chain(urdf, joints)
+    check_bodies(urdf, joints, shapes)
+    return moving
+
+
+def _assemble(
+    folder: Path, table: RobotTable, joints: Sequence[Joint], chain: Chain, fingerprint: str
+) -> Robot:
+    """The robot in SI, of tables without mistakes."""
+    actuation, motors, controller = _given(table.actuation), _given(table.motors), _given(table.controller)
+    units = np.where(chain.is_prismatic, MM, DEG)
+    size = len(joints)
+    return Robot(
+        name=_given(table.name).upper(),
+        title=table.title,
+        folder=folder,
+        urdf=_given(table.urdf),
+        joint_names=tuple(joint.name for joint in joints),
+        joint_kinds=tuple(_kind(joint.kind) for joint in joints),
+        chain=chain,
+        limits=_limits(table, joints, units),
+        flange_from_frame=MappingProxyType(_frames(table)),
+        positions=MappingProxyType(
+            {
+                name.upper(): frozen(np.array(values) * units)
+                for name, values in _given(table.positions).items()
+            }
+        ),
+        actuation=Actuation(
+            gear=frozen(_given(actuation.K)),
+            coupling=frozen(_given(actuation.J)),
+            offset=frozen(actuation.a0 if actuation.a0 is not None else np.zeros(size)),
+            velocity=frozen(np.array(_given(motors.velocity)) / MS),
+        ),
+        controller=Controller(
+            kind=controller.kind,
+            coordinate_system=controller.coordinate_system,
+            axes=tuple(_given(controller.axes)),
+            motors=tuple(_given(motors.numbers)),
+            feedback=tuple(_given(controller.feedback)),
+            largest_segment=controller.largest_tm * MS,
+            ixx08=controller.ixx08,
+            rotary_words=controller.rotary_words,
+            hold_time=controller.hold_time * MS,
+            rapid_share=controller.rapid_share,
+            i8=controller.i8,
+            i10=controller.i10,
+        ),
+        tolerance=Tolerance(table.tolerance.position * MM, table.tolerance.angle * DEG),
+        fingerprint=fingerprint,
+    )
+
+
+def _limits(table: RobotTable, joints: Sequence[Joint], units: Array) -> Limits:
+    rows = [_given(table.joints)[joint.name] for joint in joints]
+    ends = [row.position if row.position is not None else [-np.inf, np.inf] for row in rows]
+    acceleration = [_given(row.acceleration) for row in rows]
+    stops = [row.stop_acceleration or own for row, own in zip(rows, acceleration, strict=True)]
+    return Limits(
+        lower=frozen(np.array([low for low, _ in ends]) * units),
+        upper=frozen(np.array([high for _, high in ends]) * units),
+        velocity=frozen(np.array([_given(row.velocity) for row in rows]) * units),
+        acceleration=frozen(np.array(acceleration) * units),
+        jerk=frozen(np.array([_given(row.jerk) for row in rows]) * units),
+        stop_acceleration=frozen(np.array(stops) * units),
+    )
+
+
+def _frames(table: RobotTable) -> dict[str, Array]:
+    """flange_from_frame of each frame of the file, by its name in upper case, and of FLANGE."""
+    frames = {name.upper(): frame for name, frame in table.frames.items()}
+    placed: dict[str, Array] = {"FLANGE": np.eye(4)}
+    while len(placed) <= len(frames):  # parents first; there is no circle
+        for name, frame in frames.items():
+            if name not in placed and frame.parent.upper() in placed:
+                placed[name] = placed[frame.parent.upper()] @ _transform(frame.xyz, frame.rpy)
+    return {name: frozen(pose) for name, pose in placed.items()}
+
+
+def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
+    """parent_from_frame (4, 4) of a place [mm] and R = Rz(yaw) Ry(pitch) Rx(roll) [deg]."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(np.array(rpy) * DEG), np.cos(np.array(rpy) * DEG)
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    pose[:3, 3] = np.array(xyz) * MM
+    return pose
+
+
+def _fingerprint(table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[str]]) -> str:
+    """SHA-256 of what the files say: values, joints and collision shapes (meshes with their bytes).
+
+    Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
+    """
+    joints = {
+        joint.name: [joint.kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis]
+        for joint in urdf.joints.values()
+    }
+    values = table.model_dump(exclude={"urdf"})
+    canonical = json.dumps([values, joints, dict(shapes)], sort_keys=True)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def _parse_toml(source: SourceFile) -> dict[str, Any] | Diagnostic:
+    """The data of a TOML text, or what is wrong with it."""
+    import tomllib
+
+    remedy = "Correct the TOML at this place."
+    try:
+        return tomllib.loads(source.text)
+    except RecursionError:
+        return Diagnostic("Y1303", "Brackets are nested too deep.", source, Span.on_line(1, 1, 1), remedy)
+    except ValueError as error:
+        what, _, _ = str(error).partition(" (at ")
+        place = re.search(r"at line (\d+), column (\d+)", str(error))
+        line, column = (int(place[1]), int(place[2])) if place else (max(len(source.lines), 1), 1)
+        if "integer string conversion" in what:
+            digits = re.search(r"\d[\d_]{4000}", source.text)
+            what, line = "A whole number has too many digits", 1
+            if digits is not None:
+                line = source.text.count("\n", 0, digits.start()) + 1
+        return Diagnostic(
+            "Y1303", f"{what}: this is not TOML.", source, Span.on_line(line, column, column + 1), remedy
+        )
+
+
+def _read(path: Path, remedy: str) -> SourceFile | Diagnostic:
+    """The text of a file, or why there is none."""
+    name = path.name[:80]
+    try:
+        if path.is_dir():
+            return Diagnostic("Y1302", f"{name} is a folder, not a file.", help=remedy)
+        if path.stat().st_size > _LARGEST_FILE:
+            message = f"{name} has {path.stat().st_size:,} bytes, more than {_LARGEST_FILE:,}."
+            return Diagnostic("Y1302", message, help=remedy)
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        return Diagnostic("Y1302", f"{str(path)[-200:]!r} can't be read: {reason}.", help=remedy)
+    try:
+        return SourceFile(str(path), content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        text = content.decode("utf-8", errors="replace")
+        line = content[: error.start].count(b"\n") + 1
+        message = f"{name} is not UTF-8 text: byte {error.start:,} is 0x{content[error.start]:02x}."
+        remedy = "Save the file as UTF-8 text."
+        return Diagnostic("Y1302", message, SourceFile(str(path), text), Span.on_line(line, 1, 1), remedy)
+
+
+def _nothing(finding: Diagnostic) -> Result[Robot]:
+    return Result(None, (finding,))
+
+
+def _kind(kind: str) -> JointKind:
+    if kind == "revolute":
+        return "revolute"
+    return "prismatic" if kind == "prismatic" else "continuous"
+
+
+def _given(value: T | None) -> T:
+    """A required value of tables without mistakes."""
+    if value is None:
+        raise AssertionError("a required key passed the checks without a value")
+    return value

@@ -1,0 +1,173 @@
+"""What the motors and the controller of a robot.toml must fulfil (the paper's eq. 5, TSRM 269)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.robot.toml_file import TomlFile, right_length
+from yarclang.robot.toml_places import Path
+
+if TYPE_CHECKING:
+    from yarclang.robot.draft import Draft
+
+
+AXES = "XYZABCUVW"
+COUPLED = (frozenset("XYZ"), frozenset("UVW"))
+"""The controller adds axes up in a motor's definition only inside one of these groups (TSRM 269)."""
+FIRST_GUARD = 8100
+"""P8100 and above are the guard's, which the backend writes."""
+LONGEST_TM = 4096.0
+"""[ms], beyond it the controller clips the time of a spline segment (TSRM 476)."""
+WORST_CONDITION = 1e6
+
+
+def check_drives(file: TomlFile, draft: Draft, size: int) -> None:
+    """All findings about [actuation], [motors] and [controller] of a robot with `size` joints."""
+    _check_actuation(file, draft, size)
+    _check_controller(file, draft, size)
+
+
+def _check_actuation(file: TomlFile, draft: Draft, size: int) -> None:
+    actuation = draft.table.actuation
+    if actuation is None:
+        return
+    gear, coupling = actuation.K, actuation.J
+    if gear is not None and right_length(file, ("actuation", "K"), gear, size, "value", "joint"):
+        for at, value in enumerate(gear):
+            if abs(value) < 1e-6:
+                message = (
+                    f"K[{at + 1}] is {value:g} counts per axis unit, so motor {at + 1} would move nothing."
+                )
+                remedy = "Give the counts of one deg (or mm); a minus sign turns the direction round."
+                file.say("Y1319", ("actuation", "K", at), message, remedy)
+    if actuation.a0 is not None:
+        right_length(file, ("actuation", "a0"), actuation.a0, size, "value", "joint")
+    if coupling is None or not right_length(file, ("actuation", "J"), coupling, size, "row", "joint"):
+        return
+    rows = [
+        right_length(file, ("actuation", "J", at), row, size, "value", "joint")
+        for at, row in enumerate(coupling)
+    ]
+    if all(rows):
+        _check_coupling(file, draft, np.array(coupling, dtype=np.float64).reshape(size, size))
+
+
+def _check_coupling(file: TomlFile, draft: Draft, coupling: Array) -> None:
+    """Whether J can be inverted, and whether the controller can couple its axes."""
+    axes = draft.table.controller.axes if draft.table.controller else None
+    known = axes if axes is not None and len(axes) == len(coupling) and set(axes) <= set(AXES) else None
+    groups = _groups(coupling)
+    uneven = [(motors, joints) for motors, joints in groups if len(motors) != len(joints)]
+    for motors, joints in uneven[:1]:  # the others follow from it
+        message = (
+            f"J couples {_count(len(motors), 'motor')} (number {_listed(motors)}) "
+            f"with {_count(len(joints), 'joint')} (number {_listed(joints)})."
+        )
+        if not motors or not joints:
+            message = f"{'Column' if joints else 'Row'} {_listed(joints or motors)} of J has only zeros."
+        path: Path = ("actuation", "J", motors[0]) if motors else ("actuation", "J")
+        file.say("Y1325", path, message, "Coupled joints need as many motors as they are.")
+    condition = float(np.linalg.cond(coupling)) if len(coupling) and not uneven else 1.0
+    if not condition < WORST_CONDITION:
+        message = f"J can't be inverted: its condition number is {condition:.3g}, and must be below 1e6."
+        file.say("Y1320", ("actuation", "J"), message, "Make its rows independent of each other.")
+    for motors, joints in groups:
+        if known is None or len(joints) < 2 or uneven:
+            continue
+        letters = [known[joint] for joint in joints]
+        if not any(set(letters) <= group for group in COUPLED):
+            row = next(row for row in motors if np.count_nonzero(coupling[row]) > 1)
+            message = (
+                f"Motors {_listed(motors)} couple the axes {', '.join(letters)}, which the controller can't."
+            )
+            remedy = "Give the coupled joints letters of X Y Z or of U V W in axes; A B C can't be coupled."
+            file.say("Y1324", ("actuation", "J", row), message, remedy)
+
+
+def _groups(
+    coupling: Array,
+) -> list[tuple[list[int], list[int]]]:
+    """The rows (motors) and columns (joints) of J that hang together by entries that aren't zero."""
+    todo = [("row", at) for at in range(len(coupling))] + [("column", at) for at in range(len(coupling))]
+    groups: list[tuple[list[int], list[int]]] = []
+    done: set[tuple[str, int]] = set()
+    for start in todo:
+        if start in done:
+            continue
+        group, front = {start}, [start]
+        while front:
+            kind, at = front.pop()
+            line = coupling[at] if kind == "row" else coupling[:, at]
+            other = "column" if kind == "row" else "row"
+            new = {(other, int(index)) for index in np.flatnonzero(line)} - group
+            group |= new
+            front += new
+        done |= group
+        motors = sorted(at for kind, at in group if kind == "row")
+        groups.append((motors, sorted(at for kind, at in group if kind == "column")))
+    return groups
+
+
+def _check_controller(file: TomlFile, draft: Draft, size: int) -> None:
+    motors, controller = draft.table.motors, draft.table.controller
+    if motors is not None:
+        if motors.numbers is not None:
+            path: Path = ("motors", "numbers")
+            right_length(file, path, motors.numbers, size, "number", "joint")
+            _check_twice(file, "Y1323", path, "Motor", [str(number) for number in motors.numbers])
+        if motors.velocity is not None:
+            right_length(file, ("motors", "velocity"), motors.velocity, size, "value", "joint")
+    if controller is None:
+        return
+    if controller.axes is not None:
+        _check_letters(file, "axes", controller.axes, size)
+    if controller.feedback is not None:
+        _check_letters(file, "feedback", controller.feedback, size)
+    least = 3.0 * (controller.i8 + 1) * controller.i10 / 8_388_608.0
+    if not least < controller.largest_tm <= LONGEST_TM:
+        message = (
+            f"largest_tm is {controller.largest_tm:g} ms, but must be above {least:.2f} ms "
+            f"(three real-time interrupts) and at most {LONGEST_TM:g} ms."
+        )
+        file.say("Y1328", ("controller", "largest_tm"), message, "Write largest_tm = 50 (ms).")
+
+
+def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) -> None:
+    """The axes, or the feedback variables: each one legal, and there once."""
+    path: Path = ("controller", key)
+    right_length(file, path, names, size, "name", "joint")
+    for at, name in enumerate(names):
+        if key == "axes" and (name not in AXES or len(name) != 1):
+            message = f'axes[{at + 1}] is "{name[:20]}", which is no axis of the controller.'
+            file.say("Y1321", (*path, at), message, f"Use the letters {' '.join(AXES)}, each once.")
+        if key == "feedback" and not (
+            re.fullmatch(r"P(0|[1-9][0-9]{0,3})", name) and int(name[1:]) < FIRST_GUARD
+        ):
+            message = (
+                f'feedback[{at + 1}] is "{name[:20]}", which isn\'t a variable from P0 to P{FIRST_GUARD - 1}.'
+            )
+            file.say("Y1326", (*path, at), message, "Use P1, P2 and so on; those above are the guard's.")
+    code, what = ("Y1322", "Axis") if key == "axes" else ("Y1327", "Variable")
+    _check_twice(file, code, path, what, names)
+
+
+def _check_twice(file: TomlFile, code: str, path: Path, what: str, names: Sequence[str]) -> None:
+    first: dict[str, int] = {}
+    for at, name in enumerate(names):
+        if name in first:
+            message = f"{what} {name[:20]} belongs to joint {first[name] + 1} and to joint {at + 1}."
+            file.say(code, (*path, at), message, "Give each joint its own.")
+        first.setdefault(name, at)
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
+def _listed(indices: Iterable[int]) -> str:
+    return ", ".join(str(index + 1) for index in indices)

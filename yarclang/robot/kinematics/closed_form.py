@@ -1,0 +1,210 @@
+"""All eight solutions of an arm with a spherical wrist, for whole batches.
+
+The samples are the last index, the branches the one before: (shoulder 2, elbow 2) for the
+arm, (wrist 2) in front of them for the wrist. Angles come from half-angle formulas and atan2 of both legs, so
+that they stay accurate where a solution is about to vanish or two are about to meet.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.kinematics.geometry import WristedArm
+from yarclang.robot.model import Array
+
+BLOCK = 512
+"""Poses in one block, so that eight branches of them stay in the second-level cache."""
+
+HOLD = 1e-10
+"""The sine of the wrist's angle, and the wrist centre's distance from axis 1 [m], under which the angle
+that it no longer determines goes over to the held one. The transition is smooth; it costs at most half
+of this, times the difference [rad], in the pose."""
+
+REACH_TOLERANCE = 1e-10
+"""How far beyond a boundary [m, or as a sine] a pose still counts as on it."""
+
+TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Branches:
+    """The closed form's answer, samples last.
+
+    `q` (6, 8, N) [rad] in (-pi, pi]; where a branch doesn't reach the pose (`valid` (8, N) is false) it
+    has the pose that stretches towards it. `singular` (8, N): the wrist, or the shoulder, no longer
+    determines its angle, and the held one stands in.
+    """
+
+    q: Array
+    valid: NDArray[np.bool_]
+    singular: NDArray[np.bool_]
+
+
+def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branches:
+    """All branches of all poses.
+
+    Args:
+        arm: the arm's constants.
+        base_from_flange: (N, 4, 4).
+        hold: (6, N) or (6, 1), the joint positions that q1 over the shoulder and q4 at a
+            straight wrist are taken from [rad].
+
+    Returns:
+        The branches; the index is 4 wrist + 2 shoulder + elbow.
+    """
+    count = len(base_from_flange)
+    if count <= BLOCK:
+        return _block(arm, base_from_flange, hold)
+    q = np.empty((6, 8, count))
+    valid, singular = np.empty((8, count), bool), np.empty((8, count), bool)
+    for start in range(0, count, BLOCK):
+        piece = slice(start, start + BLOCK)
+        part = _block(arm, base_from_flange[piece], hold if hold.shape[1] == 1 else hold[:, piece])
+        q[:, :, piece], valid[:, piece], singular[:, piece] = part.q, part.valid, part.singular
+    return Branches(q, valid, singular)
+
+
+def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
+    """The closed form of one block of poses."""
+    count = len(poses)
+    columns = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
+    columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, count)
+    columns = np.matmul(arm.first_from_base[:3, :3], columns)
+    columns[3] += arm.first_from_base[:3, 3, None]
+
+    q1, over = _shoulder(arm, columns[3], hold[0])
+    sin1, cos1 = np.sin(q1), np.cos(q1)
+    q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
+    reached = reached & over.reached
+    # the wrist's rotation that the arm leaves over, rows first: (3, 3, shoulder 2, elbow 2, N)
+    rows = columns[:3].transpose(1, 0, 2)[:, :, None]
+    turned: Array = np.empty((3, 3, 2, count))
+    turned[0] = cos1 * rows[0] + sin1 * rows[1]
+    turned[1] = cos1 * rows[1] - sin1 * rows[0]
+    turned[2] = rows[2]
+    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, 2, 1, count)
+    bent = q2 + q3
+    sin, cos = np.sin(bent), np.cos(bent)
+    rest: Array = np.empty((3, 3, 2, 2, count))
+    rest[0] = cos * turned[0] + sin * turned[1]
+    rest[1] = cos * turned[1] - sin * turned[0]
+    rest[2] = turned[2]
+    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 4, count)
+
+    wrist, bendable, straight = _wrist(arm, rest, hold[3])
+    q: Array = np.empty((6, 2, 2, 2, count))
+    q[0] = q1[:, None]
+    q[1] = q2
+    q[2] = q3 * arm.elbow_sign
+    q = q.reshape(6, 8, count)
+    q[3:] = wrist.reshape(3, 8, count)
+    q -= TURN * np.round(q * (1.0 / TURN))
+    valid = np.empty((2, 4, count), bool)
+    valid[:] = np.repeat(reached, 2, axis=0) & bendable
+    singular = np.empty((2, 4, count), bool)
+    singular[:] = straight | over.singular
+    return Branches(q, valid.reshape(8, count), singular.reshape(8, count))
+
+
+@dataclass(frozen=True, slots=True)
+class _Over:
+    """Where the wrist centre stands against axis 1: can the shoulder reach it, is it over the axis (N,)."""
+
+    reached: NDArray[np.bool_]
+    singular: NDArray[np.bool_]
+
+
+def _shoulder(arm: WristedArm, centre: Array, hold: Array) -> tuple[Array, _Over]:
+    """q1 (2, N): the turns that bring the wrist centre (3, N) into the arm's plane (subproblem 4)."""
+    axis, origin = arm.shoulder[:3, 2], arm.shoulder[:3, 3]
+    lean = math.hypot(axis[0], axis[1])
+    radius = np.hypot(centre[0], centre[1])
+    side = ((arm.depth + axis @ origin) - axis[2] * centre[2]) / lean
+    slack = radius - np.abs(side)
+    spread = np.arctan2(np.sqrt(np.maximum(slack * (radius + np.abs(side)), 0.0)), side)
+    middle = np.arctan2(centre[1], centre[0]) - math.atan2(axis[1], axis[0])
+    q1 = np.stack((middle - spread, middle + spread))
+    singular = radius < 10.0 * HOLD
+    if singular.any():
+        q1 = _held(q1, hold, radius)
+    return q1, _Over(slack >= -REACH_TOLERANCE, singular)
+
+
+def _elbow(
+    arm: WristedArm, centre: Array, sin1: Array, cos1: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """q2 and q3 (shoulder 2, elbow 2, N), and where the wrist centre is within reach (2, N) (subproblems
+    3, 1).
+    """
+    turn = arm.shoulder[:3, :3]
+    start = -turn.T @ arm.shoulder[:3, 3]
+    along = cos1 * centre[0] + sin1 * centre[1]
+    aside = cos1 * centre[1] - sin1 * centre[0]
+    x = turn[0, 0] * along + turn[1, 0] * aside + (turn[2, 0] * centre[2] + start[0])
+    y = turn[0, 1] * along + turn[1, 1] * aside + (turn[2, 1] * centre[2] + start[1])
+    distance = np.hypot(x, y)
+    far, near = arm.upper + arm.fore, abs(arm.upper - arm.fore)
+    beyond, inside = far - distance, distance - near
+    sine = np.sqrt(np.maximum(beyond * (far + distance), 0.0))
+    cosine = np.sqrt(np.maximum(inside * (distance + near), 0.0))
+    fold = 2.0 * np.arctan2(sine, cosine)
+    tip = np.arctan2(arm.fore * np.sin(fold), arm.upper + arm.fore * np.cos(fold))
+    towards = np.arctan2(y, x)
+    q2 = np.stack((towards - tip, towards + tip), axis=1)
+    q3 = np.stack((fold, -fold), axis=1) - arm.fore_angle
+    return q2, q3, np.minimum(beyond, inside) >= -REACH_TOLERANCE
+
+
+def _wrist(arm: WristedArm, rest: Array, hold: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+    """The wrist's three angles (3, wrist 2, arm 4, N) for the rotation `rest` (3, 3, arm 4, N).
+
+    rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), t5 = q5 + bend: its last column says how far
+    axis 6 leans from axis 4, and that gives t5 (subproblem 4) and then q4 (subproblem 1). q6 is taken
+    after q4, so that an uncertain q4 at a straight wrist doesn't spoil the pose.
+
+    Also where the wrist can bend as far (arm 4, N), and where it is straight.
+    """
+    alpha, beta = arm.alpha, arm.beta
+    sin_a, cos_a, sin_b, cos_b = math.sin(alpha), math.cos(alpha), math.sin(beta), math.cos(beta)
+    x, y, z = rest[:, 2]
+    lean_sine = np.hypot(x, y)
+    lean = np.arctan2(lean_sine, z)
+    # spherical triangle of the sides alpha, beta, lean: both half-angle legs of the angle at axis 5
+    half, middle, difference = 0.5 * lean, 0.5 * (alpha + beta), 0.5 * (alpha - beta)
+    sine = np.sin(middle + half) * np.sin(middle - half)
+    cosine = np.sin(half + difference) * np.sin(half - difference)
+    bendable = np.minimum(sine, cosine) >= -REACH_TOLERANCE * sin_a * sin_b
+    t5 = 2.0 * np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
+    sin5, cos5 = np.sin(t5), np.cos(t5)
+    # where axis 6 points, seen along axis 4, before joint 4 turns
+    before = np.arctan2(-cos_a * sin_b * cos5 - sin_a * cos_b, sin_b * sin5)
+    seen = np.arctan2(y, x)
+    angles = np.empty((3, 2, *t5.shape))
+    angles[0, 0], angles[0, 1] = seen - before, seen + before - math.pi
+    straight = lean_sine < 10.0 * HOLD
+    if straight.any():
+        angles[0] = _held(angles[0], hold, lean_sine)
+    angles[1, 0], angles[1, 1] = t5 - arm.bend, -t5 - arm.bend
+    sin4, cos4 = np.sin(angles[0]), np.cos(angles[0])
+    # the common normal of axes 5 and 6, in frame 4
+    side = np.stack((cos_a * sin5, -cos_a * sin5))
+    across_x, across_y = cos4 * cos5 - sin4 * side, sin4 * cos5 + cos4 * side
+    across_z = np.stack((sin_a * sin5, -sin_a * sin5))
+    along = [
+        across_x * rest[0, axis] + across_y * rest[1, axis] + across_z * rest[2, axis] for axis in (0, 1)
+    ]
+    np.arctan2(-along[1], along[0], out=angles[2])
+    return angles, bendable, straight
+
+
+def _held(angle: Array, hold: Array, weight: Array) -> Array:
+    """`angle` where `weight` determines it, `hold` where not, and a smooth transition at HOLD."""
+    square = weight * weight
+    away = angle - hold
+    away -= TURN * np.round(away * (1.0 / TURN))
+    held: Array = hold + away * (square / (square + HOLD * HOLD))
+    return held

@@ -1,0 +1,123 @@
+"""Which arms have a closed form: six turns, a spherical wrist, and an elbow parallel to the shoulder.
+
+The last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor 6,
+axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
+decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025),
+"spherical wrist, two parallel": subproblem 4 for q1, 3 for q3, 1 for q2; then 4, 1, 1 for the wrist.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.robot.kinematics.fk import links_of
+from yarclang.robot.model import Array, Chain
+
+TOLERANCE = 1e-9
+"""How far axes may miss each other [m], or be off parallel [rad], and still count as meeting or parallel."""
+
+SMALL_ANGLE = 1e-3
+"""Axes that are nearer to parallel than this [rad] don't turn a wrist or a shoulder usefully."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WristedArm:
+    """The constants of the closed form.
+
+    All frames have z along their joint's axis and are taken with all joints at zero. Frame 6 sits in
+    the wrist centre, so does frame 4; frames 2 and 3 have the same axes, x from axis 2 to axis 3.
+
+    `first_from_base` (4, 4) and `flange_from_wrist` (4, 4, frame 6 in the flange) turn a flange pose into the
+    pose of frame 6 in frame 1. `shoulder` (4, 4) is frame 2 in frame 1. `upper` and `fore` [m] are
+    the lengths of the two links in the plane across axis 2, `fore_angle` [rad] is where the wrist centre
+    stands in that plane, seen from axis 3 against x, `depth` [m] how far along axis 2. `elbow_sign` is
+    -1 where axis 3 is against axis 2. `wrist` (3, 3) is frame 4 in frame 3. `alpha` and `beta` [rad] are
+    the angles between axes 4 and 5, and 5 and 6; `bend` [rad] is the angle of joint 5 in the wrist's own
+    count at zero.
+    """
+
+    first_from_base: Array
+    flange_from_wrist: Array
+    shoulder: Array
+    upper: float
+    fore: float
+    fore_angle: float
+    depth: float
+    elbow_sign: float
+    wrist: Array
+    alpha: float
+    beta: float
+    bend: float
+
+
+@lru_cache(maxsize=256)
+def wristed_arm(chain: Chain) -> WristedArm | None:
+    """The closed form of `chain`, or None where it has none; remembered by the chain's identity."""
+    links = links_of(chain)
+    if chain.size != 6 or not links.uniform:
+        return None
+    axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
+    centre = _meeting(axes[3:], points[3:])
+    alpha, beta = _angle(axes[3], axes[4]), _angle(axes[4], axes[5])
+    lean = _angle(axes[0], axes[1])
+    if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
+        return None
+    if np.linalg.norm(np.cross(axes[1], axes[2])) > TOLERANCE:
+        return None
+    # axis 3 at the same height along axis 2 as the point on axis 2
+    across = points[2] - points[1]
+    across = across - axes[1] * (axes[1] @ across)
+    upper = float(np.linalg.norm(across))
+    if upper < SMALL_ANGLE:
+        return None
+    second = _frame(axes[1], across / upper, points[1])
+    third = second.copy()
+    third[:3, 3] += across
+    seen = np.linalg.inv(third) @ np.r_[centre, 1.0]
+    fore = float(np.hypot(seen[0], seen[1]))
+    if fore < SMALL_ANGLE:
+        return None
+    first = links.frames[0]
+    x4, x6 = np.cross(axes[3], axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
+    fourth = _frame(axes[3], x4, centre)
+    sixth = _frame(axes[5], x6, centre)
+    return WristedArm(
+        first_from_base=np.linalg.inv(first),
+        flange_from_wrist=np.linalg.inv(chain.base_from_flange) @ sixth,
+        shoulder=np.linalg.inv(first) @ second,
+        upper=upper,
+        fore=fore,
+        fore_angle=float(np.arctan2(seen[1], seen[0])),
+        depth=float(seen[2]),
+        elbow_sign=1.0 if axes[1] @ axes[2] > 0.0 else -1.0,
+        wrist=third[:3, :3].T @ fourth[:3, :3],
+        alpha=alpha,
+        beta=beta,
+        bend=float(np.arctan2(axes[4] @ np.cross(x4, x6), x4 @ x6)),
+    )
+
+
+def _meeting(axes: Array, points: Array) -> Array | None:
+    """The point (3,) in which the axes (m, 3) through `points` (m, 3) meet, or None."""
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
+    total = across.sum(axis=0)
+    if np.linalg.cond(total) > 1e9:
+        return None
+    point: Array = np.linalg.solve(total, np.einsum("mij,mj->i", across, points))
+    misses = np.einsum("mij,mj->mi", across, point - points)
+    return point if np.abs(misses).max() < TOLERANCE else None
+
+
+def _angle(first: Array, second: Array) -> float:
+    """The angle between two unit vectors, 0 to pi."""
+    return float(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second))
+
+
+def _frame(z: Array, x: Array, origin: Array) -> Array:
+    """The frame (4, 4) with these axes and origin."""
+    frame = np.eye(4)
+    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, origin
+    return frame

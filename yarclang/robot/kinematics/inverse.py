@@ -1,0 +1,169 @@
+"""Joint positions for poses: the one nearest to a seed, or all branches. For whole batches.
+
+Arms with a spherical wrist have a closed form; all others go by numeric search.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form
+from yarclang.robot.kinematics.fk import links_of, walk
+from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
+from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.model import Array, Chain
+
+BRANCHES = 16
+"""How many solutions the numeric search keeps."""
+
+RESTARTS = 48
+"""From how many joint positions it starts."""
+
+POLISH = 1e-10
+"""A solution that misses by more [m or rad] is improved by iteration."""
+
+REACHED = 1e-9
+"""The miss [m or rad] up to which a joint position counts as a solution."""
+
+STRETCHED = 1.0
+"""What a branch that doesn't reach the pose costs against one that does, in squared joint differences: a
+seed at the edge of the workspace stays on its own branch instead of jumping to another."""
+
+
+def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, Array, Array]:
+    """The solution nearest to each seed.
+
+    With a closed form: of all branches and full turns the one with the least sum of squared joint
+    differences; where the wrist is straight (or the wrist centre over axis 1) the seed's q4 (q1)
+    is kept. Otherwise damped least squares from the seed, on the seed's own full turn. Limits aren't
+    looked at.
+
+    Args:
+        chain: the arm, n joints.
+        base_from_flange: (N, 4, 4).
+        seeds: (N, n) [rad or m].
+
+    Returns:
+        q (N, n) [rad or m], and what it misses the poses by, measured by forward kinematics: position
+        (N,) [m] and angle (N,) [rad]. Both under 1e-10 where the pose can be reached; where it can't, q
+        is the nearest miss found.
+    """
+    arm = wristed_arm(chain)
+    if arm is None:
+        found = fit(chain, base_from_flange, seeds)
+        return found.q, found.miss_position, found.miss_angle
+    q = np.empty((len(seeds), chain.size))
+    miss_position, miss_angle = np.empty(len(seeds)), np.empty(len(seeds))
+    for start in range(0, len(seeds), BLOCK):
+        piece = slice(start, start + BLOCK)
+        poses, seed = base_from_flange[piece], np.ascontiguousarray(seeds[piece].T)
+        nearest = _nearest_branch(arm, poses, seed)
+        columns = walk(chain, nearest, np.eye(4))[0]
+        miss_position[piece], miss_angle[piece] = misses(columns, pose_columns(poses))
+        q[piece] = nearest.T
+    rough = np.flatnonzero(np.maximum(miss_position, miss_angle) > POLISH)
+    if len(rough):
+        better = fit(chain, base_from_flange[rough], q[rough])
+        q[rough] = better.q
+        miss_position[rough], miss_angle[rough] = better.miss_position, better.miss_angle
+    return q, miss_position, miss_angle
+
+
+def branches(
+    chain: Chain, base_from_flange: Array, hold: Array | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """All solutions of each pose, without regard to limits.
+
+    With a closed form these are its eight branches, always in the same order, so that along a path one index
+    is one configuration as long as no singularity is passed. Otherwise the solutions that a search from 48
+    fixed joint positions finds, at most 16 and different from each other, in the order found.
+
+    Args:
+        chain: the arm, n joints.
+        base_from_flange: (N, 4, 4).
+        hold: (n,) [rad], the joint positions that a singular q4 or q1 takes; zeros if None.
+
+    Returns:
+        q (N, B, n), revolute joints in (-pi, pi] [rad], and which of them reach their pose (N, B).
+    """
+    arm = wristed_arm(chain)
+    if arm is not None:
+        held = np.zeros((6, 1)) if hold is None else hold[:, None]
+        found = closed_form(arm, base_from_flange, held)
+        return np.ascontiguousarray(found.q.transpose(2, 1, 0)), np.ascontiguousarray(found.valid.T)
+    count, size = len(base_from_flange), chain.size
+    starts = np.tile(restarts(chain, RESTARTS), (count, 1))
+    poses = np.repeat(base_from_flange, RESTARTS, axis=0)
+    fitted = fit(chain, poses, starts)
+    q = wrapped(chain, fitted.q).reshape(count, RESTARTS, size)
+    reached = (fitted.total < REACHED).reshape(count, RESTARTS)
+    first = reached & ~_repeated(chain, q, reached)
+    # those found first, in their order, then the rest as fillers
+    order = np.argsort(~first, axis=1, kind="stable")[:, :BRANCHES]
+    return np.take_along_axis(q, order[:, :, None], axis=1), np.take_along_axis(first, order, axis=1)
+
+
+def restarts(chain: Chain, count: int) -> Array:
+    """Fixed joint positions (count, n) [rad or m] to start a search from, spread evenly (a Halton
+    sequence).
+    """
+    index = np.arange(1, count + 1)
+    spread = np.stack([_radical_inverse(index, prime) for prime in _PRIMES[: chain.size]], axis=1)
+    reach = np.where(chain.is_prismatic, extent(chain), math.pi)
+    result: Array = (2.0 * spread - 1.0) * reach
+    return result
+
+
+def extent(chain: Chain) -> float:
+    """The sum of the distances from joint to joint and to the flange [m], a size of the arm."""
+    links = links_of(chain)
+    points = np.vstack([links.frames[:, :3, 3], chain.base_from_flange[None, :3, 3]])
+    # the point of a prismatic joint means nothing: its neighbour's stands in
+    for joint in range(chain.size - 1, -1, -1):
+        if not links.turn[joint]:
+            points[joint] = points[joint + 1]
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) + 1e-3
+
+
+def wrapped(chain: Chain, q: Array) -> Array:
+    """`q` (..., n) with revolute joints in (-pi, pi]."""
+    result: Array = q - np.where(chain.is_prismatic, 0.0, TURN * np.round(q / TURN))
+    return result
+
+
+def _nearest_branch(arm: WristedArm, poses: Array, seed: Array) -> Array:
+    """Of all branches and full turns the nearest (6, N) to `seed` (6, N)."""
+    found = closed_form(arm, poses, seed)
+    away = found.q
+    away -= seed[:, None]
+    away -= TURN * np.round(away * (1.0 / TURN))
+    cost = np.einsum("jbn,jbn->bn", away, away)
+    cost[~found.valid] += STRETCHED
+    best = np.argmin(cost, axis=0)
+    result: Array = seed + away[:, best, np.arange(len(best))]
+    return result
+
+
+def _repeated(chain: Chain, q: Array, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of the solutions (N, R, n) are the same as one before them (N, R)."""
+    count = q.shape[1]
+    away = np.abs(wrapped(chain, q[:, :, None] - q[:, None])).max(axis=3)
+    earlier = np.tri(count, k=-1, dtype=bool)
+    same: NDArray[np.bool_] = ((away < 1e-5) & earlier & reached[:, None, :]).any(axis=2)
+    return same
+
+
+_PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
+
+
+def _radical_inverse(index: NDArray[np.int_], base: int) -> Array:
+    """The digits of `index` to `base`, mirrored at the point (N,), in [0, 1)."""
+    result, scale, left = np.zeros(len(index)), 1.0 / base, index.copy()
+    while left.any():
+        left, digit = np.divmod(left, base)
+        result += digit * scale
+        scale /= base
+    return result

@@ -1,0 +1,241 @@
+"""The solutions of one pose within limits, nearest first; or why there is none."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.kinematics.closed_form import TURN, closed_form
+from yarclang.robot.kinematics.fk import walk, walk_with_jacobian
+from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.inverse import REACHED, branches, restarts
+from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.model import Array, Chain, Limits
+
+EDGE = 1e-8
+"""A joint that is beyond its limit by no more [rad or m] is put on it."""
+
+SAME = 1e-7
+"""Solutions nearer to each other than this in every joint [rad or m] are one."""
+
+SEARCHES = 96
+"""Starts of the numeric search within limits."""
+
+ORIENTATION = 30.0
+"""What 1 rad counts against 1 m where the nearest miss with the orientation held is looked for."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solutions:
+    """Joint positions that reach a pose within limits: `q` (m, n) [rad or m], nearest to the reference first.
+
+    One for each branch, on its nearest full turns; `full_turns` lists the others.
+    """
+
+    q: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unreachable:
+    """Why no joint position reaches a pose.
+
+    kind "reach": the frame misses by `miss` [m] at least, its orientation held; where the arm can't
+    even hold that, `miss_angle` [rad] is what is left. kind "limits": the solution that needs least has
+    `joint` (from 0) beyond its limit by `excess` [rad or m], above the upper one if positive, below the
+    lower one if negative. `q` (n,) is the joint position in question [rad or m].
+    """
+
+    kind: Literal["reach", "limits"]
+    q: Array
+    miss: float = 0.0
+    miss_angle: float = 0.0
+    joint: int | None = None
+    excess: float = 0.0
+
+
+def nearest_solutions(
+    chain: Chain, limits: Limits, base_from_flange: Array, reference: Array
+) -> Solutions | Unreachable:
+    """All solutions within limits, by their sum of squared joint differences from `reference`.
+
+    Equal distances are ordered by the joint values, the first joint first. Where the wrist is straight q4
+    is the reference's and q6 makes up the sum (only a limit of joint 6 moves q4). A redundant arm has a
+    continuum of solutions: the nearest that a search from fixed starts finds.
+
+    Args:
+        chain: the arm, n joints.
+        limits: its limits.
+        base_from_flange: (4, 4).
+        reference: (n,) [rad or m].
+
+    Returns:
+        The solutions, or the reason why there is none.
+    """
+    reference = np.asarray(reference, dtype=float)
+    if wristed_arm(chain) is None:
+        found = _searched(chain, limits, base_from_flange, reference)
+    else:
+        found = _in_closed_form(chain, limits, base_from_flange, reference)
+    if not len(found):
+        return _out_of_reach(chain, base_from_flange, reference)
+    lifted = nearest_turn(chain, limits, found, reference)
+    excess = beyond(limits, lifted)
+    inside = np.abs(excess).max(axis=1) <= EDGE
+    if not inside.any():
+        least = int(np.argmin(np.square(excess).sum(axis=1)))
+        joint = int(np.argmax(np.abs(excess[least])))
+        return Unreachable("limits", _sealed(lifted[least]), joint=joint, excess=float(excess[least, joint]))
+    q = np.clip(lifted[inside], limits.lower, limits.upper)
+    cost = np.square(q - reference).sum(axis=1)
+    # rounded, so that the last bit doesn't decide between equals
+    keys = [np.round(q[:, joint], 9) for joint in range(chain.size - 1, -1, -1)]
+    q = q[np.lexsort((*keys, np.round(cost, 9)))]
+    return Solutions(_sealed(q[_distinct(q)]))
+
+
+def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
+    """All joint positions (m, n) within limits that differ from `q` (n,) by full turns of revolute joints."""
+    choices = []
+    for joint, value in enumerate(q):
+        if chain.is_prismatic[joint]:
+            choices.append([float(value)])
+            continue
+        low = max(limits.lower[joint], value - 8.0 * TURN)
+        high = min(limits.upper[joint], value + 8.0 * TURN)
+        first = math.ceil((low - value - EDGE) / TURN)
+        last = math.floor((high - value + EDGE) / TURN)
+        choices.append([float(value + TURN * turn) for turn in range(first, last + 1)])
+    found = np.array(list(itertools.product(*choices)), dtype=float).reshape(-1, chain.size)
+    return _sealed(np.clip(found, limits.lower, limits.upper))
+
+
+def nearest_turn(chain: Chain, limits: Limits, q: Array, reference: Array) -> Array:
+    """`q` (..., n) shifted by full turns: within limits where that can be, there nearest to `reference`
+    (..., n), otherwise as little out of them as can be.
+    """
+    turns = np.round((reference - q) / TURN)
+    least = np.ceil((limits.lower - q - EDGE) / TURN)
+    most = np.floor((limits.upper - q + EDGE) / TURN)
+    fits = least <= most
+    inside = np.where(fits, np.clip(turns, least, np.maximum(least, most)), 0.0)
+    below, above = limits.lower - (q + TURN * most), (q + TURN * least) - limits.upper
+    outside = np.where(above <= below, least, most)
+    shifted: Array = q + np.where(chain.is_prismatic, 0.0, TURN * np.where(fits, inside, outside))
+    return shifted
+
+
+def beyond(limits: Limits, q: Array) -> Array:
+    """How far `q` (..., n) is out of limits [rad or m]: positive above, negative below, 0 within."""
+    result: Array = np.maximum(q - limits.upper, 0.0) + np.minimum(q - limits.lower, 0.0)
+    return result
+
+
+def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, float, float]:
+    """Where the arm comes nearest to a pose that it can't reach, its orientation held.
+
+    Returns:
+        q (n,), the miss [m], and the turn that is left [rad], the best from `seeds` (m, n).
+    """
+    poses = np.broadcast_to(base_from_flange, (len(seeds), 4, 4))
+    found = fit(chain, poses, seeds, rounds=300, angle_weight=ORIENTATION)
+    best = int(np.argmin(np.hypot(found.miss_position, ORIENTATION * found.miss_angle)))
+    return found.q[best], float(found.miss_position[best]), float(found.miss_angle[best])
+
+
+def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
+    """The branches (m, n) that reach the pose, a straight wrist's last turn shared where joint 6 has to."""
+    arm = wristed_arm(chain)
+    assert arm is not None
+    start = np.clip(reference, limits.lower, limits.upper)
+    found = closed_form(arm, pose[None], start[:, None])
+    valid = found.valid[:, 0]
+    q, straight = found.q[:, valid, 0].T, found.singular[valid, 0]
+    if straight.any():
+        lifted = nearest_turn(chain, limits, q, reference)
+        axes = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[1]
+        sense = np.sign(np.einsum("kn,kn->n", axes[3], axes[5]))
+        excess = np.where(straight, beyond(limits, lifted)[:, 5], 0.0)
+        moved = lifted.copy()
+        moved[:, 5] -= excess
+        moved[:, 3] += sense * excess
+        q = np.where((excess != 0.0)[:, None], moved, q)
+    return q[_reaching(chain, pose, q)]
+
+
+def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
+    """Solutions (m, n) by numeric search; within limits if there are any, else without regard to them."""
+    start = np.clip(reference, limits.lower, limits.upper)
+    low = np.maximum(limits.lower, np.where(chain.is_prismatic, limits.lower, start - math.pi))
+    high = np.minimum(limits.upper, np.where(chain.is_prismatic, limits.upper, start + math.pi))
+    spread = restarts(chain, SEARCHES)
+    unit = (spread - spread.min(axis=0)) / np.ptp(spread, axis=0)
+    bounded = np.isfinite(low) & np.isfinite(high)
+    seeds = np.where(bounded, np.where(bounded, low, 0.0) + unit * np.where(bounded, high - low, 0.0), spread)
+    seeds = np.vstack([start, seeds])
+    poses = np.broadcast_to(pose, (len(seeds), 4, 4))
+    clipped = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper)
+    q = clipped.q[clipped.total < REACHED]
+    free = branches(chain, pose[None])
+    from_reference = fit(chain, pose[None], start[None])
+    q = np.vstack([q, free[0][0][free[1][0]], from_reference.q[from_reference.total < REACHED]])
+    if chain.size > 6 and len(q):
+        q = np.vstack([q, _pulled(chain, limits, pose, nearest_turn(chain, limits, q, reference), start)])
+    return q
+
+
+def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Array) -> Array:
+    """Solutions of a redundant arm moved through its null space towards the reference, within limits."""
+    poses = np.broadcast_to(pose, (len(q), 4, 4))
+    for _ in range(25):
+        jacobian = walk_with_jacobian(chain, np.ascontiguousarray(q.T), np.eye(4))[1].transpose(2, 0, 1)
+        wanted = reference - q
+        wanted = wanted - np.einsum(
+            "nij,nj->ni", np.linalg.pinv(jacobian, rcond=1e-6), np.einsum("nij,nj->ni", jacobian, wanted)
+        )
+        largest = np.abs(wanted).max(axis=1, keepdims=True)
+        step = wanted * np.minimum(1.0, 0.3 / np.maximum(largest, 1e-12))
+        moved = fit(chain, poses, q + step, lower=limits.lower, upper=limits.upper, rounds=12)
+        nearer = (np.square(moved.q - reference).sum(axis=1) < np.square(q - reference).sum(axis=1)) & (
+            moved.total < REACHED
+        )
+        if not nearer.any() or np.abs(moved.q - q)[nearer].max() < 1e-6:
+            break
+        q = np.where(nearer[:, None], moved.q, q)
+    return q[_reaching(chain, pose, q)]
+
+
+def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
+    """The nearest miss from the reference and from fixed starts."""
+    seeds = np.vstack([reference, restarts(chain, 48)])
+    arm = wristed_arm(chain)
+    if arm is not None:
+        seeds = np.vstack([closed_form(arm, pose[None], reference[:, None]).q[:, :, 0].T, seeds])
+    q, miss, miss_angle = nearest_miss(chain, pose, seeds)
+    return Unreachable("reach", _sealed(q), miss=miss, miss_angle=miss_angle)
+
+
+def _reaching(chain: Chain, pose: Array, q: Array) -> NDArray[np.bool_]:
+    """Which of the joint positions (m, n) reach the pose, by forward kinematics."""
+    columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
+    position, angle = misses(columns, pose_columns(pose[None]))
+    reaching: NDArray[np.bool_] = np.maximum(position, angle) < REACHED
+    return reaching
+
+
+def _distinct(q: Array) -> NDArray[np.bool_]:
+    """The rows of `q` (m, n) that aren't the same as one before them."""
+    away = np.abs(q[:, None] - q[None]).max(axis=2)
+    same: NDArray[np.bool_] = ((away < SAME) & np.tri(len(q), k=-1, dtype=bool)).any(axis=1)
+    return ~same
+
+
+def _sealed(array: Array) -> Array:
+    """A read-only copy in row order."""
+    array = np.array(array, dtype=float, order="C")
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,220 @@
+"""Following the branches of the closed form along a path.
+
+All branches of all samples come at once. From sample to sample the strand stays on its branch; where
+that would need more than a small move, the place is looked at more closely, down to a billionth of the
+path. If there another branch goes on smoothly, the path passes exactly through a singularity and the
+strand changes over; if none does, a joint would have to jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.kinematics.closed_form import TURN, closed_form
+from yarclang.robot.kinematics.geometry import WristedArm
+from yarclang.robot.model import Array
+
+NEAR = 0.2
+"""The largest move of a joint from sample to sample [rad or m]."""
+
+FINEST = 1e-9
+"""The shortest piece of a path that is looked at."""
+
+BEND = 0.02
+"""How far a sample may lie off the chord of its neighbours [rad]."""
+
+SHORT = 1e-5
+"""A piece of a path that isn't cut for the sake of its bend alone."""
+
+SECTIONS = 16
+"""Into how many pieces an interval is cut that hides a jump."""
+
+ROUNDS = 40
+"""The most refinements of a skeleton."""
+
+End = Literal["whole", "jump", "nothing"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strand:
+    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, as far as they go on without a
+    jump.
+
+    `end` says whether that is the whole path, or the nearest solution beyond would be a jump (to `beyond`
+    (n,)), or there is none.
+    """
+
+    s: Array
+    q: Array
+    end: End
+    beyond: Array
+
+
+@dataclass(slots=True, eq=False)
+class _Samples:
+    """All branches at all places so far, the places first: `q` (M, 8, 6), `valid` and `singular` (M, 8)."""
+
+    s: Array
+    poses: Array
+    q: Array
+    valid: NDArray[np.bool_]
+    singular: NDArray[np.bool_]
+
+
+def follow_branches(arm: WristedArm, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
+    """The strand that starts at `q_start` (6,) [rad], which stands at pose_at(s[0]).
+
+    Args:
+        arm: the closed form.
+        pose_at: base_from_flange (N, 4, 4) at places (N,).
+        s: (M,) the first skeleton, from 0 to 1.
+        q_start: (6,) [rad].
+    """
+    samples = _sampled(arm, pose_at(s), s, q_start)
+    for _ in range(ROUNDS):
+        strand, cuts = _walk(arm, samples, q_start)
+        if not len(cuts) and strand.end == "whole":
+            cuts = _bends(strand)
+        if not len(cuts):
+            break
+        extra = _sampled(arm, pose_at(cuts), cuts, q_start)
+        samples = _merged(samples, extra)
+    return strand
+
+
+def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
+    """Follow the samples from `q_start`; also the places (K,) that need a closer look."""
+    s, count = samples.s, len(samples.s)
+    q = np.empty((count, 6))
+    q[0] = q_start
+    cuts: list[Array] = []
+    # how far each branch moves from each sample to the next
+    moves = samples.q[1:] - samples.q[:-1]
+    moves -= TURN * np.round(moves / TURN)
+    farthest = np.abs(moves).max(axis=2)
+    farthest[~samples.valid[1:] | samples.singular[1:] | samples.singular[:-1]] = np.inf
+    here, branch = 0, -1
+    end: End = "whole"
+    beyond = q_start
+    while here < count - 1:
+        if branch >= 0:
+            # run on along the branch as far as it is smooth
+            rough = farthest[here:, branch] > NEAR
+            run = int(np.argmax(rough)) if rough.any() else len(rough)
+            if run:
+                q[here + 1 : here + run + 1] = q[here] + np.cumsum(moves[here : here + run, branch], axis=0)
+                here += run
+                continue
+        # choose among all branches at the next sample
+        width = s[here + 1] - s[here]
+        choice, target, straight = _choose(arm, samples, here + 1, q[here])
+        if choice < 0:
+            if width > FINEST:
+                cuts.append(_sections(s[here], s[here + 1], min(SECTIONS, int(np.ceil(width / FINEST)))))
+            end = "nothing"
+            break
+        move = float(np.abs(target - q[here]).max())
+        changes = branch >= 0 and choice != branch and not straight
+        if (move > NEAR or changes) and width > FINEST:
+            pieces = min(SECTIONS, int(np.ceil(width / FINEST)))
+            if branch >= 0 and choice == branch and move < 1.0:
+                pieces = min(max(int(np.ceil(move / (0.6 * NEAR))), 2), SECTIONS)
+            cuts.append(_sections(s[here], s[here + 1], pieces))
+        elif move > NEAR:
+            end, beyond = "jump", target
+            break
+        here += 1
+        q[here] = target
+        branch = -1 if straight else choice
+        if straight:
+            run = int(
+                np.argmin(np.append(samples.singular[here:, choice] & samples.valid[here:, choice], False))
+            )
+            held = _held_run(arm, samples, here, here + run, choice, target)
+            q[here : here + len(held)] = held
+            here += len(held) - 1
+    reached = here + 1
+    return Strand(s[:reached], q[:reached], end, beyond), (np.concatenate(cuts) if cuts else np.empty(0))
+
+
+def _held_run(arm: WristedArm, samples: _Samples, first: int, last: int, branch: int, q: Array) -> Array:
+    """Joint positions (K, 6) from sample `first` to before `last`, all of them singular, with the free
+    angle held at that of `q` (6,), the first of them; as far as no joint moves too much from one to the
+    next.
+    """
+    held = closed_form(arm, samples.poses[first:last], q[:, None]).q[:, branch].T
+    moves = np.diff(held, axis=0)
+    moves -= TURN * np.round(moves / TURN)
+    rough = np.abs(moves).max(axis=1, initial=0.0) > NEAR
+    run = int(np.argmax(rough)) if rough.any() else len(moves)
+    return np.vstack([q, q + np.cumsum(moves[:run], axis=0)])
+
+
+def _bends(strand: Strand) -> Array:
+    """Places (K,) halfway to the neighbours of samples that lie off the chord between these: what happens
+    there, a short stretch out of reach perhaps, would be missed.
+    """
+    s, q = strand.s, strand.q
+    if len(s) < 3:
+        return np.empty(0)
+    share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
+    away = np.abs(q[1:-1] - q[:-2] - share * (q[2:] - q[:-2])).max(axis=1) > BEND
+    near = np.zeros(len(s) - 1, dtype=bool)
+    near[:-1] |= away
+    near[1:] |= away
+    near &= np.diff(s) > SHORT
+    middles: Array = 0.5 * (s[:-1] + s[1:])[near]
+    return middles
+
+
+def _choose(arm: WristedArm, samples: _Samples, index: int, q: Array) -> tuple[int, Array, bool]:
+    """The branch at sample `index` nearest to `q` (6,), its joints on the turns next to q, and whether it is
+    singular there, with the free angle held at q's; -1 for none.
+    """
+    found, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
+    if not valid.any():
+        return -1, q, False
+    if singular.any():
+        held = closed_form(arm, samples.poses[index : index + 1], q[:, None])
+        found = held.q[:, :, 0].T
+    away = found - q
+    away -= TURN * np.round(away / TURN)
+    size = np.where(valid, np.abs(away).max(axis=1), np.inf)
+    choice = int(np.argmin(size))
+    return choice, q + away[choice], bool(singular[choice])
+
+
+def _sections(start: float, end: float, pieces: int) -> Array:
+    """The inner ends (pieces - 1,) of equal pieces."""
+    result: Array = np.linspace(start, end, pieces + 1)[1:-1]
+    return result
+
+
+def _sampled(arm: WristedArm, poses: Array, s: Array, hold: Array) -> _Samples:
+    """All branches at new places."""
+    found = closed_form(arm, poses, hold[:, None])
+    return _Samples(
+        s,
+        poses,
+        np.ascontiguousarray(found.q.transpose(2, 1, 0)),
+        found.valid.T.copy(),
+        found.singular.T.copy(),
+    )
+
+
+def _merged(samples: _Samples, extra: _Samples) -> _Samples:
+    """Both, in the order of their places."""
+    s = np.concatenate([samples.s, extra.s])
+    order = np.argsort(s, kind="stable")
+    return _Samples(
+        s[order],
+        np.concatenate([samples.poses, extra.poses])[order],
+        np.concatenate([samples.q, extra.q])[order],
+        np.concatenate([samples.valid, extra.valid])[order],
+        np.concatenate([samples.singular, extra.singular])[order],
+    )

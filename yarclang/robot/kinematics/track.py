@@ -1,0 +1,228 @@
+"""Following a path of flange poses by continuity, or saying where and why that ends.
+
+A skeleton of samples is laid over the path, dense enough that each joint moves little from one to the
+next; where it doesn't, the skeleton is refined until either it does or the place is so short that the
+joint would have to jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.inverse import REACHED, branches, follow, restarts
+from yarclang.robot.kinematics.march import march
+from yarclang.robot.kinematics.nearest import beyond, nearest_miss, nearest_turn
+from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.kinematics.strands import Strand, follow_branches
+from yarclang.robot.model import Array, Chain, Limits
+
+BreakKind = Literal["reach", "limits", "singular", "configuration"]
+PathPoses = Callable[[Array], Array]
+
+ON_PATH = 1e-6
+"""How far the start may miss the path, and the polished start its limits [m or rad]."""
+
+START = 1e-3
+"""How far the polished start may be from the given one [rad or m]."""
+
+CLEAR = 1e-6
+"""How far behind a singularity the jump over it is measured, as a share of the path."""
+
+EDGE = 1e-8
+"""A joint that is beyond its limit by no more [rad or m] counts as on it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Joint positions along a path.
+
+    `s` (M,) grows from 0 to 1; `q` (M, n) [rad or m] stand at the path's poses, with each joint
+    on continuous turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that `at`
+    gives seeds for `follow` on the same branch. `bend` (M, n) are the second derivatives of the natural cubic
+    spline through them for a redundant arm, whose seeds choose among a continuum of solutions and so have
+    to be smooth; None for others.
+    """
+
+    s: Array
+    q: Array
+    bend: Array | None = None
+
+    def at(self, s: Array) -> Array:
+        """Joint positions (N, n) at path places `s` (N,), between the samples: seeds, not solutions."""
+        after = np.clip(np.searchsorted(self.s, s, side="right"), 1, len(self.s) - 1)
+        before = after - 1
+        width = (self.s[after] - self.s[before])[:, None]
+        share = (s - self.s[before])[:, None] / width
+        result: Array = self.q[before] + share * (self.q[after] - self.q[before])
+        if self.bend is not None:
+            left, right = self.bend[before], self.bend[after]
+            result = result - width**2 / 6.0 * share * (1.0 - share) * (
+                (2.0 - share) * left + (1.0 + share) * right
+            )
+        return result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Broken:
+    """Where a path can't be followed any further.
+
+    `s` is how far it got, `q` (n,) [rad or m] the joint position there.
+
+    kind "reach": further on the path is out of reach, at the worst by `amount` [m], the orientation
+    held; where the arm can't hold that, `angle` [rad] is left as well.
+    kind "limits": `joint` (from 0) leaves its limits here and would exceed them on the way by up to
+    `amount` [rad or m], above the upper one if positive, below the lower one if negative; and further on
+    there is a pose that no other configuration reaches within limits either.
+    kind "configuration": only another configuration (or another full turn of a joint) goes on from here.
+    Where limits are the reason, `joint` and `amount` are as for limits, and every sampled pose of the
+    rest of the path is within reach and limits of some other configuration. Where this configuration ends,
+    `joint` is the one that differs most in the nearest other, and `amount` by how much, or None.
+    kind "singular": `joint` would have to jump here by `amount` [rad or m], the flange at rest.
+    """
+
+    s: float
+    kind: BreakKind
+    q: Array
+    joint: int | None = None
+    amount: float = 0.0
+    angle: float = 0.0
+
+
+def track(
+    chain: Chain, limits: Limits, pose_at: PathPoses, q_start: Array, *, samples: int = 33
+) -> Track | Broken:
+    """Follow a path by continuity.
+
+    Args:
+        chain: the arm, n joints.
+        limits: its limits; q_start is within them.
+        pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
+        q_start: (n,) [rad or m], stands at pose_at(0) within 1e-6.
+        samples: how many places are looked at first, at equal distances.
+
+    Returns:
+        The joint positions all along the path, or where and why they end.
+
+    Raises:
+        ValueError: q_start doesn't stand at the path's start.
+    """
+    s = np.linspace(0.0, 1.0, max(samples, 3))
+    start, miss, turn = follow(chain, pose_at(s[:1]), q_start[None])
+    if max(float(miss[0]), float(turn[0])) > ON_PATH or np.abs(start[0] - q_start).max() > START:
+        raise ValueError("the start position doesn't stand at the path's start")
+    if np.abs(beyond(limits, start[0])).max() <= ON_PATH:
+        # a start that stands on a limit may do so within its own accuracy
+        limits = replace(
+            limits, lower=np.minimum(limits.lower, start[0]), upper=np.maximum(limits.upper, start[0])
+        )
+    arm = wristed_arm(chain)
+    strand = march(chain, pose_at, start[0]) if arm is None else follow_branches(arm, pose_at, s, start[0])
+    outside = _leaving(chain, limits, pose_at, strand)
+    if outside is not None:
+        return outside
+    if strand.end == "whole":
+        bend = _sealed(_spline(strand.s, strand.q)) if chain.size > 6 else None
+        return Track(_sealed(strand.s), _sealed(strand.q), bend)
+    return _break(chain, pose_at, strand)
+
+
+def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -> Broken | None:
+    """Where the joints first leave their limits, if they do."""
+    excess = beyond(limits, strand.q)
+    out = np.abs(excess) > EDGE
+    if not out.any():
+        return None
+    first = int(np.argmax(out.any(axis=1)))
+    if first == 0:
+        joint = int(np.argmax(np.abs(excess[0])))
+        return Broken(0.0, "limits", _sealed(strand.q[0]), joint, float(excess[0, joint]))
+    before, after = strand.s[first - 1], strand.s[first]
+    ends = strand.q[first - 1 : first + 1]
+    inside = ends[0]
+    # narrow the place down by sections; the skeleton's chord is a good seed
+    for _ in range(6):
+        s = np.linspace(before, after, 17)
+        share = np.linspace(0.0, 1.0, 17)[:, None]
+        q = follow(chain, pose_at(s), ends[0] + share * (ends[1] - ends[0]))[0]
+        over = (np.abs(beyond(limits, q)) > EDGE).any(axis=1)
+        last = max(int(np.argmax(over)), 1) if over.any() else 16
+        before, after, ends, inside = s[last - 1], s[last], q[last - 1 : last + 1], q[last - 1]
+    joint = int(np.argmax(np.abs(beyond(limits, ends[1]))))
+    # how far the same limit would be exceeded on the rest of the way
+    worst = excess[first:, joint]
+    amount = float(worst[np.argmax(np.abs(worst))])
+    kind: BreakKind = "limits"
+    rest = np.linspace(after, 1.0, 9)
+    if _otherwise(chain, limits, pose_at(rest), inside):
+        kind = "configuration"
+    return Broken(float(before), kind, _sealed(inside), joint, amount)
+
+
+def _break(chain: Chain, pose_at: PathPoses, strand: Strand) -> Broken:
+    """What a strand that ends on the way ends of."""
+    s, q = float(strand.s[-1]), _sealed(strand.q[-1])
+    if strand.end == "jump":
+        return _jump(chain, pose_at, s, q, strand.beyond)
+    # just behind the break, and all the way: a gap in reach may be short
+    rest = np.unique(
+        np.concatenate([s + (1.0 - s) * np.geomspace(1e-8, 1.0, 25), np.linspace(s, 1.0, 33)[1:]])
+    )
+    poses = pose_at(rest)
+    seeds = np.repeat(q[None], len(rest), axis=0)
+    _, position, angle = follow(chain, poses, seeds)
+    worst = int(np.argmax(position + angle))
+    spread = np.vstack([q, restarts(chain, 24)])
+    free = fit(chain, np.repeat(poses[worst : worst + 1], len(spread), axis=0), spread)
+    if free.total.min() < REACHED:
+        return Broken(s, "configuration", q)
+    _, miss, turn = nearest_miss(chain, poses[worst], spread)
+    return Broken(s, "reach", q, amount=miss, angle=turn)
+
+
+def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -> Broken:
+    """What a strand ends of whose nearest continuation is away from `q` (n,)."""
+    # a little further on, where the joints stand clear of the singularity
+    further = follow(chain, pose_at(np.array([min(s + CLEAR, 1.0)])), beyond[None])
+    if max(further[1][0], further[2][0]) < REACHED:
+        beyond = further[0][0]
+    jump = beyond - q
+    joint = int(np.argmax(np.abs(jump)))
+    # at a singularity the joints could go over with the flange at rest; else the two are apart
+    middle = 0.5 * (q + beyond)
+    between = fit(chain, pose_at(np.array([s])), middle[None])
+    joined = between.total[0] < 1e-6 and np.abs(between.q[0] - middle).max() < 0.3 * abs(jump[joint])
+    return Broken(s, "singular" if joined else "configuration", q, joint, float(jump[joint]))
+
+
+def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> bool:
+    """Whether every pose is within reach and limits of some configuration."""
+    q, valid = branches(chain, poses, reference)
+    lifted = nearest_turn(chain, limits, q, reference)
+    inside = (np.abs(beyond(limits, lifted)) <= EDGE).all(axis=2) & valid
+    return bool(inside.any(axis=1).all())
+
+
+def _spline(s: Array, q: Array) -> Array:
+    """Second derivatives (M, n) of the natural cubic spline through `q` (M, n) at `s` (M,)."""
+    width = np.diff(s)
+    slope = np.diff(q, axis=0) / width[:, None]
+    matrix = np.eye(len(s))
+    inner = np.arange(1, len(s) - 1)
+    matrix[inner, inner] = 2.0 * (width[:-1] + width[1:])
+    matrix[inner, inner - 1], matrix[inner, inner + 1] = width[:-1], width[1:]
+    right = np.zeros_like(q)
+    right[1:-1] = 6.0 * np.diff(slope, axis=0)
+    bend: Array = np.linalg.solve(matrix, right).astype(float)
+    return bend
+
+
+def _sealed(array: Array) -> Array:
+    """A read-only copy in row order."""
+    array = np.array(array, dtype=float, order="C")
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,67 @@
+"""Where robots are: the folder of the standard library, and the summary of each robot in it."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+DESCRIPTION = "robot.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSummary:
+    """A robot of the standard library; `size` is its number of joints."""
+
+    name: str
+    title: str
+    folder: Path
+    size: int
+
+
+def stdlib_folder() -> Path:
+    """The standard library: `stdlib` inside the installed package, in a checkout beside it."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "stdlib"
+    return installed if installed.is_dir() else package.parent / "stdlib"
+
+
+def list_robots() -> tuple[RobotSummary, ...]:
+    """The robots of the standard library by name; reads only their robot.toml, and checks nothing."""
+    summaries = (_summary(path) for path in sorted((stdlib_folder() / "robots").glob(f"*/{DESCRIPTION}")))
+    return tuple(summary for summary in summaries if summary is not None)
+
+
+def find_robot(name_or_path: str) -> tuple[Path | None, str]:
+    """The robot.toml of a name (in any case) or path; else None, and the name that may be meant.
+
+    A name of the standard library goes before a folder of that name.
+    """
+    robots = stdlib_folder() / "robots"
+    names = [path.parent.name for path in robots.glob(f"*/{DESCRIPTION}")]
+    wanted = name_or_path.lower()
+    if wanted in names:
+        return robots / wanted / DESCRIPTION, ""
+    try:
+        path = Path(name_or_path)
+        if path.is_dir():
+            return path / DESCRIPTION, ""
+        if path.is_file() or path.suffix.lower() == ".toml" or len(path.parts) > 1:
+            return path, ""
+    except (OSError, ValueError):
+        pass
+    near = difflib.get_close_matches(wanted, names, 1, 0.5)
+    return None, near[0].upper() if near else ""
+
+
+def _summary(path: Path) -> RobotSummary | None:
+    import tomllib
+
+    try:
+        data: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        return RobotSummary(
+            str(data["name"]).upper(), str(data.get("title", "")), path.parent, len(data["joints"])
+        )
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None  # load_robot says what is wrong with it

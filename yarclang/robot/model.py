@@ -1,0 +1,163 @@
+"""A robot as the stages see it: plain data in SI units, already checked.
+
+`yarclang.robot.description` makes it from a robot.toml and a URDF. Arrays are float64 and read-only,
+one entry a joint, from the base to the flange.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.units import DEG, MM
+
+Array = NDArray[np.float64]
+JointKind = Literal["revolute", "prismatic", "continuous"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """The serial chain from {B} to {FLANGE}, as a product of exponentials.
+
+    `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then
+    angular part (a revolute axis w through point c has (-w x c, w); a prismatic one (v, 0)).
+    `base_from_flange` (4, 4) is the flange with all joints at zero.
+    """
+
+    screws: Array
+    base_from_flange: Array
+
+    @property
+    def size(self) -> int:
+        """The number of joints."""
+        return len(self.screws)
+
+    @property
+    def is_prismatic(self) -> NDArray[np.bool_]:
+        """Which joints slide (n,)."""
+        prismatic: NDArray[np.bool_] = ~np.any(self.screws[:, 3:], axis=1)
+        return prismatic
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limits:
+    """Joint limits (n,) each: position from `lower` to `upper` [rad or m] (infinite where there is none),
+    and the largest velocity, acceleration, jerk, and acceleration of an emergency stop.
+    """
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    stop_acceleration: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Actuation:
+    """Motor positions from joint positions, the paper's eq. 5: counts = K J q + a0.
+
+    `gear` is K (n,) in counts per axis unit, `coupling` J (n, n), `offset` a0 (n,) in counts.
+    q is in axis units here: deg for a revolute joint, mm for a prismatic one.
+    `velocity` (n,) is the largest speed of each motor [counts/s].
+    """
+
+    gear: Array
+    coupling: Array
+    offset: Array
+    velocity: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """How the robot hangs on its controller, and the controller's own settings.
+
+    `axes`, `motors` and `feedback` have one entry a joint (motor k is row k of the
+    actuation matrix). Times are in s, `ixx08` is the position scale factor, `rotary_words`
+    the least size of the rotary buffer, `i8` and `i10` the controller's I-variables.
+    """
+
+    kind: Literal["turbo-pmac"]
+    coordinate_system: int
+    axes: tuple[str, ...]
+    motors: tuple[int, ...]
+    feedback: tuple[str, ...]
+    largest_segment: float
+    ixx08: int
+    rotary_words: int
+    hold_time: float
+    rapid_share: float
+    i8: int
+    i10: int
+
+    @property
+    def servo_period(self) -> float:
+        """The time between two servo interrupts [s]: I10 is in 1/8,388,608 ms (TSRM 43)."""
+        return self.i10 / 8_388_608.0 * 1e-3
+
+    @property
+    def smallest_segment(self) -> float:
+        """The shortest segment that the controller calculates in time [s]: three real-time
+        interrupts, one each I8 + 1 servo periods.
+        """
+        return 3.0 * (self.i8 + 1) * self.servo_period
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far the executed path may be from the programmed one."""
+
+    position: float = 0.02 * MM
+    """[m], of the moving frame, and of prismatic joints"""
+    angle: float = 0.002 * DEG
+    """[rad], of the moving frame, and of revolute joints"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Robot:
+    """A robot: geometry, limits, frames, actuation, controller.
+
+    `flange_from_frame` has each frame that sits on the flange, by its name in upper case
+    without braces; FLANGE itself is the identity. `positions` are the named joint
+    positions, HOME among them. `fingerprint` is the SHA-256 of all that this says.
+    """
+
+    name: str
+    title: str
+    folder: Path
+    urdf: str
+    joint_names: tuple[str, ...]
+    joint_kinds: tuple[JointKind, ...]
+    chain: Chain
+    limits: Limits
+    flange_from_frame: Mapping[str, Array]
+    positions: Mapping[str, Array]
+    actuation: Actuation
+    controller: Controller
+    tolerance: Tolerance
+    fingerprint: str
+
+    @property
+    def size(self) -> int:
+        """The number of joints."""
+        return len(self.joint_names)
+
+    @property
+    def home(self) -> Array:
+        """The joint position HOME (n,) [rad or m]."""
+        return self.positions["HOME"]
+
+    @property
+    def axis_units(self) -> Array:
+        """The axis unit of each joint in SI (n,): pi/180 for deg, 0.001 for mm."""
+        return np.where(self.chain.is_prismatic, MM, DEG)
+
+    @property
+    def axis_unit_names(self) -> tuple[str, ...]:
+        """`deg` or `mm`, for each joint."""
+        return tuple("mm" if prismatic else "deg" for prismatic in self.chain.is_prismatic)

@@ -1,0 +1,37 @@
+"""A robot.toml with the places of its values, and the findings about it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.toml_places import Path, Places
+from yarclang.source import SourceFile
+
+
+@dataclass(slots=True)
+class TomlFile:
+    """The file, and what is to say about it."""
+
+    source: SourceFile
+    places: Places
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    def say(self, code: str, path: Path, message: str, remedy: str, *, at_key: bool = False) -> None:
+        """Adds a finding at the value of a key, or at the key."""
+        span = self.places.of_key(path) if at_key else self.places.of_value(path)
+        self.findings.append(Diagnostic(code, message, self.source, span, remedy))
+
+
+def right_length(
+    file: TomlFile, path: Path, values: Sequence[object], size: int, what: str, per: str
+) -> bool:
+    """Whether a list has one entry a joint (or a motor); else a finding."""
+    if len(values) == size:
+        return True
+    last = path[-1]
+    name = last if isinstance(last, str) else f"Row {last + 1} of {path[-2]}"
+    message = f"{name} has {len(values)} {what}{'s' * (len(values) != 1)}, but the robot has {size} {per}s."
+    file.say("Y1309", path, message, f"Give one {what} a {per}, from the base to the flange.")
+    return False

@@ -1,0 +1,189 @@
+"""Where each key and value of a TOML text stands: tomllib gives the values without their places.
+
+The text must be one that tomllib accepts; so the scanner checks nothing and only keeps count.
+"""
+
+from __future__ import annotations
+
+import bisect
+from dataclasses import dataclass
+
+from yarclang.source import SourceFile, Span
+
+Path = tuple[str | int, ...]
+"""Keys from the top of the file: strings, and positions (from 0) in arrays."""
+
+_BARE_END = frozenset(" \t\n=.]#,}")
+_SCALAR_END = frozenset("\n#,]}")
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """The places of a TOML text: of each key, or of the header that makes a table, and of each value."""
+
+    keys: dict[Path, Span]
+    values: dict[Path, Span]
+
+    def of_value(self, path: Path) -> Span:
+        """The value at `path`, or what encloses it most closely."""
+        return self._nearest(path, (self.values, self.keys))
+
+    def of_key(self, path: Path) -> Span:
+        """The key at `path`, or the key that encloses it most closely."""
+        return self._nearest(path, (self.keys, self.values))
+
+    def _nearest(self, path: Path, tables: tuple[dict[Path, Span], ...]) -> Span:
+        for size in range(len(path), 0, -1):
+            for table in tables:
+                if path[:size] in table:
+                    return table[path[:size]]
+        return Span.on_line(1, 1, 1)
+
+
+def find_places(source: SourceFile) -> Places:
+    """The places of all keys and values of a text that tomllib accepts."""
+    scanner = _Scanner(source.text.replace("\r\n", "\n"))
+    scanner.document()
+    return Places(scanner.keys, scanner.values)
+
+
+class _Scanner:
+    """One pass over the text. Every method leaves `at` behind what it has read."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.at = 0
+        self.starts = [0, *(at + 1 for at, letter in enumerate(text) if letter == "\n")]
+        self.keys: dict[Path, Span] = {}
+        self.values: dict[Path, Span] = {}
+        self.counts: dict[Path, int] = {}
+
+    def document(self) -> None:
+        table: Path = ()
+        while True:
+            self.skip()
+            if self.at >= len(self.text):
+                return
+            if self.text[self.at] == "[":
+                table = self.header()
+            else:
+                self.pair(table)
+
+    def header(self) -> Path:
+        """`[a.b]` or `[[a.b]]`; the path of its table, with the count in an array of tables."""
+        array = self.text.startswith("[[", self.at)
+        self.at += 2 if array else 1
+        path = self.key((), resolve=True)
+        if array:
+            number = self.counts.get(path, 0)
+            self.counts[path] = number + 1
+            self.keys.setdefault((*path, number), self.keys[path])
+            path = (*path, number)
+        self.at += 2 if array else 1
+        return path
+
+    def pair(self, table: Path) -> None:
+        """`key = value`."""
+        path = self.key(table, resolve=False)
+        self.at += 1  # the equals sign
+        self.skip()
+        self.value(path)
+
+    def key(self, table: Path, *, resolve: bool) -> Path:
+        """A key, dotted or not, up to the equals sign or bracket behind it.
+
+        `resolve` makes a header's parts speak of the last table where they name an array of tables.
+        """
+        path = table
+        while True:
+            self.skip()
+            start = self.at
+            if self.text[self.at] in "\"'":
+                name = self.string()
+            else:
+                while self.at < len(self.text) and self.text[self.at] not in _BARE_END:
+                    self.at += 1
+                name = self.text[start : self.at]
+            path = (*path, name)
+            self.keys.setdefault(path, self.span(start, self.at))
+            self.skip()
+            if self.at >= len(self.text) or self.text[self.at] != ".":
+                return path
+            self.at += 1
+            if resolve and path in self.counts:
+                path = (*path, self.counts[path] - 1)
+
+    def value(self, path: Path) -> None:
+        start = self.at
+        letter = self.text[start] if start < len(self.text) else ""
+        if letter == "[":
+            self.array(path)
+        elif letter == "{":
+            self.inline_table(path)
+        elif letter in ('"', "'"):
+            self.string()
+        else:
+            while self.at < len(self.text) and self.text[self.at] not in _SCALAR_END:
+                self.at += 1
+        end = self.at
+        while end > start and self.text[end - 1] in " \t":
+            end -= 1
+        self.values[path] = self.span(start, end)
+
+    def array(self, path: Path) -> None:
+        self.at += 1
+        number = 0
+        while self.more("]"):
+            self.value((*path, number))
+            number += 1
+
+    def inline_table(self, path: Path) -> None:
+        self.at += 1
+        while self.more("}"):
+            self.pair(path)
+
+    def more(self, closing: str) -> bool:
+        """Whether an item follows; reads the commas before it, or the closing bracket."""
+        self.skip()
+        while self.text.startswith(",", self.at):
+            self.at += 1
+            self.skip()
+        if self.at >= len(self.text) or self.text[self.at] == closing:
+            self.at += 1
+            return False
+        return True
+
+    def string(self) -> str:
+        """A string of any of the four kinds; its text, escapes left as they are written."""
+        quote = self.text[self.at]
+        long = self.text.startswith(quote * 3, self.at)
+        mark = quote * 3 if long else quote
+        self.at += len(mark)
+        start = self.at
+        while self.at < len(self.text) and not self.text.startswith(mark, self.at):
+            self.at += 2 if quote == '"' and self.text[self.at] == "\\" else 1
+        content = self.text[start : self.at]
+        self.at += len(mark)
+        while long and self.text.startswith(quote, self.at):  # up to two quotes may stand before the end
+            self.at += 1
+        return content
+
+    def skip(self) -> None:
+        """Blanks, line ends and comments."""
+        while self.at < len(self.text):
+            if self.text[self.at] == "#":
+                end = self.text.find("\n", self.at)
+                self.at = len(self.text) if end < 0 else end
+            elif self.text[self.at] in " \t\n":
+                self.at += 1
+            else:
+                return
+
+    def span(self, start: int, end: int) -> Span:
+        line, column = self.place(start)
+        end_line, end_column = self.place(end)
+        return Span(line, column, end_line, end_column)
+
+    def place(self, at: int) -> tuple[int, int]:
+        line = bisect.bisect_right(self.starts, at)
+        return line, at - self.starts[line - 1] + 1

@@ -1,0 +1,273 @@
+"""Reading a URDF with the lines of its elements, and checking its tree of links and joints.
+
+Pinocchio turns a URDF into a model, but of a bad one it says only that it is bad, and some mistakes it
+passes over in silence (an axis without xyz is the zero vector, a second origin is ignored). So all that
+it would stumble on is found here first.
+"""
+
+from __future__ import annotations
+
+import bisect
+import difflib
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
+from yarclang.source import SourceFile
+
+MOVING = ("revolute", "continuous", "prismatic")
+"""The joint types of a robot arm; `fixed` joins two links to one body."""
+
+_NAME = re.compile(r"[A-Za-z0-9_.\-]+")
+_MOST_LINKS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint of the file. `xyz` [m], `rpy` [rad], `axis` of length 1."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
+    axis: tuple[float, ...]
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+    element: Element
+
+
+class Urdf(UrdfText):
+    """A URDF with its links and joints by name."""
+
+    def __init__(self, source: SourceFile) -> None:
+        super().__init__(source)
+        self.links: dict[str, Element] = {}
+        self.joints: dict[str, Joint] = {}
+        self.sound = False
+        """Whether links and joints make one tree, so that one may walk along it."""
+
+
+def read_urdf(source: SourceFile) -> Urdf:
+    """The links and joints of a URDF, and all findings about its tree; its shapes are another module's."""
+    urdf = Urdf(source)
+    parse_xml(urdf)
+    if urdf.root is not None and not urdf.findings:
+        _read_header(urdf, urdf.root)
+        sound = _read_links(urdf, urdf.root)
+        sound = _read_joints(urdf, urdf.root) and sound
+        urdf.sound = sound and _check_tree(urdf)
+    return urdf
+
+
+def _read_header(urdf: Urdf, root: Element) -> None:
+    if root.tag != "robot":
+        urdf.say("Y1341", f"The file is a <{root.tag}>, not a <robot>.", "Name a URDF file.", root)
+        return
+    if not root.attributes.get("name"):
+        urdf.say("Y1342", "<robot> has no name.", 'Write <robot name="..." version="1.1">.', root)
+    version = root.attributes.get("version", "1.0")
+    if version not in ("1.0", "1.1", "1.2"):
+        message = f'The URDF\'s version is "{version}", but must be 1.0, 1.1 or 1.2.'
+        urdf.say("Y1341", message, 'Write version="1.1".', root, "version")
+
+
+def _read_links(urdf: Urdf, root: Element) -> bool:
+    links = root.all("link")
+    if len(links) > _MOST_LINKS:
+        message = f"The URDF has {len(links):,} links, more than {_MOST_LINKS:,}."
+        urdf.say("Y1341", message, "Keep the links of the arm and what stands on them.", links[_MOST_LINKS])
+        return False
+    if not links and root.tag == "robot":
+        urdf.say(
+            "Y1342", "<robot> has no <link>.", "A robot needs a link for its base and one a joint.", root
+        )
+    return _register(urdf, links, urdf.links, lambda link: link)
+
+
+def _read_joints(urdf: Urdf, root: Element) -> bool:
+    return _register(urdf, root.all("joint"), urdf.joints, lambda joint: _read_joint(urdf, joint))
+
+
+def _register(
+    urdf: Urdf, elements: list[Element], names: dict[str, Any], read: Callable[[Element], object | None]
+) -> bool:
+    """Files elements by name; False where one has no name of its own or can't be read."""
+    sound = True
+    first: dict[str, Element] = {}
+    for element in elements:
+        name = element.attributes.get("name", "")
+        made = read(element)
+        if not name:
+            urdf.say("Y1342", f"<{element.tag}> has no name.", f'Write <{element.tag} name="...">.', element)
+        elif not _NAME.fullmatch(name):
+            message = f"The name \"{name[:40]}\" has letters that a robot's names can't have."
+            urdf.say("Y1343", message, "Use ASCII letters, digits, and . _ - only.", element, "name")
+        elif name in first:
+            line = bisect.bisect_right(urdf.starts, first[name].start)
+            message = f"A second {element.tag} {name}; the first is in line {line}."
+            urdf.say("Y1344", message, "Give one of the two another name.", element, "name")
+        elif made is not None:
+            first[name], names[name] = element, made
+            continue
+        else:
+            first[name] = element
+        sound = False
+    return sound
+
+
+def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
+    """A joint with its numbers; None where one of its parts that make the tree is missing."""
+    name, kind = joint.attributes.get("name", ""), joint.attributes.get("type", "")
+    urdf.once(joint, ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics"))
+    before = len(urdf.findings)
+    ends = [_link_of(urdf, joint, tag) for tag in ("parent", "child")]
+    if not kind:
+        urdf.say("Y1342", f"Joint {name} has no type.", 'Write type="revolute".', joint)
+    elif kind in ("planar", "floating"):
+        message = f"Joint {name} is {kind}, which an arm's joint can't be."
+        urdf.say("Y1351", message, "Use revolute, continuous, prismatic or fixed.", joint, "type")
+    elif kind not in (*MOVING, "fixed"):
+        message = f'Joint {name} has the type "{kind[:40]}", which URDF doesn\'t know.'
+        urdf.say("Y1351", message, "Use revolute, continuous, prismatic or fixed.", joint, "type")
+    mimic = joint.first("mimic")
+    if mimic is not None:
+        message = f"Joint {name} mimics another, so it has no motor of its own."
+        urdf.say("Y1351", message, "Make it fixed, or couple its motor in J of robot.toml.", mimic)
+    origin, axis, limit = joint.first("origin"), joint.first("axis"), joint.first("limit")
+    xyz = urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0))
+    rpy = turned(urdf, origin)
+    direction = urdf.numbers(axis, "xyz", 3, None if axis else (1.0, 0.0, 0.0))
+    length = math.hypot(*direction) if direction else 1.0
+    if length < 1e-6 and kind in MOVING and axis is not None:
+        message = f"The axis of joint {name} has the length {length:g}, so it has no direction."
+        urdf.say("Y1352", message, 'Write for example <axis xyz="0 0 1"/>.', axis, "xyz")
+    if limit is None and kind in ("revolute", "prismatic"):
+        remedy = "Add <limit lower upper velocity effort>; a joint without end stops is continuous."
+        urdf.say("Y1342", f"Joint {name} is {kind} and has no <limit>.", remedy, joint)
+    lower = _limit(urdf, limit, "lower", required=False)
+    upper = _limit(urdf, limit, "upper", required=False)
+    velocity = _limit(urdf, limit, "velocity", required=True)
+    _limit(urdf, limit, "effort", required=True)
+    for tag, needed in _ATTRIBUTES.items():
+        extra = joint.first(tag)
+        if extra is not None:
+            _check_attributes(urdf, extra, needed)
+    if len(urdf.findings) > before or not (ends[0] and ends[1] and xyz and rpy and direction):
+        return None
+    unit = tuple(part / length for part in direction)
+    return Joint(name, kind, ends[0], ends[1], xyz, rpy, unit, lower, upper, velocity, joint)
+
+
+_ATTRIBUTES = {
+    "safety_controller": (("k_velocity",), ("soft_lower_limit", "soft_upper_limit", "k_position")),
+    "dynamics": ((), ("damping", "friction")),
+    "calibration": ((), ("rising", "falling", "reference_position")),
+}
+"""Parts of a joint that say nothing here, but make a URDF unreadable if they are wrong: needed, optional."""
+
+
+def _check_attributes(urdf: Urdf, place: Element, keys: tuple[tuple[str, ...], tuple[str, ...]]) -> None:
+    needed, optional = keys
+    if not needed and not any(key in place.attributes for key in optional):
+        remedy = f"Write {' or '.join(optional)}, or remove the element."
+        urdf.say("Y1342", f"<{place.tag}> is empty.", remedy, place)
+    for key in (*needed, *optional):
+        value = urdf.numbers(place, key, 1, None if key in needed else (0.0,))
+        if value is not None and value[0] < 0.0 and key in ("damping", "friction"):
+            message = f"The {key} of a joint is {value[0]:g}, but must not be negative."
+            urdf.say("Y1346", message, "Give it without a sign.", place, key)
+
+
+def turned(urdf: Urdf, origin: Element | None) -> tuple[float, ...] | None:
+    """Roll, pitch and yaw [rad] of an <origin>; the newer quaternion form isn't read."""
+    if origin is not None and "quat_xyzw" in origin.attributes:
+        message = "The origin is turned by quat_xyzw, which older readers of URDF ignore."
+        urdf.say("Y1341", message, "Write the same turn as rpy.", origin, "quat_xyzw")
+        return None
+    return urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
+
+
+def _limit(urdf: Urdf, limit: Element | None, key: str, *, required: bool) -> float | None:
+    if limit is None or (key not in limit.attributes and not required):
+        return None
+    value = urdf.numbers(limit, key, 1)
+    if value is not None and value[0] < 0.0 and key in ("velocity", "effort"):
+        message = f"The {key} of a joint is {value[0]:g}, but must not be negative."
+        urdf.say("Y1346", message, f"Give the largest {key}, without a sign.", limit, key)
+    return value[0] if value else None
+
+
+def _link_of(urdf: Urdf, joint: Element, tag: str) -> str:
+    name, end = joint.attributes.get("name", ""), joint.first(tag)
+    if end is None:
+        remedy = f'Add <{tag} link="..."/> with the name of the link.'
+        urdf.say("Y1342", f"Joint {name} has no <{tag}>.", remedy, joint)
+    elif not end.attributes.get("link"):
+        urdf.say("Y1342", f"<{tag}> of joint {name} has no link.", f'Write <{tag} link="..."/>.', end)
+    else:
+        return end.attributes["link"]
+    return ""
+
+
+def _check_tree(urdf: Urdf) -> bool:
+    """Whether the joints join the links to one tree."""
+    before = len(urdf.findings)
+    for joint in urdf.joints.values():
+        for tag, link in (("parent", joint.parent), ("child", joint.child)):
+            end = joint.element.first(tag)
+            if link not in urdf.links and end is not None:
+                message = (
+                    f"The {tag} of joint {joint.name} is the link {link[:40]}, which the URDF doesn't have."
+                )
+                urdf.say("Y1347", message, did_you_mean(link, urdf.links), end, "link")
+    if len(urdf.findings) > before:
+        return False
+    above: dict[str, Joint] = {}
+    for joint in urdf.joints.values():
+        if joint.child in above:
+            message = f"Link {joint.child} hangs on two joints, {above[joint.child].name} and {joint.name}."
+            remedy = "An arm is a tree: let one of the joints move another link."
+            urdf.say("Y1348", message, remedy, joint.element.first("child") or joint.element, "link")
+        above.setdefault(joint.child, joint)
+    if len(urdf.findings) > before:
+        return False
+    for loop in _loops(above):
+        names = ", ".join(joint.name for joint in loop)
+        remedy = "Let the first of them hang on the base."
+        urdf.say("Y1350", f"The joints {names} go round in a circle.", remedy, loop[0].element)
+    roots = [link for link in urdf.links if link not in above]
+    for root in roots[1:]:
+        message = f"Link {root} hangs on no joint, and so does {roots[0]}: there must be one root."
+        urdf.say("Y1349", message, f"Add a joint whose child is {root}.", urdf.links[root], "name")
+    return len(urdf.findings) == before
+
+
+def _loops(above: dict[str, Joint]) -> Iterator[list[Joint]]:
+    """The circles of joints, each once."""
+    seen: set[str] = set()
+    for link in above:
+        path: dict[str, Joint] = {}
+        here = link
+        while here in above and here not in seen and here not in path:
+            path[here] = above[here]
+            here = above[here].parent
+        if here in path:
+            chain = list(path.values())
+            start = list(path).index(here)
+            yield sorted(chain[start:], key=lambda joint: joint.element.start)
+        seen.update(path)
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """The help line for a name that isn't one of `names`."""
+    known = sorted(names)
+    near = difflib.get_close_matches(name, known, 1, 0.6)
+    shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
+    listed = f"There {'are' if len(known) > 1 else 'is only'} {shown}." if known else "There is none."
+    return f"Did you mean {near[0]}? {listed}" if near else listed

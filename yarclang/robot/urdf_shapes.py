@@ -1,0 +1,180 @@
+"""The shapes of a URDF's links: that none of them gets lost on the way to the collision check.
+
+Pinocchio drops a shape that it can't read and goes on, so that the arm would pass through things with the
+link that lost it; here each such shape is an error.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+
+from yarclang.robot.urdf import Urdf, turned
+from yarclang.robot.urdf_xml import Element
+
+_SIZES = {
+    "box": (("size", 3),),
+    "sphere": (("radius", 1),),
+    "cylinder": (("radius", 1), ("length", 1)),
+    "capsule": (("radius", 1), ("length", 1)),
+}
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
+    """Checks all bodies, masses and materials of a URDF.
+
+    Args:
+        urdf: findings go to it.
+        folder: where the URDF stands; mesh names are seen from there.
+
+    Returns:
+        For each link the collision shapes, in words that are equal for equal shapes.
+    """
+    shapes: dict[str, list[str]] = {}
+    if urdf.root is None or urdf.root.tag != "robot":
+        return shapes
+    for link in urdf.root.all("link"):
+        found: list[str] = []
+        for tag in ("visual", "collision"):
+            for body in link.all(tag):
+                shape = _check_body(urdf, link, body, folder)
+                if tag == "collision":
+                    found.append(shape)
+        _check_inertial(urdf, link)
+        shapes[link.attributes.get("name", "")] = found
+    _check_materials(urdf, urdf.root)
+    return shapes
+
+
+def mesh_path(filename: str, folder: Path) -> Path | None:
+    """The file that a mesh name means, or None where there is none.
+
+    A plain name is seen from the URDF's folder. `package://` is looked for there and in the
+    folders above, as Pinocchio does when it is given these as package folders.
+    """
+    url = urlparse(filename)
+    if url.scheme == "file":
+        candidates = [Path(unquote(url.path))]
+    elif url.scheme == "package":
+        rest = f"{url.netloc}{url.path}"
+        candidates = [above / rest for above in (folder, *folder.parents)]
+    else:
+        candidates = [folder / filename]
+    return next((path for path in candidates if path.is_file()), None)
+
+
+def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
+    """A <visual> or <collision>; its shape in words."""
+    urdf.once(body, ("origin", "geometry", "material"))
+    origin, geometry = body.first("origin"), body.first("geometry")
+    place = (urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)), turned(urdf, origin))
+    for material in body.all("material")[:1]:
+        if not material.attributes.get("name"):
+            urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
+        _check_color(urdf, material)
+    where = f"A <{body.tag}> of link {link.attributes.get('name', '')}"
+    known = ", ".join((*_SIZES, "mesh"))
+    if geometry is None:
+        remedy = f"Add <geometry> with one of {known}, or remove the <{body.tag}>."
+        urdf.say("Y1356", f"{where} has no <geometry>.", remedy, body)
+        return ""
+    if not geometry.children:
+        remedy = f"Put one of {known} into it, or remove the <{body.tag}>."
+        urdf.say("Y1356", f"{where} has an empty <geometry>.", remedy, geometry)
+        return ""
+    for extra in geometry.children[1:]:
+        message = f"{where} has more than one shape, and readers of URDF take only the first."
+        urdf.say("Y1361", message, f"Put <{extra.tag}> into a <{body.tag}> of its own.", extra)
+    shape = geometry.children[0]
+    if shape.tag == "mesh":
+        return f"mesh {_check_mesh(urdf, where, shape, folder)} at {place}"
+    if shape.tag not in _SIZES:
+        message = f"{where} has the shape <{shape.tag}>, which URDF doesn't know."
+        urdf.say("Y1356", message, f"Use one of {known}.", shape)
+        return ""
+    version = urdf.root.attributes.get("version", "1.0") if urdf.root else "1.0"
+    if shape.tag == "capsule" and version == "1.0":
+        message = f"{where} is a <capsule>, which a URDF of version 1.0 doesn't have: the link would lose it."
+        urdf.say("Y1358", message, 'Write <robot name="..." version="1.1">.', shape)
+    sizes = [_positive(urdf, where, shape, key, count) for key, count in _SIZES[shape.tag]]
+    return f"{shape.tag} {sizes} at {place}"
+
+
+def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> tuple[float, ...] | None:
+    """Sizes [m] of a shape."""
+    sizes = urdf.numbers(shape, key, count)
+    if sizes is not None and min(sizes) <= 0.0:
+        message = (
+            f"{where} has the {key} {' '.join(f'{size:g}' for size in sizes)}, but each size must be above 0."
+        )
+        urdf.say("Y1346", message, "Give sizes in m.", shape, key)
+    return sizes
+
+
+def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path) -> str:
+    """A mesh's scale, and the SHA-256 of its file."""
+    scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))
+    if scale is not None and 0.0 in scale:
+        message = f"{where} has a mesh with the scale 0, which makes it flat."
+        urdf.say("Y1346", message, "Give three factors other than 0.", mesh, "scale")
+    name = mesh.attributes.get("filename", "")
+    if not name:
+        urdf.say("Y1342", f"{where} has a <mesh> without a filename.", 'Write <mesh filename="..."/>.', mesh)
+        return ""
+    try:
+        path = mesh_path(name, folder)
+        content = path.read_bytes() if path else b""
+    except (OSError, ValueError):
+        path, content = None, b""
+    if not content:
+        message = f"{where} has the mesh {name[:80]}, which {'is empty' if path else 'is not there'}."
+        remedy = "Put the file there; names are seen from the folder of the URDF."
+        urdf.say("Y1357", message, remedy, mesh, "filename")
+    return f"{scale} {hashlib.sha256(content).hexdigest()}"
+
+
+def _check_inertial(urdf: Urdf, link: Element) -> None:
+    """Mass and inertia, which YARC doesn't use, but which make Pinocchio drop them if they are wrong."""
+    urdf.once(link, ("inertial",))
+    inertial = link.first("inertial")
+    if inertial is None:
+        return
+    urdf.once(inertial, ("origin", "mass", "inertia"))
+    origin = inertial.first("origin")
+    urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0))
+    turned(urdf, origin)
+    for tag, keys in (("mass", ("value",)), ("inertia", _INERTIA)):
+        part = inertial.first(tag)
+        if part is None:
+            message = f"The <inertial> of link {link.attributes.get('name', '')} has no <{tag}>."
+            urdf.say("Y1342", message, "Give it <mass> and <inertia>, or remove it.", inertial)
+            return
+        values = [urdf.numbers(part, key, 1) for key in keys]
+        if tag == "mass" and values[0] is not None and values[0][0] < 0.0:
+            urdf.say("Y1346", f"The mass is {values[0][0]:g} kg.", "Give a mass of 0 or more.", part, "value")
+
+
+def _check_materials(urdf: Urdf, root: Element) -> None:
+    """The materials of the whole file."""
+    names: set[str] = set()
+    for material in root.all("material"):
+        name = material.attributes.get("name", "")
+        if not name:
+            urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
+        elif name in names:
+            urdf.say("Y1344", f"A second material {name[:40]}.", "Give one another name.", material, "name")
+        elif material.first("color") is None and material.first("texture") is None:
+            message = f"Material {name[:40]} has neither a color nor a texture."
+            urdf.say("Y1342", message, 'Add <color rgba="0.5 0.5 0.5 1"/>.', material)
+        names.add(name)
+        _check_color(urdf, material)
+
+
+def _check_color(urdf: Urdf, material: Element) -> None:
+    color = material.first("color")
+    parts = urdf.numbers(color, "rgba", 4)
+    if parts is not None and color is not None and not all(0.0 <= part <= 1.0 for part in parts):
+        message = f"rgba is {' '.join(f'{part:g}' for part in parts)}, but each part must be from 0 to 1."
+        urdf.say("Y1345", message, "Give red, green, blue, and alpha from 0 to 1.", color, "rgba")

@@ -1,0 +1,37 @@
+"""What the checks need to know besides the text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from yarclang.hir import Array
+from yarclang.robot.model import Robot
+from yarclang.syntax.ast import FrameName, Statement, Time
+from yarclang.units import Kind, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """The robot, the profiles that the planner has, and where the robot stands.
+
+    `start` (n,) [rad or m] holds whatever the program says, `fallback_start` where it doesn't say.
+    """
+
+    robot: Robot
+    profiles: tuple[str, ...]
+    start: Array | None = None
+    fallback_start: Array | None = None
+    index_needed: bool = True
+    """Whether a command needs an index (the live interpreter does without)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Defaults:
+    """What a DEFAULT line gives to the lines that leave it out; `statement` is the line itself."""
+
+    statement: Statement | None = None
+    moving: FrameName | None = None
+    time: Time | None = None
+    units: Mapping[Kind, Unit] = field(default_factory=dict)
+    base: FrameName | None = None

@@ -1,0 +1,85 @@
+"""Names of commands: what a name says, and today's name of an old one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from yarclang.commands.registry import commands
+from yarclang.commands.spec import CommandSpec, Values
+from yarclang.diagnostics import Collector, Edit, Fix, suggest
+from yarclang.syntax.ast import Statement
+
+DEFAULT_PROFILE = "LSPB"
+TARGETS = ("RPY", "QUAT")
+
+
+@dataclass(frozen=True, slots=True)
+class ResolvedName:
+    """A command's name taken apart; `values` is None for a command without values."""
+
+    spec: CommandSpec
+    values: Values | None
+    profile: str
+    full: str
+    """Today's name in full, as the program says it."""
+
+
+def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collector) -> ResolvedName | None:
+    """Take a command's name apart: MOTION[_TARGET][_PROFILE].
+
+    Returns:
+        None where the name isn't one; the finding says why.
+    """
+    name, span = statement.name.name, statement.span(statement.name.place)
+    spec, suffixes, old = _longest_match(name)
+    if spec is None:
+        known = (*commands(), *(f"{one}_{suffix}" for one in commands() for suffix in (*TARGETS, *profiles)))
+        help_ = suggest(name, known) or f"the commands are {', '.join(commands())}"
+        findings.add("Y0202", f"{statement.name.text} is no command", span, help_)
+        return None
+    target, profile = "", DEFAULT_PROFILE
+    for position, suffix in enumerate(suffixes):
+        if position == 0 and suffix in spec.targets and suffix:
+            target = suffix
+        elif position == len(suffixes) - 1 and spec.is_motion and suffix in profiles:
+            profile = suffix
+        else:
+            findings.add(
+                "Y0203", _wrong_suffix(spec, suffix, suffixes, profiles), span, _taken(spec, profiles)
+            )
+            return None
+    full = "_".join((spec.name, *suffixes))
+    if old:
+        fix = Fix(f"write {full}", (Edit(span, full),))
+        findings.add("Y0204", f"{name} is today {full}", span, f"write {full}", fix)
+    return ResolvedName(spec, spec.targets.get(target), profile, full)
+
+
+def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:
+    """The command whose name begins this one, the suffixes that are left, and whether it is an old name."""
+    names = [(spec.name, spec, False) for spec in commands().values()]
+    names += [(spec.old_name, spec, True) for spec in commands().values() if spec.old_name]
+    for known, spec, old in sorted(names, key=lambda entry: -len(entry[0])):
+        if name == known:
+            return spec, (), old
+        if name.startswith(known + "_"):
+            return spec, tuple(name[len(known) + 1 :].split("_")), old
+    return None, (), False
+
+
+def _wrong_suffix(spec: CommandSpec, suffix: str, suffixes: tuple[str, ...], profiles: Iterable[str]) -> str:
+    if suffix in suffixes[: suffixes.index(suffix)] or suffixes.count(suffix) > 1:
+        return f"the suffix _{suffix} stands twice"
+    if suffix in spec.targets or (spec.is_motion and suffix in profiles):
+        return f"_{suffix} stands in the wrong place in {spec.name}_{'_'.join(suffixes)}"
+    return f"{spec.name} doesn't take the suffix _{suffix}"
+
+
+def _taken(spec: CommandSpec, profiles: Iterable[str]) -> str:
+    targets = [f"_{target}" for target in spec.targets if target]
+    laws = [f"_{profile}" for profile in profiles] if spec.is_motion else []
+    if not targets and not laws:
+        return f"{spec.name} takes no suffix"
+    kinds = [f"one of {', '.join(kind)}" for kind in (targets, laws) if kind]
+    return f"{spec.name} takes {', then '.join(kinds)}"

@@ -1,0 +1,48 @@
+"""Source text and the places in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A stretch of source text.
+
+    Lines and columns count from 1, columns in characters; `end_column` is the first
+    column behind the stretch. A span may run over several lines.
+    """
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+    @staticmethod
+    def on_line(line: int, column: int, end_column: int) -> Span:
+        """The columns `column` to `end_column` (not included) of one line."""
+        return Span(line, column, line, end_column)
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """The text of one file under the name by which messages speak of it."""
+
+    name: str
+    text: str
+
+    @cached_property
+    def lines(self) -> tuple[str, ...]:
+        """The lines without their ends (LF, CRLF or CR), as `str.splitlines` never splits them:
+        a form feed or a Unicode line separator inside a line stays there.
+        """
+        text = self.text.replace("\r\n", "\n").replace("\r", "\n")
+        lines = text.split("\n")
+        if lines[-1] == "":
+            lines.pop()
+        return tuple(lines)
+
+    def line(self, number: int) -> str:
+        """Line `number` (from 1), empty where the file has none."""
+        return self.lines[number - 1] if 0 < number <= len(self.lines) else ""

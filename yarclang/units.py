@@ -1,0 +1,44 @@
+"""The units of the language and their factors to SI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["length", "angle", "time"]
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit: `value * factor` is the value in m, rad or s."""
+
+    name: str
+    kind: Kind
+    factor: float
+
+
+UNITS: dict[str, Unit] = {
+    unit.name: unit
+    for unit in (
+        Unit("mm", "length", 1e-3),
+        Unit("cm", "length", 1e-2),
+        Unit("m", "length", 1.0),
+        Unit("um", "length", 1e-6),
+        Unit("in", "length", 0.0254),
+        Unit("deg", "angle", math.pi / 180.0),
+        Unit("rad", "angle", 1.0),
+        Unit("s", "time", 1.0),
+        Unit("ms", "time", 1e-3),
+        Unit("min", "time", 60.0),
+    )
+}
+
+MM = UNITS["mm"].factor
+DEG = UNITS["deg"].factor
+MS = UNITS["ms"].factor
+
+
+def units_of(kind: Kind) -> tuple[str, ...]:
+    """The names of the units of a kind, in the order of the table."""
+    return tuple(unit.name for unit in UNITS.values() if unit.kind == kind)

@@ -1,7 +1,6 @@
 """The theorems: every bound holds against dense sampling by other formulas, and isn't far above it."""
 
-import json
-from pathlib import Path
+from itertools import product
 
 import numpy as np
 from hypothesis import given, settings
@@ -29,8 +28,8 @@ def of_lines(start, points, h):
     return Cubics.of_spline(control, at, np.full(len(at), h))
 
 
-def test_conformance_positions():
-    data = json.loads((Path(__file__).parent / "spline1.json").read_text())
+def test_conformance_positions(conformance):
+    data = conformance("spline1")
     h = data["tm_ms"] * 1e-3
     cubics = of_lines(np.array(data["start"]), np.array(data["points"]), h)
     t = np.array(data["t"])
@@ -96,6 +95,31 @@ def test_fourth_derivatives_of_the_arm(seed, name):
     noise = 1e-15 * 100 / step**4
     assert np.linalg.norm(np.tensordot(kernel, poses[:, :3, 3], 1)) <= bound.origin[0] + noise
     assert np.linalg.norm(np.tensordot(kernel, poses[:, :3, :3], 1)) <= bound.rotation[0] + noise
+
+
+@settings(max_examples=20, deadline=None)
+@given(seeds)
+def test_fourth_derivatives_term_by_term(seed):
+    """Faa di Bruno's formula written out: every partition of four derivations, every joint for each block."""
+    rng = np.random.default_rng(seed)
+    n = 5
+    rates = rng.random((3, n))
+    prismatic, reach = rng.random(n) < 0.4, rng.random(n)
+    blocks = {(0, 0, 0, 0): 1, (0, 0, 1): 6, (1, 1): 3, (0, 2): 4}
+    total = 0.0
+    for orders, times in blocks.items():
+        for joints in product(range(n), repeat=len(orders)):
+            last = max(joints)
+            if prismatic[list(joints)].sum() > prismatic[last] * (joints.count(last) == 1):
+                continue  # a slide moves nothing that turns about an outer axis, and itself only once
+            size = 1.0 if prismatic[last] else reach[last]
+            total += (
+                times
+                * size
+                * np.prod([rates[order, joint] for order, joint in zip(orders, joints, strict=True)])
+            )
+    bound = arm_fourth(reach, prismatic, *(row[None] for row in rates))
+    assert np.isclose(bound.origin[0], total, rtol=1e-12)
 
 
 def test_fourth_derivative_is_reached():

@@ -155,6 +155,48 @@ def test_line_that_runs_back_is_as_far_off_as_it_runs_back(back):
     assert (went_back > 0.05) == (back > 0)
 
 
+@pytest.mark.parametrize("back", [0.0, 0.3])
+def test_joint_motion_that_runs_back(back):
+    robot = industrial6()
+    goal = np.array([0.5, 0.2, 0, 0, 0, 0.1])
+    points = joint_points(np.zeros(6), goal, 60)
+    s = points[:, :1] / 0.5
+    points = points - back * goal * np.exp(-(((s - 0.5) / 0.1) ** 2)) * (s < 1)
+    motion = hir.JointMove(origin(0), hir.JointGoal(goal), "LSPB", hir.Timing(3.0))
+    deviation = judged(robot, np.zeros(6), motion, points, "50").deviation
+    _, x, *_ = sample(np.zeros(6), points, 0.05)
+    went_back = (np.maximum.accumulate(x[:, 0]) - x[:, 0]).max()
+    assert went_back - 1e-9 <= deviation.angle <= 1.3 * went_back + 1e-9
+    assert (went_back > 0.02) == (back > 0)
+
+
+def test_the_programmed_turn_takes_part_in_the_remainder():
+    """Only joint 6 turns: arm and path have the same fourth derivative, and both must be counted."""
+    robot = industrial6()
+    start, goal = np.zeros(6), np.array([0, 0, 0, 0, 0, 0.5])
+    points = joint_points(start, goal, 60)
+    pose = tool_poses(robot.chain, goal[None], np.eye(4))[0]
+    motion = hir.LineMove(origin(0), hir.PoseGoal(pose, np.eye(4)), "LSPB", hir.Timing(3.0))
+    deviation = judged(robot, start, motion, points, "50").deviation
+    _, _, *rates = sample(start, points, 0.05)
+    w, a, j = (np.abs(x[:, -1]).reshape(len(points) + 2, -1).max(axis=1) for x in rates)
+    arm = 0.05**4 / 384 * (w**4 + 6 * w * w * a + 3 * a * a + 4 * w * j).max()
+    assert 1.5 * arm < deviation.remainder_angle < 2.1 * arm
+
+
+def test_shifts_along_axes_that_are_fixed_to_the_base():
+    case = everything()
+    steps = [*case.program.steps]
+    axes = rotation([1, 0, 2], 0.7)
+    turn = axes.T @ rotation([1, 2, 3], 0.3) @ axes
+    for fixed, found in ((True, []), (False, ["Y1160"])):
+        goal = hir.PoseDelta(axes.T @ [0.1, 0.05, -0.08], turn, axes, not fixed, FLANGE_FROM_TCP)
+        steps[2] = hir.LineMove(steps[2].origin, goal, "LSPB", steps[2].timing)
+        changed = hir.Program(case.program.source, case.start, tuple(steps))
+        result = certify(case.text(), changed, case.robot, TOLERANCE, case.witnesses)
+        assert [finding.code for finding in result.diagnostics] == found
+
+
 def test_prismatic_joints_take_part_in_the_remainder():
     robot = railed()
     start = np.array([0.1, 0.2, -0.3, 0.05, 0.4])

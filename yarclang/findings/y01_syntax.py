@@ -57,7 +57,7 @@ FINDINGS = (
     ),
     Finding(
         "Y0107",
-        "unreadable-file",
+        "file-not-accessible",
         "error",
         "the file can't be read or written",
         "The operating system refused the file; its reason stands in the message.",

@@ -83,7 +83,7 @@ FINDINGS = (
         "a turn by half a revolution has no short way",
         "A straight motion turns about one axis, the short way. At half a turn both ways are equally long, and beyond it the other "
         "way is the short one: a via pose says which is meant.",
-        "P0010 DMOVE {TCP} 0 0 0 0 0 180 [5] (mm,deg,s) {B}",
-        "P0010 DMOVE {TCP} 0 0 0 0 0 90 [5] (mm,deg,s) {B}\nP0020 DMOVE {TCP} 0 0 0 0 0 90 [5] (mm,deg,s) {B}",
+        "P0010 DMOVE {TCP} 0 0 0 0 180 0 [5] (mm,deg,s) {B}",
+        "P0010 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}\nP0020 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}",
     ),
 )

@@ -30,4 +30,14 @@ FINDINGS = (
         "P0010 MOVEJ HOME [5] (s)",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
     ),
+    Finding(
+        "Y0604",
+        "motion-too-long",
+        "error",
+        "the motion has more segments than are planned",
+        "Beside a singularity the shortest time of a straight motion grows beyond all bounds; and a motion of hours is most "
+        "likely a time in the wrong unit.",
+        "P0010 MOVEJ 10 0 0 0 0 0 [600] (deg,min)",
+        "P0010 MOVEJ 10 0 0 0 0 0 [10] (deg,min)",
+    ),
 )

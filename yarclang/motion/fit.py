@@ -22,6 +22,9 @@ from yarclang.robot.model import Tolerance
 MORE_SEGMENTS = 4
 """How many numbers of segments beyond the fewest are tried: blends and ramps are whole segments."""
 
+MOST_SEGMENTS = 100_000
+"""A motion of more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no bound."""
+
 _SHARE_OF_TOLERANCE = 0.7
 """The deviation is looked at in the middle of each segment; the proof of it comes later."""
 
@@ -31,7 +34,8 @@ class TooFast:
     """A limit is broken in the given time.
 
     `share` is how much of the limit is used (1 is all of it), `time` [s] and `s` say where, `shortest` [s] is a
-    duration that was tried and works. `demand` is None where only the controller's segments are too coarse.
+    duration that was tried and works (infinite where none does). `demand` is None where only the controller's
+    segments are too coarse.
     """
 
     demand: Demand | None
@@ -48,6 +52,13 @@ class NotHeld:
     position: float
     angle: float
     segment: float
+
+
+@dataclass(frozen=True, slots=True)
+class TooLong:
+    """The motion would need more segments than are ever planned: at least `duration` [s]."""
+
+    duration: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +79,7 @@ class _Trial:
 
 def fit(
     path: Path, profile: Profile, duration: float | None, bounds: Bounds, grid: Grid, tolerance: Tolerance
-) -> Curve | TooFast | NotHeld:
+) -> Curve | TooFast | NotHeld | TooLong:
     """Choose segments, ramp and segment time of a motion along a path.
 
     Args:
@@ -85,12 +96,16 @@ def fit(
     fitter = _Fitter(path, profile, bounds, grid, tolerance)
     if duration is None:
         return fitter.shortest()
+    if grid.fewest(duration) > MOST_SEGMENTS:
+        return TooLong(duration)
     fitted = fitter.in_time(duration)
     if not isinstance(fitted, TooFast):
         return fitted
     fastest = fitter.shortest()
     if isinstance(fastest, NotHeld):
         return fastest
+    if isinstance(fastest, TooLong):
+        return fitted
     return TooFast(fitted.demand, fitted.share, fitted.time, fitted.s, fitter.usable(fastest.duration))
 
 
@@ -128,37 +143,43 @@ class _Fitter:
             segments += 1
         return refusal or TooFast(None, math.inf, 0.0, 0.0, math.inf)
 
-    def shortest(self) -> Curve | NotHeld:
+    def shortest(self) -> Curve | NotHeld | TooLong:
         """The curve of the shortest duration."""
         segments = 24
         for _ in range(8):
-            needed = self.grid.fewest(
-                segments * max(self.fastest(segments).demand.segment, self.grid.smallest)
-            )
-            if needed == segments:
+            needed = self.needed(self.fastest(segments))
+            if needed == segments or needed > MOST_SEGMENTS:
                 break
             segments = needed
-        while True:
+        while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)
+            if self.grid.not_below(best.demand.segment) > self.grid.largest:
+                # beside a singularity more segments find a higher peak: take as many as that needs
+                segments = max(segments + MORE_SEGMENTS + 1, self.needed(best))
+                continue
             better = self.segments_for_tolerance(best)
             if better is None:
                 return Curve(_constant(best.points), self.grid.not_below(best.demand.segment))
-            if better * self.grid.smallest > 2.0 * best.segments * max(
-                best.demand.segment, self.grid.smallest
-            ):
+            shortest = best.segments * max(best.demand.segment, self.grid.smallest)
+            if better * self.grid.smallest > 2.0 * shortest:
                 return NotHeld(*self.deviation(best), self.grid.smallest)
             segments = better
+        return TooLong(segments * self.grid.largest)
+
+    def needed(self, trial: _Trial) -> int:
+        """The fewest segments of the duration that a trial needs."""
+        return self.grid.fewest(trial.segments * max(trial.demand.segment, self.grid.smallest))
 
     def best_of(self, segments: int) -> _Trial:
-        """The fastest of a few numbers of segments from `segments` on, none with segments that are too long."""
-        trials: list[_Trial] = []
-        while not trials:
-            for number in range(segments, segments + MORE_SEGMENTS + 1):
-                trial = self.fastest(number)
-                if self.grid.not_below(trial.demand.segment) <= self.grid.largest:
-                    trials.append(trial)
-            segments += MORE_SEGMENTS + 1
-        return min(trials, key=lambda trial: trial.segments * self.grid.not_below(trial.demand.segment))
+        """The fastest of a few numbers of segments from `segments` on, if possible one with segments that
+        aren't too long."""
+        trials = [self.fastest(number) for number in range(segments, segments + MORE_SEGMENTS + 1)]
+
+        def duration(trial: _Trial) -> tuple[bool, float]:
+            segment = self.grid.not_below(trial.demand.segment)
+            return segment > self.grid.largest, trial.segments * segment
+
+        return min(trials, key=duration)
 
     def usable(self, duration: float) -> float:
         """A duration of few digits, not below `duration` [s], that works when it is given."""

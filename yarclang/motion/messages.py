@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, Motion, Origin
-from yarclang.motion.fit import NotHeld, TooFast
+from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.robot.kinematics.nearest import Unreachable
 from yarclang.robot.kinematics.track import Broken
 from yarclang.robot.model import Robot
@@ -21,13 +21,16 @@ Message = tuple[str, str, Span, str, Fix | None]
 MUCH_SWING = 1.0
 """A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
 
+_ANGLE_NOISE = 1e-3
+"""A smaller angle [rad] that is left beside a distance comes from the search for the distance."""
+
 _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a via pose beside it"
 
 
 def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
     """A pose without a joint position."""
     if solved.kind == "reach":
-        turn = f" and {solved.miss_angle / DEG:.3g} deg" if solved.miss_angle > 1e-4 else ""
+        turn = f" and {solved.miss_angle / DEG:.3g} deg" if solved.miss_angle > _ANGLE_NOISE else ""
         message = f"{which}out of reach by {_length(solved.miss)}{turn}"
         return (
             "Y0501",
@@ -66,7 +69,7 @@ def broken_line(robot: Robot, broken: Broken, poses: Callable[[Array], Array], o
     where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
     joint = broken.joint
     if broken.kind == "reach":
-        turn = f" and {broken.angle / DEG:.3g} deg" if broken.angle > 1e-4 else ""
+        turn = f" and {broken.angle / DEG:.3g} deg" if broken.angle > _ANGLE_NOISE else ""
         message = f"the straight line leaves the workspace {where}: it is out of reach by up to {_length(broken.amount)}{turn}"
         return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
     if broken.kind == "limits" and joint is not None:
@@ -118,12 +121,15 @@ def too_fast(robot: Robot, fitted: TooFast, step: Motion) -> Message:
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
     fix = None
-    if origin.time_span is not None:
+    if math.isinf(fitted.shortest):
+        help_ = f"no time works: not even {MOST_SEGMENTS:,} segments; the path passes too near a singularity, go round it"
+    elif origin.time_span is not None:
         factor = UNITS[origin.time_unit].factor
         text = f"{_not_below(fitted.shortest / factor):.10g}"
         shortest = f"[{text}] ({origin.time_unit})"
         fix = Fix(f"write [{text}]", (Edit(origin.time_span, f"[{text}]"),))
-    help_ = f"the shortest time that works is {shortest}; [MIN] takes the shortest there is"
+    if math.isfinite(fitted.shortest):
+        help_ = f"the shortest time that works is {shortest}; [MIN] takes the shortest there is"
     span = origin.time_span or origin.span
     demand = fitted.demand
     if demand is None:
@@ -146,6 +152,15 @@ def too_fast(robot: Robot, fitted: TooFast, step: Motion) -> Message:
         f"{limit:,.4g} {unit}, {fitted.time:.3g} s after the start ({fitted.s * 100:.3g} % of the way)"
     )
     return "Y0601", message, span, help_, fix
+
+
+def too_long(fitted: TooLong, origin: Origin) -> Message:
+    """A motion of more segments than are planned."""
+    message = f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the most that are planned"
+    help_ = (
+        "if [MIN] takes so long, the path passes too near a singularity: go round it; else divide the motion"
+    )
+    return "Y0604", message, origin.time_span or origin.span, help_, None
 
 
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:

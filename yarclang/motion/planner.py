@@ -24,7 +24,7 @@ from yarclang.hir import (
 )
 from yarclang.motion import messages
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
-from yarclang.motion.fit import NotHeld, TooFast, fit
+from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
 from yarclang.motion.limits import Bounds, Grid, bounds_of
 from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
@@ -231,6 +231,9 @@ class _Planner:
         )
         if isinstance(fitted, TooFast):
             findings.add(*messages.too_fast(self.robot, fitted, step))
+            return None
+        if isinstance(fitted, TooLong):
+            findings.add(*messages.too_long(fitted, step.origin))
             return None
         if isinstance(fitted, NotHeld):
             findings.add(*messages.not_held(fitted, self.settings.grid.smallest, step.origin))

@@ -17,13 +17,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LEFT, _RIGHT, _TOP, _BOTTOM = 0.045, 0.625, 0.878, 0.055
+_LEFT, _RIGHT, _TOP, _BOTTOM = 0.045, 0.625, 0.88, 0.055
 """Where the panels are, as shares of the figure."""
 
 _LIMIT_COLOUR = "#B2182B"
 
 _ZOOMED_BELOW = 40.0
 """A quantity that stays below this [%] gets most of its panel's height, and the way to the limit the rest."""
+
+_NOTHING = 1e-7
+"""Less than this [%] is rounding."""
 
 _ZOOMED_HEIGHT = 0.78
 """The share of the height between the limits that a zoomed quantity gets."""
@@ -64,7 +67,8 @@ def draw_panels(figure: Figure, plan: MotionPlan, trace: Trace, bars: tuple[Bar,
     for row, panel in enumerate(panels):
         axes = figure.add_subplot(grid[row + 1], sharex=ribbon)
         peak = peak_of(trace, panel.values)
-        zoomed = _draw_quantity(axes, times, panel.values * 100.0, peak.share * 100.0, can_zoom=row > 0)
+        _draw_quantity(axes, times, panel.values * 100.0, 1.3 if len(bars) <= _MOST_BOUNDARIES else 0.7)
+        zoomed = _scale(axes, peak.share * 100.0, can_zoom=row > 0)
         _mark_boundaries(axes, bars, factor)
         axes.set_title(panel.title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
         axes.set_title(" · ".join(filter(None, (panel.note, zoomed))), fontsize=8.5, pad=4, color="0.4")
@@ -97,24 +101,32 @@ def _time_unit(duration: float) -> tuple[float, str]:
 
 
 def _peak_text(peak: Peak, names: tuple[str, ...], factor: float, unit: str) -> str:
-    if peak.share < 1e-9:
+    if peak.share * 100.0 <= _NOTHING:
         return "none"
     return f"most: {peak.share * 100.0:.3g} %, {names[peak.column]}, at {peak.time / factor:.4g} {unit}"
 
 
-def _draw_quantity(axes: Axes, times: Array, percent: Array, peak: float, *, can_zoom: bool) -> str:
-    """Draw `percent` (N, n) over `times` (N,), with the limits at 100 % either way.
+def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> None:
+    """Draw `percent` (N, n) over `times` (N,), with the limits at 100 % either way."""
+    # those that swing most go below, or they would cover the others where the lines are dense
+    for column in np.argsort(-np.abs(percent).mean(axis=0), kind="stable"):
+        colour, style = joint_style(int(column))
+        axes.plot(times, percent[:, column], color=colour, linestyle=style, linewidth=width, zorder=3)
+    for limit in (-100.0, 100.0):
+        axes.axhline(limit, color=_LIMIT_COLOUR, linewidth=1.2, linestyle=(0, (6, 2)), zorder=2)
+    axes.grid(axis="y", color="0.88", linewidth=0.6)
+    axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=1)
+    axes.margins(x=0)
+
+
+def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
+    """Choose the scale of a panel, so that the limits and a largest size of `peak` [%] are within it.
 
     Returns:
         What has to be said about the scale, if it isn't even.
     """
     zoomed = ""
-    for column in range(percent.shape[1]):
-        colour, style = joint_style(column)
-        axes.plot(times, percent[:, column], color=colour, linestyle=style, linewidth=1.3, zorder=3)
-    for limit in (-100.0, 100.0):
-        axes.axhline(limit, color=_LIMIT_COLOUR, linewidth=1.2, linestyle=(0, (6, 2)), zorder=2)
-    if can_zoom and peak < _ZOOMED_BELOW:
+    if can_zoom and _NOTHING < peak < _ZOOMED_BELOW:
         inner = _round_up(peak * 1.05)
         _zoom(axes, inner)
         zoomed = f"scale squeezed beyond ±{inner:g} %"
@@ -123,9 +135,6 @@ def _draw_quantity(axes: Axes, times: Array, percent: Array, peak: float, *, can
         axes.set_ylim(-top, top)
         axes.set_yticks([-100, -50, 0, 50, 100])
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g} %".replace("-", "−"))
-    axes.grid(axis="y", color="0.88", linewidth=0.6)
-    axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=1)
-    axes.margins(x=0)
     return zoomed
 
 
@@ -159,8 +168,9 @@ def _round_up(value: float) -> float:
 
 def _mark_boundaries(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
     if len(bars) <= _MOST_BOUNDARIES:
+        colour = "0.55" if len(bars) <= 20 else "0.85"
         for bar in bars[1:]:
-            axes.axvline(bar.start / factor, color="0.55", linewidth=0.7, zorder=1)
+            axes.axvline(bar.start / factor, color=colour, linewidth=0.7, zorder=1)
 
 
 def _draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
@@ -189,7 +199,7 @@ def _draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
             continue
         # no room inside: above the bar's beginning, unless the label before is still there
         label = bar.index or bar.name
-        if left >= free and left + width.of(label) <= width.pixel(axes.get_xlim()[1]) + 4.0:
+        if left >= free and left + width.of(label) <= width.pixel(axes.get_xlim()[1]):
             axes.text(bar.start / factor, 1.12, label, ha="left", va="bottom", fontsize=8, color="0.2")
             free = left + width.of(label) + 10.0
 

@@ -12,7 +12,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from yarclang.motion.plan import MotionPlan
-from yarclang.report.palette import Bar, bars_of
+from yarclang.report.palette import bars_of
 from yarclang.report.panels import draw_panels
 from yarclang.report.scene import draw_scene
 from yarclang.report.toolpath import tool_path_of
@@ -74,18 +74,18 @@ def _figure(plan: MotionPlan) -> Figure:
     figure = Figure(figsize=(SIZE[0] / _DPI, SIZE[1] / _DPI), dpi=_DPI, facecolor="white")
     FigureCanvasAgg(figure)
     bars = bars_of(plan)
-    _title(figure, plan, bars)
+    _title(figure, plan)
     draw_panels(figure, plan, trace_of(plan), bars)
     draw_scene(figure, tool_path_of(plan), bars)
     return figure
 
 
-def _title(figure: Figure, plan: MotionPlan, bars: tuple[Bar, ...]) -> None:
+def _title(figure: Figure, plan: MotionPlan) -> None:
     name = printable(PurePath(plan.program.source.name).name)
     if len(name) > _LONGEST_NAME:
         name = name[: _LONGEST_NAME - 1] + "…"
     count = len(plan.motions)
-    motions = f"{count} motion{'s' * (count != 1)}" if bars else "no motion: the robot stands still"
+    motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion: the robot stands still"
     facts = f"{plan.robot.name}   ·   {duration_text(plan.duration)}   ·   {motions}"
     figure.text(0.045, 0.963, name, fontsize=17, fontweight="bold", color="0.1")
     figure.text(0.045, 0.938, facts, fontsize=11, color="0.3")

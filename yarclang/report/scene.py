@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _PLACE = (0.645, 0.10, 0.345, 0.78)
 """Left, bottom, width, height, as shares of the figure."""
 
-_MARGIN = 45.0
+_MARGIN = 50.0
 """What the labels of the axes need around the box [pixels]."""
 
 _SLIMMEST = 0.35
@@ -31,10 +31,12 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...]) -> None:
     axes: Any = figure.add_axes(_square(figure), projection="3d", computed_zorder=False)
     axes.patch.set_visible(False)  # it covers the panels
     low, high = _box(path.points)
-    _draw_floor(axes, path, float(low[2]))
+    width = 2.2 if len(bars) <= 20 else 1.4 if len(bars) <= 100 else 0.7
+    if bars:
+        _draw_floor(axes, path, float(low[2]), max(width / 2.0, 0.5))
     for bar in bars:
         line = path.points[path.bounds[bar.first] : path.bounds[bar.behind]]
-        axes.plot(*line.T, color=bar.colour, linewidth=2.2, zorder=4, solid_capstyle="round")
+        axes.plot(*line.T, color=bar.colour, linewidth=width, zorder=4, solid_capstyle="round")
     if len(path.waypoints):
         label = "way-points" if path.every == 1 else f"way-points (one of {path.every})"
         size = 22 if len(path.waypoints) <= 60 else 6
@@ -85,18 +87,18 @@ def _box(points: Array) -> tuple[Array, Array]:
     return middle - half, middle + half
 
 
-def _draw_floor(axes: Any, path: ToolPath, height: float) -> None:
+def _draw_floor(axes: Any, path: ToolPath, height: float, width: float) -> None:
     """The path's shadow on the floor of the box, without which nobody could see its depth."""
     floor = path.points.copy()
     floor[:, 2] = height
-    axes.plot(*floor.T, color="0.7", linewidth=1.0, zorder=1, label="shadow")
+    axes.plot(*floor.T, color="0.7", linewidth=width, zorder=1, label="shadow")
 
 
 def _dress(axes: Any, path: ToolPath, low: Array, high: Array) -> None:
     """Scales, labels, legend and title."""
     for name, least, most in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{name}lim")(least, most)
-        getattr(axes, f"set_{name}label")(f"{name} [mm]", labelpad=6)
+        getattr(axes, f"set_{name}label")(f"{name} [mm]", labelpad=10 if name == "z" else 6)
         axis = getattr(axes, f"{name}axis")
         axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
         axis.pane.set_edgecolor("0.75")
@@ -104,17 +106,18 @@ def _dress(axes: Any, path: ToolPath, low: Array, high: Array) -> None:
     axes.tick_params(labelsize=8, pad=2)
     axes.tick_params(axis="z", pad=5)
     axes.view_init(elev=24.0, azim=-52.0)
-    _fill(axes, low, high)
-    left, bottom, width, height = _PLACE
-    middle = left + width / 2.0
+    bottom, top = _fill(axes, low, high)
+    middle = _PLACE[0] + _PLACE[2] / 2.0
     title = f"path of {{{path.frame}}} in {{B}}, coloured by command"
+    if path.bounds[-1] == 1:
+        title = f"position of {{{path.frame}}} in {{B}}"
     axes.figure.text(
-        middle, bottom + height + 0.01, title, ha="center", fontsize=9.5, fontweight="bold", color="0.1"
+        middle, top + 0.025, title, ha="center", va="bottom", fontsize=9.5, fontweight="bold", color="0.1"
     )
     axes.figure.legend(
         handles=axes.get_legend_handles_labels()[0],
-        loc="center",
-        bbox_to_anchor=(middle, 0.055),
+        loc="upper center",
+        bbox_to_anchor=(middle, bottom - 0.045),
         ncols=4,
         frameon=False,
         fontsize=9,
@@ -131,15 +134,19 @@ def _square(figure: Figure) -> tuple[float, float, float, float]:
     return left + (width - across) / 2.0, bottom + (height - up) / 2.0, across, up
 
 
-def _fill(axes: Any, low: Array, high: Array) -> None:
-    """Equal scales, and a zoom with which the box from `low` to `high` (3,) fills `_PLACE`."""
+def _fill(axes: Any, low: Array, high: Array) -> tuple[float, float]:
+    """Equal scales, and a zoom with which the box from `low` to `high` (3,) fills `_PLACE`.
+
+    Returns:
+        Where the box begins and ends from below, as shares of the figure.
+    """
     size = axes.figure.get_size_inches() * axes.figure.dpi
     room = np.array(_PLACE[2:]) * size - 2.0 * _MARGIN
     corners = np.stack(np.meshgrid(*zip(low, high, strict=True), [1.0])).reshape(4, -1)
     zoom = 1.0
-    for _ in range(3):  # perspective makes the size grow a little faster than the zoom
+    for _ in range(4):  # perspective: the size isn't quite in proportion to the zoom
         axes.set_box_aspect(high - low, zoom=zoom)
         projected = axes.get_proj() @ corners
         pixels = axes.transData.transform((projected[:2] / projected[3]).T)
         zoom *= float((room / np.ptp(pixels, axis=0)).min())
-    axes.set_box_aspect(high - low, zoom=zoom)
+    return float(pixels[:, 1].min() / size[1]), float(pixels[:, 1].max() / size[1])

@@ -21,8 +21,8 @@ _PARTS = (2, 16)
 acceleration linear, so both are exact at its ends; with two parts a peak of the velocity between
 samples exceeds them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50 ms, 60 deg/s."""
 
-_COLUMNS = MOST_SAMPLES // 2
-"""Each column of a thinned trace keeps the least and the largest value."""
+_COLUMNS = 4_000
+"""The intervals of a thinned trace, each with its least and largest values: several for a pixel."""
 
 _STANDING = 1.0
 """How long [s] a program without motion is shown."""
@@ -75,17 +75,17 @@ def trace_of(plan: MotionPlan) -> Trace:
     Up to `MOST_SAMPLES` samples are kept as they are; of more, the least and largest values of
     short intervals are, so that no peak gets lost.
     """
-    robot = plan.robot
+    limits = _limits(plan.robot)
     if not plan.motions:
-        still = np.zeros((2, robot.size))
-        rows = _shares(robot, np.tile(plan.program.start, (2, 1)), still, still, still)
-        return _trace(robot, np.array([0.0, _STANDING]), rows, is_thinned=False)
+        still = np.zeros((2, plan.robot.size))
+        rows = limits.shares(np.tile(plan.program.start, (2, 1)), still, still, still)
+        return _trace(np.array([0.0, _STANDING]), rows, is_thinned=False)
     segments = sum(motion.curve.segments for motion in plan.motions)
     parts = int(np.clip(MOST_SAMPLES // segments - 1, *_PARTS))
     sampled = (
         (start + times, rows)
         for start, motion in zip(plan.starts[:-1], plan.motions, strict=True)
-        for times, rows in (_sampled(robot, motion.curve, parts),)
+        for times, rows in (_sampled(limits, motion.curve, parts),)
     )
     if segments * (parts + 1) > MOST_SAMPLES:
         intervals = [_extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
@@ -94,37 +94,55 @@ def trace_of(plan: MotionPlan) -> Trace:
         first, last, least, most = _extremes(first, last, least, most, plan.duration)
         times = np.column_stack((first, last)).ravel()
         rows = np.stack((least, most), axis=1).reshape(len(times), -1)
-        return _trace(robot, times, rows, is_thinned=True)
+        return _trace(times, rows, is_thinned=True)
     times, rows = (np.concatenate(part) for part in zip(*sampled, strict=True))
-    return _trace(robot, times, rows, is_thinned=False)
+    return _trace(times, rows, is_thinned=False)
 
 
-def _sampled(robot: Robot, curve: Curve, parts: int) -> tuple[Array, Array]:
+def _sampled(limits: _Limits, curve: Curve, parts: int) -> tuple[Array, Array]:
     """Times (N,) from the start of a motion [s], and all shares side by side (N, 5 n)."""
     along = np.arange(curve.segments)[:, None] + np.linspace(0.0, 1.0, parts + 1)
     times = (along * curve.segment).ravel()
     jerk = np.repeat(np.diff(curve.points, n=3, axis=0) / curve.segment**3, parts + 1, axis=0)
-    return times, _shares(robot, *curve.sample(times), jerk)
+    return times, limits.shares(*curve.sample(times), jerk)
 
 
-def _shares(robot: Robot, q: Array, v: Array, a: Array, j: Array) -> Array:
-    """Position, velocity, acceleration and jerk (N, n) in SI, as shares, with the motors' speeds behind (N, 5 n)."""
-    limits = robot.limits
-    middle, half = _ranges(robot)
-    motors = v @ counts_per_joint(robot).T / robot.actuation.velocity
-    return np.hstack(
-        ((q - middle) / half, v / limits.velocity, a / limits.acceleration, j / limits.jerk, motors)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Limits:
+    """What to divide by: the `middle` of each joint's range and `half` its width, the largest velocity, acceleration and
+    jerk (n,) [rad or m, s], and `motors` (n, n), the share of each motor's speed per joint velocity.
+    """
+
+    middle: Array
+    half: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    motors: Array
+
+    def shares(self, q: Array, v: Array, a: Array, j: Array) -> Array:
+        """Position, velocity, acceleration and jerk (N, n) in SI as shares, with the motors' speeds behind (N, 5 n)."""
+        rows = np.empty((len(q), 5, q.shape[1]))
+        np.divide(q - self.middle, self.half, out=rows[:, 0])
+        np.divide(v, self.velocity, out=rows[:, 1])
+        np.divide(a, self.acceleration, out=rows[:, 2])
+        np.divide(j, self.jerk, out=rows[:, 3])
+        np.matmul(v, self.motors.T, out=rows[:, 4])
+        return rows.reshape(len(q), -1)
+
+
+def _limits(robot: Robot) -> _Limits:
+    """The limits of a robot; a joint without position limits gets 0 and 180 deg as middle and half."""
+    limits, limited = robot.limits, has_limits(robot)
+    lower, upper = np.where(limited, limits.lower, -np.pi), np.where(limited, limits.upper, np.pi)
+    return _Limits(
+        middle=(lower + upper) / 2.0,
+        half=(upper - lower) / 2.0,
+        velocity=limits.velocity,
+        acceleration=limits.acceleration,
+        jerk=limits.jerk,
+        motors=counts_per_joint(robot) / robot.actuation.velocity[:, None],
     )
-
-
-def _ranges(robot: Robot) -> tuple[Array, Array]:
-    """The middle of each joint's range and half of its width (n,) [rad or m]; 0 and 180 deg where it has no limits."""
-    lower, upper = robot.limits.lower, robot.limits.upper
-    limited = has_limits(robot)
-    with np.errstate(invalid="ignore"):
-        middle = np.where(limited, (lower + upper) / 2.0, 0.0)
-        half = np.where(limited, (upper - lower) / 2.0, np.pi)
-    return middle, half
 
 
 def has_limits(robot: Robot) -> NDArray[np.bool_]:
@@ -154,9 +172,8 @@ def _extremes(
     return first[begin], last[end], np.minimum.reduceat(least, begin), np.maximum.reduceat(most, begin)
 
 
-def _trace(robot: Robot, times: Array, rows: Array, *, is_thinned: bool) -> Trace:
-    n = robot.size
-    position, velocity, acceleration, jerk, motors = (rows[:, k * n : (k + 1) * n] for k in range(5))
+def _trace(times: Array, rows: Array, *, is_thinned: bool) -> Trace:
+    position, velocity, acceleration, jerk, motors = np.split(rows, 5, axis=1)
     for array in (times, rows):
         array.setflags(write=False)
     return Trace(times, position, velocity, acceleration, jerk, motors, is_thinned)

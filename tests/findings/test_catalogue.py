@@ -1,0 +1,35 @@
+"""Each code is well formed, documented, and its examples show just it."""
+
+import re
+
+import pytest
+
+from programs import codes, planned
+from yarclang.findings import CATALOGUE, FAMILIES
+
+YARC_FAMILIES = {"01", "02", "03", "04", "05", "06", "10", "12"}
+WITH_EXAMPLE = [
+    one for one in CATALOGUE.values() if one.family in YARC_FAMILIES and one.example and one.code != "Y1391"
+]
+
+
+def test_codes_are_well_formed_and_names_unique():
+    assert all(re.fullmatch(r"Y\d{4}", code) for code in CATALOGUE)
+    assert all(one.family in FAMILIES for one in CATALOGUE.values())
+    names = [one.name for one in CATALOGUE.values()]
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("finding", CATALOGUE.values(), ids=lambda one: one.code)
+def test_every_finding_says_why(finding):
+    assert len(finding.why) > 30
+    assert finding.why.endswith(".")
+    assert not finding.title.endswith(".")
+
+
+@pytest.mark.parametrize("finding", WITH_EXAMPLE, ids=lambda one: one.code)
+def test_the_example_shows_the_finding_and_the_better_one_does_not(finding):
+    assert finding.code in codes(planned(finding.example)[1])
+    if finding.better:
+        assert finding.code not in codes(planned(finding.better)[1])
+        assert not [one for one in planned(finding.better)[1] if one.is_error]

@@ -93,22 +93,39 @@ def test_many_faults_in_one_file_are_one_finding_each(run):
 NEAR = "START 0 -6.158742074 -46.519197172 0 52.677939245 0 (deg)\nDEFAULT {TCP} [20] (mm,deg,s) {B}\n"
 
 
-def test_a_line_through_the_robot_s_own_axis_says_where(run):
-    status, found, written = run(NEAR + "P0010 MOVEL 0 -1174.4 1176 0 0 0\n")
+def test_a_line_that_leaves_the_workspace_says_where_and_by_how_much(run):
+    """The tool turns inwards: half way the wrist is 338 mm farther out than the tool, at y 1738, z 1500 mm."""
+    program = "P0010 MOVEJ_RPY 0 1400 1500 0 0 95\nP0020 MOVEL 0 1400 1500 0 0 -95\n"
+    status, found, written = run(NEAR + program)
     assert (status, written) == (1, False)
-    assert [one["code"] for one in found] in (["Y0503"], ["Y0504"], ["Y0701"], ["Y0801"], ["Y0502"])
-    assert "%" in found[0]["message"] or "deg" in found[0]["message"]
+    assert [(one["code"], one["line"]) for one in found] == [("Y0503", 4)]
+    wrist = ((1.738 - 0.2) ** 2 + (1.5 - 0.679) ** 2) ** 0.5
+    reach = 0.89 + (0.6364**2 + 0.195**2) ** 0.5
+    assert f"by up to {(wrist - reach) * 1e3:.0f} mm" in found[0]["message"]
+    assert "% of the way" in found[0]["message"]
 
 
-def test_a_line_out_of_the_reach_says_where_and_by_how_much(run):
-    # both ends lie just within the reach; the chord between them is fine, so the ends are put on a wide circle
-    program = (
-        "START 60 60 -20 0 30 0 (deg)\nDEFAULT {TCP} [20] (mm,deg,s) {B}\n"
-        "P0010 MOVEL -1200 600 700 0 0 60\n"
-    )
+def test_a_line_past_the_robot_s_own_axis_needs_another_configuration(run):
+    program = "P0010 MOVEJ_RPY 700 100 800 0 0 -90\nP0020 MOVEL -700 100 800 0 0 80\n"
+    status, found, written = run(NEAR + program)
+    assert (status, written) == (1, False)
+    assert [(one["code"], one["line"]) for one in found] == [("Y0801", 4)]
+    assert "% of the way" in found[0]["message"]
+
+
+def test_a_line_that_takes_a_joint_out_of_its_limits_says_which(run):
+    program = "P0010 MOVEJ_RPY 15 985 802 0 0 -1\nP0020 MOVEL 645 536 553 0 0 -50\n"
+    status, found, _ = run(NEAR + program)
+    assert status == 1
+    assert [(one["code"], one["line"]) for one in found] == [("Y0504", 4)]
+    assert "J5" in found[0]["message"]
+
+
+def test_a_line_beside_a_singularity_has_no_time_that_works(run):
+    program = "START 0 0 0 0 0.0000001 0 (deg)\nP0010 DMOVE {TCP} 50 0 0 0 0 0 [MIN] (mm,deg) {B}\n"
     status, found, _ = run(program)
     assert status == 1
-    assert len(found) == 1
+    assert [one["code"] for one in found] == ["Y0604"]
 
 
 def test_a_line_from_the_straight_wrist_sideways_is_singular(run):

@@ -65,7 +65,7 @@ def half_turn(origin: Origin) -> Message:
 
 def broken_line(robot: Robot, broken: Broken, poses: Callable[[Array], Array], origin: Origin) -> Message:
     """A straight motion that can't be followed to its end."""
-    point = poses(np.array([broken.s]))[0, :3, 3] / MM
+    point = np.round(poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
     where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
     joint = broken.joint
     if broken.kind == "reach":

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import TypeVar
 
 import pyperf
@@ -17,9 +20,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """A finished process: wall time [s], the most memory it had [MB], and its standard output."""
+    """A finished process: wall time and time on a core [s], the most memory it had [MB], its standard output."""
 
     seconds: float
+    cpu: float
     peak: float
     output: str
 
@@ -32,7 +36,7 @@ def process(*command: str) -> Process:
     """
     with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
         begun = time.perf_counter()
-        child = subprocess.Popen(command, stdout=output, stderr=errors)
+        child = subprocess.Popen(command, stdout=output, stderr=errors, env=environment())
         _, status, usage = os.wait4(child.pid, 0)
         seconds = time.perf_counter() - begun
         child.returncode = os.waitstatus_to_exitcode(status)
@@ -40,17 +44,28 @@ def process(*command: str) -> Process:
         errors.seek(0)
         if child.returncode != 0:
             raise SystemExit(f"{' '.join(command)}\n{errors.read()[-4000:]}\nended with {child.returncode}")
-        return Process(seconds, usage.ru_maxrss / 1024.0, output.read())
+        cpu = usage.ru_utime + usage.ru_stime
+        return Process(seconds, cpu, usage.ru_maxrss / 1024.0, output.read())
 
 
-def by_turns(tasks: Mapping[str, Callable[[], T]], rounds: int) -> dict[str, list[T]]:
-    """What each task gives, `rounds` times: one task after the other, round by round, so that whatever else the machine
-    does meets all of them alike. A first round isn't counted."""
+@cache
+def environment() -> dict[str, str]:
+    """Ours, with a folder for bytecode: an installed package has it, and whoever sets PYTHONDONTWRITEBYTECODE would
+    time Python's compiler instead. It is filled in the first round, which isn't counted."""
+    folder = tempfile.mkdtemp(prefix="yarclang-benchmarks-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return {**kept, "PYTHONPYCACHEPREFIX": folder}
+
+
+def by_turns(tasks: Mapping[str, Callable[[], T]], rounds: int, *, warm: bool = True) -> dict[str, list[T]]:
+    """What each task gives, `rounds` times: one task after the other, round by round, so that whatever else the
+    machine does meets all of them alike. Where `warm` is true a first round isn't counted."""
     found: dict[str, list[T]] = {name: [] for name in tasks}
-    for number in range(rounds + 1):
+    for number in range(rounds + warm):
         for name, task in tasks.items():
             value = task()
-            if number:
+            if number >= warm:
                 found[name].append(value)
     return found
 

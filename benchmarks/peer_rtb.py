@@ -37,14 +37,15 @@ def main() -> None:
     chain = robot.ets(end="flange") * rtb.ET.SE3(np.array(task["tool"]))
     poses = [(SE3(first, check=False), SE3(last, check=False)) for first, last in np.array(task["poses"])]
     s, start = np.array(task["s"]), np.array(task["start"])
-    begun = time.perf_counter()
+    begun, cpu = time.perf_counter(), time.process_time()
     found, failed = _solve(rtb.ctraj, chain, poses, s, start, tolerance)
-    seconds = time.perf_counter() - begun
+    seconds, cpu = time.perf_counter() - begun, time.process_time() - cpu
     apart = float(np.abs(np.array(found) - np.array(task["joints"])).max())
     print(
         json.dumps(
             {
                 "seconds": seconds,
+                "cpu": cpu,
                 "samples": len(found),
                 "failed": failed,
                 "apart": apart,

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from yarclang.robot.description import load_robot
 
@@ -34,3 +35,7 @@ def industrial6():
 @pytest.fixture(scope="session")
 def tracked():
     return load_robot("TRACKED_MANIPULATOR").value
+
+
+settings.register_profile("yarclang", deadline=None)
+settings.load_profile("yarclang")

@@ -53,7 +53,11 @@ def test_what_is_no_program(run, content, code, line, column):
 
 
 def test_crlf_byte_order_mark_and_utf8_comments_are_fine(run):
-    assert run(b"\xef\xbb\xbf" + "! Größe\r\n".encode() + GOOD.replace("\n", "\r\n").encode()) == (0, [], True)
+    assert run(b"\xef\xbb\xbf" + "! Größe\r\n".encode() + GOOD.replace("\n", "\r\n").encode()) == (
+        0,
+        [],
+        True,
+    )
 
 
 def test_many_faults_in_one_file_are_one_finding_each(run):
@@ -144,7 +148,8 @@ def test_a_line_straight_through_the_straight_wrist_is_fine(run):
 
 
 @pytest.mark.parametrize(
-    ("tm", "code"), [("5.0001", "Y1101"), ("80", "Y1102"), ("5000", "Y1102"), ("1", "Y1103"), ("3.98", "Y1103")]
+    ("tm", "code"),
+    [("5.0001", "Y1101"), ("80", "Y1102"), ("5000", "Y1102"), ("1", "Y1103"), ("3.98", "Y1103")],
 )
 def test_segment_times_that_the_controller_does_not_take(run, tm, code):
     status, found, written = run(GOOD, "--tm", tm)

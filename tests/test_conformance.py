@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-
 from conftest import EXAMPLES
 from programs import compiled, planned
+
 from yarclang.motion.curve import Curve, knot_values
 from yarclang.motion.profile import load_profile
 

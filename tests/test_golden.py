@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from conftest import EXAMPLES, HERE
+
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import compile_module
 
@@ -15,7 +15,9 @@ PROGRAMS = sorted(EXAMPLES.glob("*.yarc"))
 
 
 def make(path, target="rotary"):
-    opened = open_program(str(path), Options(robot="INDUSTRIAL6" if path.stem == "01_listing4" else None, target=target))
+    opened = open_program(
+        str(path), Options(robot="INDUSTRIAL6" if path.stem == "01_listing4" else None, target=target)
+    )
     compiled = compile_module(opened.value.module, opened.value.request)
     assert not [one for one in (*opened.diagnostics, *compiled.diagnostics) if one.is_error]
     # versions of libraries stand in the header: the rest doesn't depend on them

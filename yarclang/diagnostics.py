@@ -86,7 +86,9 @@ def suggest(word: str, known: Iterable[str]) -> str:
     from difflib import get_close_matches
 
     by_upper = {name.upper(): name for name in known}
-    near = get_close_matches(word.upper(), by_upper, n=1, cutoff=0.6)
+    near = get_close_matches(word.upper(), by_upper, n=5, cutoff=0.6)
+    # of equally near names, the one with the same letters in another order was meant
+    near.sort(key=lambda name: sorted(name) != sorted(word.upper()))
     return f"did you mean {by_upper[near[0]]}?" if near else ""
 
 

@@ -3,8 +3,8 @@
 import re
 
 import pytest
-
 from programs import codes, planned
+
 from yarclang.findings import CATALOGUE, FAMILIES
 
 YARC_FAMILIES = {"01", "02", "03", "04", "05", "06", "10", "12"}

@@ -15,7 +15,9 @@ from yarclang.robot.actuation import counts_per_joint, from_counts, joints_per_c
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
 
-DATA: dict[str, dict[str, Any]] = json.loads((Path(__file__).parents[1] / "conformance" / "actuation.json").read_text())
+DATA: dict[str, dict[str, Any]] = json.loads(
+    (Path(__file__).parents[1] / "conformance" / "actuation.json").read_text()
+)
 NAMES = ("industrial6", "tracked_manipulator")
 
 

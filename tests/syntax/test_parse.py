@@ -18,7 +18,11 @@ def parsed(text):
 def bare(value):
     """A tree without places and comments, names as they are compared: what a statement says."""
     if isinstance(value, Statement):
-        kept = [field.name for field in dataclasses.fields(value) if field.name not in {"line", "rows", "comments"}]
+        kept = [
+            field.name
+            for field in dataclasses.fields(value)
+            if field.name not in {"line", "rows", "comments"}
+        ]
         return tuple(bare(getattr(value, name)) for name in kept)
     if isinstance(value, Number):
         return value.text
@@ -78,7 +82,7 @@ def test_no_text_makes_the_parser_raise(text):
     assert parsed(text).value is not None
 
 
-@given(st.text(alphabet="P01 MOVEJL_{}[]();,.!\"$%-+ \n", max_size=120))
+@given(st.text(alphabet='P01 MOVEJL_{}[]();,.!"$%-+ \n', max_size=120))
 def test_no_broken_statement_makes_the_parser_raise(text):
     result = parsed(text)
     lines = {one.span.line for one in result.diagnostics}

@@ -177,7 +177,12 @@ class Certificate:
             "motor speed": self.worst("motor_velocity"),
         }
         loads = ", ".join(f"{name} {load.share * 100.0:.0f} %" for name, load in shares.items())
-        return f"path within {self.position / MM:.4f} mm, {self.angle / DEG:.4f} deg; {loads} of the limits"
+        return f"path within {bound_text(self.position / MM)} mm, {bound_text(self.angle / DEG)} deg; {loads} of the limits"
+
+
+def bound_text(value: float) -> str:
+    """A bound with four decimals, rounded up: what is printed is proved as well."""
+    return f"{math.ceil(value * 1e4 - 1e-9) / 1e4:.4f}" if math.isfinite(value) else "unproved"
 
 
 def _number(value: float) -> float | None:

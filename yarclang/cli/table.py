@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from yarclang.certify.certificate import Certificate, CommandCertificate, Load
+from yarclang.certify.certificate import Certificate, CommandCertificate, Load, bound_text
 from yarclang.units import DEG, MM
 
 _HEAD = (
@@ -17,6 +17,7 @@ _HEAD = (
     "accel.",
     "jerk",
     "motor",
+    "hold",
     "path mm",
     "path deg",
 )
@@ -50,14 +51,10 @@ def _row(command: CommandCertificate) -> Iterator[str]:
         command.motor_velocity,
     ):
         yield _load(load)
-    yield _size(command.deviation.position / MM)
-    yield _size(command.deviation.angle / DEG)
+    yield _load(command.hold)
+    yield bound_text(command.deviation.position / MM)
+    yield bound_text(command.deviation.angle / DEG)
 
 
 def _load(load: Load) -> str:
     return f"{load.name} {load.share * 100:.0f}%" if load.name else "-"
-
-
-def _size(value: float) -> str:
-    """Four decimals, and a bound instead of a zero that isn't one."""
-    return f"{value:.4f}" if value >= 5e-5 or value == 0.0 else "<0.0001"

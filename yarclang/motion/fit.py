@@ -172,7 +172,8 @@ class _Fitter:
 
     def best_of(self, segments: int) -> _Trial:
         """The fastest of a few numbers of segments from `segments` on, if possible one with segments that
-        aren't too long."""
+        aren't too long.
+        """
         trials = [self.fastest(number) for number in range(segments, segments + MORE_SEGMENTS + 1)]
 
         def duration(trial: _Trial) -> tuple[bool, float]:

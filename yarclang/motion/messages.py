@@ -9,7 +9,9 @@ import numpy as np
 
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, Motion, Origin
+from yarclang.motion.curve import FEWEST_SEGMENTS
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
+from yarclang.motion.limits import Grid
 from yarclang.robot.kinematics.nearest import Unreachable
 from yarclang.robot.kinematics.track import Broken
 from yarclang.robot.model import Robot
@@ -116,7 +118,7 @@ def no_motion(origin: Origin) -> Message:
     return "Y0603", message, origin.span, "take the command away, or check its target", None
 
 
-def too_fast(robot: Robot, fitted: TooFast, step: Motion) -> Message:
+def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message:
     """A time in which a limit is broken."""
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
@@ -133,7 +135,10 @@ def too_fast(robot: Robot, fitted: TooFast, step: Motion) -> Message:
     span = origin.time_span or origin.span
     demand = fitted.demand
     if demand is None:
-        message = "the controller's segments are too long for a motion of this duration"
+        message = (
+            f"this duration can't be divided into segments: the controller takes {FEWEST_SEGMENTS} or more, "
+            f"of {grid.smallest / MS:.4g} to {grid.largest / MS:.4g} ms"
+        )
         return "Y0601", message, span, help_, fix
     limits, row = robot.limits, demand.row
     if demand.kind == "motor speed":

@@ -230,7 +230,7 @@ class _Planner:
             self.settings.tolerance,
         )
         if isinstance(fitted, TooFast):
-            findings.add(*messages.too_fast(self.robot, fitted, step))
+            findings.add(*messages.too_fast(self.robot, fitted, self.settings.grid, step))
             return None
         if isinstance(fitted, TooLong):
             findings.add(*messages.too_long(fitted, step.origin))

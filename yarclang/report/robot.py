@@ -9,7 +9,11 @@ from yarclang.units import MS
 def robot_text(robot: Robot) -> str:
     """Joints with their limits, frames, positions and controller, for people."""
     limits, units = robot.limits, robot.axis_units
-    lines = [f"{robot.name}: {robot.title}", "", f"{'joint':8}{'axis':6}{'from':>9}{'to':>9}{'per s':>9}{'per s2':>9}{'per s3':>9}"]
+    lines = [
+        f"{robot.name}: {robot.title}",
+        "",
+        f"{'joint':8}{'axis':6}{'from':>9}{'to':>9}{'per s':>9}{'per s2':>9}{'per s3':>9}",
+    ]
     for joint, name in enumerate(robot.joint_names):
         numbers = (limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
         cells = "".join(f"{values[joint] / units[joint]:>9.5g}" for values in numbers)

@@ -1,0 +1,117 @@
+"""The settings that a controller gets: definitions and feedback are inverses, limits in counts, stops that stop."""
+
+import re
+
+import numpy as np
+import pytest
+
+from yarclang.backend_pmac.settings import axis_definitions, settings_text
+from yarclang.robot.actuation import counts_per_joint, from_counts, to_counts
+
+
+def values(text):
+    """The I-variables of a settings text."""
+    return {name: float(value) for name, value in re.findall(r"^(I\d+)=(-?[0-9.]+)", text, re.M)}
+
+
+@pytest.fixture(params=["industrial6", "tracked"])
+def robot(request):
+    return request.getfixturevalue(request.param)
+
+
+def test_the_definitions_are_listing_1(industrial6, conformance):
+    expected = conformance("actuation")["industrial6"]["definitions"]
+    assert list(axis_definitions(industrial6)) == ["&1", *expected]
+
+
+def definitions(robot):
+    """The matrix of the axis definitions, read from their text: counts per axis unit."""
+    matrix = np.zeros((robot.size, robot.size))
+    for row, line in enumerate(axis_definitions(robot)[1:]):
+        _, _, terms = line.partition("->")
+        for share, axis in re.findall(r"([+-]?[0-9.]+)([A-Z])", terms):
+            matrix[row, robot.controller.axes.index(axis)] = float(share)
+    return matrix
+
+
+def test_the_definitions_are_the_actuation_matrix(robot):
+    assert definitions(robot) == pytest.approx(counts_per_joint(robot) * robot.axis_units, rel=1e-9)
+
+
+def test_coupled_axes_are_all_of_xyz_or_all_of_uvw(robot):
+    for line in axis_definitions(robot)[1:]:
+        axes = set(re.findall(r"[A-Z]", line))
+        assert len(axes) == 1 or axes <= set("XYZ") or axes <= set("UVW")
+
+
+def test_the_feedback_plc_inverts_the_definitions(robot):
+    """PLC 0, evaluated as the controller would: counts from the definitions give back the joints."""
+    text = settings_text(robot)
+    plc = text.split("OPEN PLC 0 CLEAR\n")[1].split("CLOSE")[0].splitlines()
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        q = rng.uniform(-90, 90, robot.size)
+        counts = definitions(robot) @ q + robot.actuation.offset
+        scale = robot.controller.ixx08
+        variables = {f"I{motor}08": scale for motor in robot.controller.motors}
+        for motor, count in zip(robot.controller.motors, counts, strict=True):
+            variables[f"M{motor}62"] = count * scale * 32
+        for line in plc:
+            name, _, expression = line.partition("=")
+            variables[name] = eval(expression, {}, variables)
+        assert [variables[name] for name in robot.controller.feedback] == pytest.approx(q, abs=1e-6)
+
+
+def test_counts_and_joints_are_inverse(robot):
+    q = np.random.default_rng(5).uniform(-1, 1, (50, robot.size))
+    assert from_counts(robot, to_counts(robot, q)) == pytest.approx(q, abs=1e-12)
+
+
+def test_an_abort_stops_the_joints_as_fast_as_they_bear_and_no_faster(robot):
+    """Ixx15 [counts/ms^2]: whatever the signs, no joint is decelerated beyond its stop acceleration, and in
+    each coupling one joint may use all of it. The controller's default takes 6 s for joint 1."""
+    found = values(settings_text(robot))
+    rate = np.array([found[f"I{motor}15"] for motor in robot.controller.motors]) * 1e6
+    worst = np.abs(np.linalg.inv(counts_per_joint(robot))) @ rate
+    share = worst / robot.limits.stop_acceleration
+    assert share.max() <= 1 + 1e-3
+    assert share.max() >= 1 - 1e-3
+
+
+def test_the_abort_of_motor_1_is_that_of_its_joint(industrial6):
+    found = values(settings_text(industrial6))
+    assert found["I115"] == pytest.approx(25532.8278 * 240 * 1e-6, abs=1e-3)
+
+
+def test_the_software_limits_are_the_joint_limits(industrial6):
+    found = values(settings_text(industrial6))
+    assert found["I113"] == round(170 * 25532.8278)
+    assert found["I114"] == -round(170 * 25532.8278)
+    # motor 3 follows J2 + J3
+    assert found["I313"] == round((90 + 80) * 29308.7083)
+    assert found["I314"] == round((-80 - 170) * 29308.7083)
+
+
+def test_the_hold_takes_the_hold_time(robot):
+    """Isx95 in units of I10 a servo interrupt: from 100 % to 0 in the hold time (TSRM 177)."""
+    found = values(settings_text(robot))
+    system = robot.controller.coordinate_system
+    slew = found[f"I{5000 + 100 * system + 95}"]
+    interrupts = found["I10"] / slew
+    seconds = interrupts * found["I10"] / 2**23 * 1e-3
+    assert seconds == pytest.approx(robot.controller.hold_time, rel=1e-3)
+
+
+def test_the_guard_holds_when_the_rotary_is_low_and_a_program_is_armed(industrial6):
+    text = settings_text(industrial6)
+    assert "M8116->Y:$00203F,16,1" in text
+    guard = text.split("OPEN PLC 29 CLEAR\n")[1].split("CLOSE")[0].split()
+    assert guard == ["IF(P8100=1)", "IF(M8116=0)", "P8100=2", 'CMD"&1H"', "ENDIF", "ENDIF"]
+    assert "ENABLE PLC 29" in text
+
+
+def test_every_line_is_one_that_a_controller_takes(robot):
+    """ASCII, short, comments behind semicolons."""
+    for line in settings_text(robot).splitlines():
+        assert line.isascii()
+        assert len(line.partition(";")[0].rstrip()) <= 120

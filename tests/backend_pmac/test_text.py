@@ -1,0 +1,123 @@
+"""The emitted text: what it must never hold, the guard of the rotary, segment times, decimals."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from programs import compiled
+
+from yarclang.backend_pmac.decimals import decimals_for
+from yarclang.backend_pmac.emit import segment_time
+from yarclang.backend_pmac.guard import watermarks
+from yarclang.robot.actuation import counts_per_joint
+
+PROGRAM = """DEFAULT {TCP} (mm,deg,s) {B}
+P0010 MOVEJ 0 -10 -40 0 50 0 [6]
+P0020 MOVEJ 10 -10 -40 0 50 0 [2]
+P0030 MOVEJ 0 -10 -40 0 50 0 [1.7]
+P0040 DMOVEJ 5 0 0 0 0 0 [MIN]
+"""
+
+
+def lines_of(text):
+    return [line for line in text.splitlines() if not line.startswith(";")]
+
+
+@pytest.mark.parametrize("target", ["rotary", "prog"])
+def test_the_text_never_runs_anything_and_ends_closed(target):
+    made, _ = compiled(PROGRAM, target=target)
+    lines = lines_of(made.text)
+    assert lines[-1] == "CLOSE"
+    assert not [line for line in lines if re.search(r"(^|[^A-Z])[RS]$|&\d+B?\d*R", line)]
+    assert max(map(len, lines)) <= 120
+    assert made.text.isascii()
+
+
+def test_the_map_leads_to_the_lines_of_each_command():
+    made, _ = compiled(PROGRAM)
+    lines = made.text.splitlines()
+    seen = []
+    for found in re.finditer(r"; command (\d+) (\S+) \S+ (\d+) (\d+) (\d+)", made.text):
+        first, last = int(found[4]), int(found[5])
+        moves = [line for line in lines[first - 1 : last] if line.startswith("X")]
+        seen.append((found[2], int(found[3]), moves[-1]))
+    assert [entry[:2] for entry in seen] == [("P0010", 2), ("P0020", 3), ("P0030", 4), ("P0040", 5)]
+    assert [re.match(r"X([0-9.]+)", entry[2])[1] for entry in seen] == ["0", "10", "0", "5"]
+
+
+def test_neighbours_with_one_segment_time_are_one_sequence():
+    """6 s and 2 s at 50 ms: the stop between is the end point three times; 1.7 s too; [MIN] has another TM."""
+    made, _ = compiled(PROGRAM)
+    text = made.text.split("SPLINE1\n")[1]
+    assert len(re.findall(r"^TM", text, re.M)) == 2
+    first, second = re.split(r"^TM.*\n", text, flags=re.M)[1:]
+    count = [sum(line.startswith("X") for line in part.splitlines()) for part in (first, second)]
+    assert count == [120 + 40 + 34 - 2, made.plan.motions[3].curve.segments - 2]
+
+
+def test_the_guard_is_armed_before_the_first_move_and_disarmed_while_enough_is_ahead():
+    made, _ = compiled(PROGRAM)
+    lines = lines_of(made.text)
+    low, full = (int(next(line for line in lines if line.startswith(name))[4:]) for name in ("I16=", "I17="))
+    moves = [number for number, line in enumerate(lines) if re.match(r"X[-0-9]", line)][1:]
+    armed, disarmed = lines.index("P8100=1"), lines.index("P8100=0")
+    assert armed < moves[0]
+    ahead = sum(number > disarmed for number in moves)
+    assert low <= ahead <= low + 3 < full
+
+
+def test_a_short_program_is_not_guarded():
+    made, _ = compiled("P0010 MOVEJ 1 0 0 0 0 0 [0.5] (deg,s)\n")
+    assert "P8100" not in made.text
+
+
+def test_the_rotary_holds_a_second(industrial6):
+    for segment in (0.05, 0.02, 0.005):
+        marks = watermarks(industrial6, segment)
+        assert marks.words >= 480
+        assert marks.words / 8 * segment >= 1.0
+        assert marks.words / 8 >= 2 * marks.full
+        assert marks.low * segment >= industrial6.controller.hold_time / 2 + 0.1
+    assert watermarks(industrial6, 0.05).words == 480
+
+
+@given(st.integers(1, 4096 * 4096 - 1))
+def test_segment_times_are_printed_exactly(steps):
+    milliseconds = steps / 4096
+    text = segment_time(milliseconds)
+    assert float(text) == milliseconds
+    assert re.fullmatch(r"\d+(\.\d{1,12})?", text)
+
+
+@pytest.mark.parametrize(("segment", "decimals"), [(0.05, 6), (0.005, 7), (0.002, 8)])
+def test_the_decimals_fit_the_segment_time(industrial6, segment, decimals):
+    assert decimals_for(industrial6, segment) == decimals
+    # the rule itself: a quarter of a count, 0.1 % of the acceleration, 1 % of the jerk limit
+    counts = np.abs(counts_per_joint(industrial6) * industrial6.axis_units).sum(axis=1).max()
+    assert 0.5 * 10**-decimals * counts <= 0.25
+    assert 2 * 10**-decimals / segment**2 <= 1e-3 * 240
+    assert 4 * 10**-decimals / segment**3 <= 1e-2 * 2000
+
+
+@pytest.mark.parametrize("tm", [50, 20, 10, 5])
+@pytest.mark.parametrize("duration", ["[0.333]", "[1]", "[2.71828]"])
+def test_the_duration_is_exact_to_the_controller_s_step(tm, duration):
+    made, diagnostics = compiled(f"P0010 MOVEJ 1 0 0 0 0 0 {duration} (deg,s)\n", tm=tm)
+    assert not diagnostics
+    (motion,) = made.plan.motions
+    assert motion.curve.segment <= tm * 1e-3 + 1e-12
+    asked = float(duration.strip("[]"))
+    assert abs(motion.curve.duration - asked) <= motion.curve.segments / 8192e3 + 1e-12
+
+
+def test_the_program_buffer_looks_at_every_motor_before_each_start():
+    made, _ = compiled(PROGRAM, target="prog", start=np.radians([1, -2, 3, 0, 0, 0]))
+    lines = lines_of(made.text)
+    loop = lines[lines.index("WHILE(P8101=1)") : lines.index("ENDWHILE")]
+    assert sum(line.startswith("IF(ABS(M") for line in loop) == 6
+    assert loop[-3:] == ["IF(P8101=1)", "STOP", "ENDIF"]
+    # 1 deg is 25,532.8278 counts of motor 1; motor 3 stands at J2 + J3
+    assert f"IF(ABS(M161-{round(25532.8278 * 3072)})>" in made.text
+    assert f"IF(ABS(M361-{round(29308.7083 * 3072)})>" in made.text

@@ -1,4 +1,4 @@
-"""What is measured inside one process of ours; each prints one JSON object.
+"""What is measured inside one process of ours; each prints one JSON object. Imports come before.
 
 python inside.py stages COUNT TM        the compiler's stages, for as many lines
 python inside.py plan COUNT TM          lines to joint samples every TM ms
@@ -12,7 +12,6 @@ import json
 import statistics
 import sys
 import time
-from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -26,6 +25,9 @@ from yarclang.pipeline import inputs, stages
 from yarclang.robot.library import stdlib_folder
 from yarclang.source import SourceFile
 
+Times = dict[str, float]
+"""`seconds` of wall time, and `cpu` seconds on a core."""
+
 STAGES = ((inputs, ("parse", "load_robot")), (stages, ("check", "plan", "lower", "emit", "certify")))
 
 
@@ -36,29 +38,27 @@ def main() -> None:
 
 
 def measure_stages(count: int, tm: float) -> dict[str, Any]:
-    """Seconds in each stage of one compilation. `emit` counts both texts, the judged one and the one that is kept."""
-    seconds: defaultdict[str, float] = defaultdict(float)
+    """Times of each stage of one compilation. `emit` counts both texts, the judged one and the one that is kept."""
+    times: dict[str, Times] = {}
     for module, names in STAGES:
         for name in names:
-            setattr(module, name, _timed(getattr(module, name), name, seconds))
-    begun = time.perf_counter()
-    compiled = _compiled(programs.lines(count), tm)
-    seconds["other"] = time.perf_counter() - begun - sum(seconds.values())
+            setattr(module, name, _timed(getattr(module, name), name, times))
+    _timed(_compiled, "all", times)(programs.lines(3, 0), tm)  # the imports
+    times.clear()
+    compiled = _timed(_compiled, "all", times)(programs.lines(count), tm)
     rows = sum(motion.curve.segments for motion in compiled.plan.motions)
-    return {
-        "seconds": seconds,
-        "rows": rows,
-        "bytes": len(compiled.text),
-        "summary": compiled.certificate.summary(),
-    }
+    return {"stages": times, "rows": rows, "bytes": len(compiled.text)}
 
 
-def measure_cost(count: int, tm: float, kind: str) -> dict[str, Any]:
-    """Seconds from text to certified text, the median of some different programs if they are short."""
+def measure_cost(count: int, tm: float, kind: str) -> Times:
+    """Times from text to certified text, the median of some different programs if they are short."""
     make = getattr(programs, kind)
     _compiled(make(10, 0), tm)  # the imports
-    seconds = [_seconds(_compiled, make(count, seed), tm) for seed in range(1, 2 + min(8, 1000 // count))]
-    return {"seconds": statistics.median(seconds)}
+    found: list[dict[str, Times]] = []
+    for seed in range(1, 2 + min(8, 1000 // count)):
+        found.append({})
+        _timed(_compiled, "all", found[-1])(make(count, seed), tm)
+    return {key: statistics.median(times["all"][key] for times in found) for key in ("seconds", "cpu")}
 
 
 def measure_plan(count: int, tm: float) -> dict[str, Any]:
@@ -110,20 +110,20 @@ def _value(result: Any) -> Any:
     return result.value
 
 
-def _timed(stage: Callable[..., Any], name: str, seconds: dict[str, float]) -> Callable[..., Any]:
+def _timed(work: Callable[..., Any], name: str, times: dict[str, Times]) -> Callable[..., Any]:
+    """`work` that adds its times to those of `name`."""
+
     def run(*arguments: Any) -> Any:
-        begun = time.perf_counter()
-        result = stage(*arguments)
-        seconds[name] += time.perf_counter() - begun
+        begun, cpu = time.perf_counter(), time.process_time()
+        result = work(*arguments)
+        had = times.get(name, {"seconds": 0.0, "cpu": 0.0})
+        times[name] = {
+            "seconds": had["seconds"] + time.perf_counter() - begun,
+            "cpu": had["cpu"] + time.process_time() - cpu,
+        }
         return result
 
     return run
-
-
-def _seconds(work: Callable[..., object], *arguments: object) -> float:
-    begun = time.perf_counter()
-    work(*arguments)
-    return time.perf_counter() - begun
 
 
 if __name__ == "__main__":

@@ -49,10 +49,12 @@ class MotionPlan:
         """Position, velocity and acceleration of the joints, each (N, n), at `times` (N,) [s], in SI."""
         q = np.tile(self.program.start, (len(times), 1))
         v, a = np.zeros_like(q), np.zeros_like(q)
-        number = np.clip(
-            np.searchsorted(self.starts, times, side="right") - 1, 0, max(len(self.motions) - 1, 0)
-        )
-        for motion in np.unique(number) if self.motions else ():
-            here = number == motion
+        if not self.motions:
+            return q, v, a
+        number = np.searchsorted(self.starts, times, side="right") - 1
+        number = np.clip(number, 0, len(self.motions) - 1)
+        order = np.argsort(number, kind="stable")
+        asked, first = np.unique(number[order], return_index=True)
+        for motion, here in zip(asked, np.split(order, first[1:]), strict=True):
             q[here], v[here], a[here] = self.motions[motion].curve.sample(times[here] - self.starts[motion])
         return q, v, a

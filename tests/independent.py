@@ -122,7 +122,7 @@ def off_line(arm, executed, goal_point, goal_rotation):
     weight_p, weight_a = 1 / 0.02**2, 1 / np.radians(0.002) ** 2
     turned = (start_rotation.inv() * rotations).as_rotvec() @ turn.as_rotvec()
     whole = weight_p * shift @ shift + weight_a * turn.magnitude() ** 2
-    s = np.clip((weight_p * (points - start_point) @ shift + weight_a * turned) / whole, 0.0, 1.0)
+    s = np.clip((weight_p * (points - start_point) @ shift + weight_a * turned) / max(whole, 1e-30), 0.0, 1.0)
     wanted = Slerp([0, 1], Rotation.concatenate([start_rotation, goal_rotation]))(s)
     distance = np.linalg.norm(points - (start_point + s[:, None] * shift), axis=1).max()
     return distance, np.degrees((wanted.inv() * rotations).magnitude().max())

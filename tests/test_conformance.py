@@ -68,7 +68,13 @@ def test_dmove_ends_where_the_conformance_says(conformance, number):
 def test_the_curve_is_the_controller_s_spline(conformance):
     data = conformance("spline1")
     points = np.array([data["start"]] * 3 + data["points"] + [data["points"][-1]] * 2)
-    x, v, a = Curve(points, data["tm_ms"] / 1e3).sample(np.array(data["t"]))
+    x, v, a = Curve(points, data["tm_ms"] / 1e3, np.zeros(len(points))).sample(np.array(data["t"]))
     for computed, name in ((x, "x"), (v, "v"), (a, "a")):
         # the file has nine decimals; its velocities and accelerations are rounded likewise
         assert computed == pytest.approx(np.array(data[name]), abs=1e-6), name
+
+
+def test_listing4_compiles_as_it_stands_for_the_tracked_arm():
+    made, diagnostics = compiled((EXAMPLES / "01_listing4.yarc").read_text(), "TRACKED_MANIPULATOR")
+    assert not [one for one in diagnostics if one.is_error]
+    assert [motion.curve.duration for motion in made.plan.motions] == [20.0, 20.0]

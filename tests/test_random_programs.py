@@ -126,3 +126,20 @@ def test_the_shortest_time_that_an_error_names_works(robot, entry):
             )
             _, again = compiled("\n".join(lines), robot)
             assert not [two.code for two in again if two.is_error]
+
+
+@pytest.mark.parametrize("time", ["[MIN]", "[12]"])
+@pytest.mark.parametrize("there", [68, 50, 20])
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_a_spline_that_turns_back_on_itself_is_proved(robot, there, time):
+    """One joint goes out and back: at the turn the position says nothing of how far along the path it is."""
+    home = ARMS[robot].data["positions"]["HOME"][1:]
+    others = _numbers(home)
+    text = (
+        f"DEFAULT (deg,s)\nP0010 MOVEJ 25.5 {others} [MIN]\n"
+        f"P0020 MOVEJ_SPLINE {there} {others}; 0 {others} {time}\n"
+    )
+    made, diagnostics = compiled(text, robot)
+    assert not [one for one in diagnostics if one.is_error], diagnostics
+    goals = [np.array([there, *home], float), np.array([0, *home], float)]
+    judge(robot, made.text, [("joint", np.array([25.5, *home])), ("spline", goals)])

@@ -53,7 +53,7 @@ def test_the_curve_passes_through_its_knots(segments, ends, seed):
     inner = np.random.default_rng(seed).uniform(-2, 2, (segments - 3, 2))
     start, end = np.array(ends[:2]), np.array(ends[2:])
     points = through_knots(inner.copy(), start, end)
-    curve = Curve(points, 0.01)
+    curve = Curve(points, 0.01, np.zeros(len(points)))
     knots, v, _ = curve.sample(np.arange(segments + 1) * 0.01)
     assert knots[2:-2] == pytest.approx(inner, abs=1e-9)
     assert knots[0] == pytest.approx(start)

@@ -28,6 +28,7 @@ class Paths:
     robot: Robot
     tolerance: Tolerance
     witnesses: Mapping[int, Array]
+    laws: Mapping[int, Array]
     find: Callable[[str, str, int | None], None]
 
 
@@ -145,7 +146,8 @@ def _spline_move(paths: Paths, layout: Layout, row: int, place: Place) -> Deviat
     if place.size:
         rows = slice(place.first, place.last)
         cubics = Cubics.of_spline(layout.control, layout.at[rows], layout.time[rows])
-        bound = spline_deviation(cubics, points, joint_weights(robot, paths.tolerance))
+        law = paths.laws.get(place.step)
+        bound = spline_deviation(cubics, points, joint_weights(robot, paths.tolerance), law)
         position, angle = by_kind(bound.deviation, robot)
         rest = by_kind(bound.remainder, robot)
     else:

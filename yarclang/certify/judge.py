@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -20,12 +21,19 @@ from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import MS
 
+NO_LAWS: Mapping[int, Array] = MappingProxyType({})
+
 GUARD_SHARE = 0.05
 """A fixed program may start so far off that it adds this share of the acceleration limit."""
 
 
 def certify(
-    text: str, program: hir.Program, robot: Robot, tolerance: Tolerance, witnesses: Mapping[int, Array]
+    text: str,
+    program: hir.Program,
+    robot: Robot,
+    tolerance: Tolerance,
+    witnesses: Mapping[int, Array],
+    laws: Mapping[int, Array] = NO_LAWS,
 ) -> Result[Certificate]:
     """Prove what a controller text makes the robot do, against the program that it was compiled from.
 
@@ -36,6 +44,8 @@ def certify(
         tolerance: how far the executed path may be from the programmed one.
         witnesses: for each SplineMove, by its number in the program's steps: the joint positions (k, n) that
             the planner chose for its k way-points. Claims: each is checked against its way-point.
+        laws: for SplineMoves, by the same number: control values (segments + 3,) of the share of the way over time.
+            Claims: a wrong one proves less, never more.
 
     Returns:
         The certificate, also where it proves violations (these are errors among the findings); None where
@@ -57,7 +67,7 @@ def certify(
     judge.segment_times(content, layout)
     judge.rest(layout)
     loads = judge.limits(layout)
-    deviations = find_deviations(Paths(robot, tolerance, witnesses, judge.find), layout)
+    deviations = find_deviations(Paths(robot, tolerance, witnesses, laws, judge.find), layout)
     commands = tuple(
         judge.command(layout, place, loads[place.step], deviations[place.step]) for place in layout.places
     )

@@ -93,7 +93,9 @@ class SplineBound:
     remainder: Array
 
 
-def spline_deviation(cubics: Cubics, waypoints: Array, weights: Array) -> SplineBound:
+def spline_deviation(
+    cubics: Cubics, waypoints: Array, weights: Array, law: Array | None = None
+) -> SplineBound:
     """A proved bound of the deviation from the natural spline through way-points.
 
     As for a line, with e(t) = q(t) - y(s(t)) for each joint, s(t) piecewise cubic. As q'''' = 0
@@ -104,22 +106,36 @@ def spline_deviation(cubics: Cubics, waypoints: Array, weights: Array) -> Spline
         cubics: the segments of one command, all of one duration.
         waypoints: (m, n) where the robot stands, and the way-points behind it.
         weights: (n,) one over the tolerance of each joint.
+        law: (segments + 3,) the share of the way over time that the planner claims, as control values
+            of a cubic B-spline. A claim can't do harm: any s(t) that leads from start to end gives a proof.
     """
     spline = NaturalSpline.through(waypoints)
     if len(spline.y) == 1:
         lower, upper = cubics.position_range()
         away = np.maximum(np.abs(lower - spline.y), np.abs(upper - spline.y)).max(axis=0)
         return SplineBound(away, np.zeros_like(away))
+    claimed = law if law is not None and len(law) == len(cubics.h) + 3 and np.isfinite(law).all() else None
+    bound = _proved(cubics, spline, weights, claimed)
+    if claimed is not None and (bound.deviation * weights).max() > 1.0:
+        projected = _proved(cubics, spline, weights, None)
+        bound = min(bound, projected, key=lambda one: float((one.deviation * weights).max()))
+    return bound
+
+
+def _proved(cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None) -> SplineBound:
+    """The bound with pieces so short that the remainder hardly counts."""
     pieces = 1 if len(cubics.h) >= 4 else 4  # third differences want four points
     while True:
-        bound = _bound(cubics, spline, weights, pieces)
+        bound = _bound(cubics, spline, weights, pieces, law)
         need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
         if need <= 1.0 or pieces == MOST_PIECES:
             return bound
         pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * need**0.25))))
 
 
-def _bound(cubics: Cubics, spline: NaturalSpline, weights: Array, pieces: int) -> SplineBound:
+def _bound(
+    cubics: Cubics, spline: NaturalSpline, weights: Array, pieces: int, law: Array | None
+) -> SplineBound:
     count = len(cubics.h) * pieces
     segment = np.arange(count) // pieces
     d = cubics.h[segment] / pieces
@@ -128,7 +144,10 @@ def _bound(cubics: Cubics, spline: NaturalSpline, weights: Array, pieces: int) -
     q, rate = starts.at(offset)
     q_end, rate_end = starts.at(offset + d)
     q, rate = np.concatenate([q, q_end[-1:]]), np.concatenate([rate, rate_end[-1:]])
-    s, s_rate = _project(starts, offset, q, rate, spline, weights, d)
+    if law is None:
+        s, s_rate = _project(starts, offset, q, rate, spline, weights, d)
+    else:
+        s, s_rate = _claimed(law * spline.s[-1], float(cubics.h[0]), pieces)
 
     y, slope = spline.at(s)
     e, e_rate = q - y, rate - slope * s_rate[:, None]
@@ -139,6 +158,20 @@ def _bound(cubics: Cubics, spline: NaturalSpline, weights: Array, pieces: int) -
     reach = _steepest(spline, float(max(-bezier_s.min(), bezier_s.max() - spline.s[-1], 0.0)))
     deviation = np.abs(hull).max(axis=0) + rest + behind[:, None] * reach
     return SplineBound(deviation.max(axis=0), rest.max(axis=0))
+
+
+def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
+    """Values and derivatives of the cubic B-spline with `control` (segments + 3,) at the points between pieces."""
+    count = (len(control) - 3) * pieces + 1
+    k = np.minimum(np.arange(count) // pieces, len(control) - 4)
+    u = np.arange(count) / pieces - k
+    w = 1.0 - u
+    f0, f1, f2, f3 = (control[k + i] for i in range(4))
+    s = (
+        w**3 * f0 + (3 * u**3 - 6 * u**2 + 4) * f1 + (-3 * u**3 + 3 * u**2 + 3 * u + 1) * f2 + u**3 * f3
+    ) / 6.0
+    rate = (w**2 * (f1 - f0) + (1 + 2 * u - 2 * u**2) * (f2 - f1) + u**2 * (f3 - f2)) / (2.0 * h)
+    return s, rate
 
 
 def _project(

@@ -26,10 +26,14 @@ FEWEST_SEGMENTS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s]."""
+    """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s].
+
+    `law` (n + 3,) are the control values of the share of the way over time that the points were made with.
+    """
 
     points: Array
     segment: float
+    law: Array
 
     @property
     def segments(self) -> int:

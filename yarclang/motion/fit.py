@@ -20,7 +20,10 @@ from yarclang.motion.profile import Profile
 from yarclang.robot.model import Tolerance
 
 MORE_SEGMENTS = 4
-"""How many numbers of segments beyond the fewest are tried: blends and ramps are whole segments."""
+"""How many numbers of segments beyond the fewest are tried for the shortest time: blends and ramps are whole segments."""
+
+MOST_MORE = 3 * MORE_SEGMENTS
+"""How many are tried in a given time: so many that each shortest time is found again."""
 
 MOST_SEGMENTS = 100_000
 """A motion of more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no bound."""
@@ -123,7 +126,7 @@ class _Fitter:
         fewest = self.grid.fewest(duration)
         refusal: TooFast | None = None
         segments = fewest
-        while segments <= fewest + MORE_SEGMENTS:
+        while segments <= fewest + MOST_MORE:
             segment = self.grid.nearest(duration / segments)
             if segment < self.grid.smallest:
                 break
@@ -132,13 +135,13 @@ class _Fitter:
             if demand.segment <= segment:
                 better = self.segments_for_tolerance(trial)
                 if better is None:
-                    return Curve(_constant(trial.points), segment)
+                    return Curve(_constant(trial.points), segment, trial.control)
                 if duration / better < self.grid.smallest:
                     return NotHeld(*self.deviation(trial), segment)
                 fewest = segments = better
                 continue
             refusal = refusal or _refusal(trial, demand, segment)
-            if demand.segment > 1.25 * segment:
+            if demand.segment > (1.25 if segments > 2 * MOST_MORE else 1.6) * segment:
                 break
             segments += 1
         return refusal or TooFast(None, math.inf, 0.0, 0.0, math.inf)
@@ -159,7 +162,7 @@ class _Fitter:
                 continue
             better = self.segments_for_tolerance(best)
             if better is None:
-                return Curve(_constant(best.points), self.grid.not_below(best.demand.segment))
+                return Curve(_constant(best.points), self.grid.not_below(best.demand.segment), best.control)
             shortest = best.segments * max(best.demand.segment, self.grid.smallest)
             if better * self.grid.smallest > 2.0 * shortest:
                 return NotHeld(*self.deviation(best), self.grid.smallest)

@@ -23,7 +23,7 @@ from yarclang.hir import (
     Stop,
 )
 from yarclang.motion import messages
-from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
+from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
 from yarclang.motion.limits import Bounds, Grid, bounds_of
 from yarclang.motion.path import Path
@@ -220,7 +220,6 @@ class _Planner:
         """The path in the time that the command asks for."""
         if isinstance(path, JointPath) and np.array_equal(path.start, path.end):
             findings.add(*messages.no_motion(step.origin))
-            return self._rest(path.start, step.timing.duration)
         fitted = fit(
             path,
             load_profile(step.profile),
@@ -239,16 +238,6 @@ class _Planner:
             findings.add(*messages.not_held(fitted, self.settings.grid.smallest, step.origin))
             return None
         return fitted
-
-    def _rest(self, q: Array, duration: float | None) -> Curve:
-        """Standing still for a time; the shortest is what the controller needs for a sequence at all."""
-        grid = self.settings.grid
-        shortest = FEWEST_SEGMENTS * grid.not_below(grid.smallest)
-        duration = max(duration or 0.0, shortest)
-        segments = grid.fewest(duration)
-        points = np.tile(q, (segments + 3, 1))
-        points.setflags(write=False)
-        return Curve(points, grid.nearest(duration / segments))
 
 
 def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:

@@ -16,7 +16,7 @@ from yarclang.pmac.program import Target
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Robot, Tolerance
-from yarclang.semantics.declarations import declared_robot
+from yarclang.semantics.declarations import check_robot, declared_robot
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
@@ -110,6 +110,11 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
         return Result(found.value if other.value else None, other.diagnostics)
     if declared is not None:
         return load_robot(_placed(declared, folder))
+    malformed = [one for one in module.statements if one.index is None and one.name.name == "ROBOT"]
+    if malformed:
+        findings = Collector(module.source)
+        check_robot(malformed[0], findings)
+        return Result(None, tuple(findings.found))
     if project.robot is not None:
         return load_robot(_placed(project.robot, project.folder))
     names = ", ".join(robot.name for robot in list_robots())

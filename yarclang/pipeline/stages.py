@@ -110,7 +110,9 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     if request.progress:
         request.progress("certifying", 0, 1)
     text = emit(_with_header(lowered, (*header, "certificate being made")))
-    judged = certify(text, program, robot, request.tolerance or robot.tolerance, _witnesses(planned))
+    judged = certify(
+        text, program, robot, request.tolerance or robot.tolerance, _witnesses(planned), _laws(planned)
+    )
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
     # only this comment line differs from the text that was judged
@@ -150,6 +152,11 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
         load,
         "commands: step, index, name, line in the source, first and last line of the moves in this file",
     ]
+
+
+def _laws(planned: MotionPlan) -> Mapping[int, Array]:
+    """How far along its path each motion claims to be, over time."""
+    return {motion.step: motion.curve.law for motion in planned.motions}
 
 
 def _witnesses(planned: MotionPlan) -> Mapping[int, Array]:

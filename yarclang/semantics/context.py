@@ -28,10 +28,14 @@ class Context:
 
 @dataclass(frozen=True, slots=True)
 class Defaults:
-    """What a DEFAULT line gives to the lines that leave it out; `statement` is the line itself."""
+    """What a DEFAULT line gives to the lines that leave it out; `statement` is the line itself.
+
+    `has_bad_time` says that it gave a motion time that isn't one, which was said there.
+    """
 
     statement: Statement | None = None
     moving: FrameName | None = None
     time: Time | None = None
     units: Mapping[Kind, Unit] = field(default_factory=dict)
     base: FrameName | None = None
+    has_bad_time: bool = False

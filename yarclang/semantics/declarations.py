@@ -8,7 +8,9 @@ from yarclang.diagnostics import Collector, suggest
 from yarclang.hir import Array
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.frames import check_frame
+from yarclang.semantics.frames import check_frame, moving_frame
+from yarclang.semantics.parts import refuse_parts
+from yarclang.semantics.times import time_is_sound
 from yarclang.semantics.units import missing_unit, number_fault, resolve_units
 from yarclang.syntax.ast import Module, Number, Statement, Text, Word
 from yarclang.units import Kind
@@ -26,6 +28,7 @@ def declared_robot(module: Module) -> str | None:
 
 def check_robot(statement: Statement, findings: Collector) -> None:
     """A ROBOT line has one name, or one path in quotes."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     if len(values) != 1 or not isinstance(values[0], Word | Text):
         help_ = 'write ROBOT INDUSTRIAL6, or ROBOT "path/to/robot.toml"'
@@ -36,19 +39,22 @@ def check_robot(statement: Statement, findings: Collector) -> None:
 
 def read_default(statement: Statement, robot: Robot, findings: Collector) -> Defaults:
     """The parts that a DEFAULT line gives."""
-    if statement.waypoints or statement.options:
-        place = statement.waypoints[0].place if statement.waypoints else statement.options[0].word.place
-        help_ = "DEFAULT takes a moving frame, a motion time, units and a base frame"
-        findings.add("Y0408", "DEFAULT doesn't take values or options", statement.span(place), help_)
+    refuse_parts(statement, ("values", "options"), findings)
     units = resolve_units(statement, statement.units, findings)
-    for frame in (statement.moving, statement.base):
-        if frame is not None:
-            check_frame(statement, frame, robot, findings)
-    return Defaults(statement, statement.moving, statement.time, units or {}, statement.base)
+    if statement.moving is not None:
+        moving_frame(statement, statement.moving, robot, findings)
+    if statement.base is not None:
+        check_frame(statement, statement.base, robot, findings)
+    time = statement.time
+    if time is not None and not time_is_sound(statement, time, findings):
+        time = None
+    has_bad_time = statement.time is not None and time is None
+    return Defaults(statement, statement.moving, time, units or {}, statement.base, has_bad_time)
 
 
 def read_start(statement: Statement, robot: Robot, defaults: Defaults, findings: Collector) -> Array | None:
     """The joint position (n,) [rad or m] of a START line: values with units, or a joint position's name."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     if len(values) == 1 and isinstance(word := values[0], Word):
         if word.name in robot.positions:

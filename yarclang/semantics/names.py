@@ -9,6 +9,7 @@ from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
 from yarclang.syntax.ast import Statement
+from yarclang.syntax.words import OTHER_COMMANDS, OTHER_SUFFIXES
 
 DEFAULT_PROFILE = "LSPB"
 TARGETS = ("RPY", "QUAT")
@@ -33,6 +34,11 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     """
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
+    known_words = [word for word in OTHER_COMMANDS if name == word or name.startswith(word + "_")]
+    known_words += [f"_{suffix}" for suffix in suffixes if suffix in OTHER_SUFFIXES]
+    if known_words:
+        findings.add("Y0207", f"{known_words[0]} is not carried out by this version", span, _others(profiles))
+        return None
     if spec is None:
         known = (*commands(), *(f"{one}_{suffix}" for one in commands() for suffix in (*TARGETS, *profiles)))
         help_ = suggest(name, known) or f"the commands are {', '.join(commands())}"
@@ -54,6 +60,10 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
         fix = Fix(f"write {full}", (Edit(span, full),))
         findings.add("Y0204", f"{name} is today {full}", span, f"write {full}", fix)
     return ResolvedName(spec, spec.targets.get(target), profile, full)
+
+
+def _others(profiles: Iterable[str]) -> str:
+    return f"this version has {', '.join(commands())}, with the profiles {', '.join(profiles)}"
 
 
 def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:

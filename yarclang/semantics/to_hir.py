@@ -13,9 +13,11 @@ from yarclang.robot.model import Robot
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.frames import Axes, base_axes, check_frame, moving_frame
 from yarclang.semantics.names import ResolvedName
+from yarclang.semantics.parts import ALL_PARTS, refuse_parts
+from yarclang.semantics.times import resolve_time
 from yarclang.semantics.units import missing_unit, number_fault, resolve_units
 from yarclang.source import Span
-from yarclang.syntax.ast import Number, Statement, Time, WayPoint, Word
+from yarclang.syntax.ast import Number, Statement, WayPoint, Word
 from yarclang.units import Kind, Unit
 
 QUATERNION_TOLERANCE = 1e-3
@@ -41,33 +43,17 @@ def to_step(
         time_unit=units["time"].name if units and "time" in units else "s",
     )
     if name.values is None:
-        _refuse_parts(statement, name, findings)
+        refuse_parts(statement, ALL_PARTS, findings)
         goals: tuple[object, ...] = ()
         timing = Timing(0.0)
     else:
         goals = _goals(statement, name, name.values, context.robot, defaults, units, findings)
-        timing = _timing(statement, statement.time or defaults.time, units, findings)
+        timing = (
+            resolve_time(statement, units or {}, defaults, findings) if units is not None else Timing(None)
+        )
     if any(found.is_error for found in findings.found[before:]):
         return None
     return name.spec.build(Arguments(origin, goals, name.profile, timing))
-
-
-def _refuse_parts(statement: Statement, name: ResolvedName, findings: Collector) -> None:
-    """A command without values takes no part at all; DEFAULT doesn't concern it."""
-    places = [
-        ("values", value.place) for waypoint in statement.waypoints[:1] for value in waypoint.values[:1]
-    ]
-    parts = {
-        "a moving frame": statement.moving,
-        "a motion time": statement.time,
-        "units": statement.units,
-        "a base frame": statement.base,
-    }
-    places += [(what, part.place) for what, part in parts.items() if part]
-    places += [(f"the option {option.word.name}", option.word.place) for option in statement.options]
-    if places:
-        what, place = places[0]
-        findings.add("Y0408", f"{name.spec.name} doesn't take {what}", statement.span(place), "take it away")
 
 
 def _goals(
@@ -99,7 +85,7 @@ def _goals(
     goals: list[object] = []
     told: set[str] = set()
     for number, waypoint in enumerate(statement.waypoints, 1):
-        goal = _named_goal(statement, values, waypoint, robot, findings)
+        goal = _named_goal(statement, name, waypoint, robot, findings)
         if goal is None:
             numbers = _numbers(statement, name, values, waypoint, number, robot, findings)
             if numbers is None or units is None:
@@ -157,15 +143,15 @@ def _frames(
 
 def _named_goal(
     statement: Statement,
-    values: Values,
+    name: ResolvedName,
     waypoint: WayPoint,
     robot: Robot,
     findings: Collector,
 ) -> object | None:
-    """A way-point that is one name of a joint position."""
+    """A way-point that is one name of a joint position: for commands that take joint values, whatever the target."""
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
-    if values is not Values.JOINTS:
+    if name.spec.targets.get("") is not Values.JOINTS:
         return None
     if word.name in robot.positions:
         return JointGoal(robot.positions[word.name])
@@ -325,40 +311,6 @@ def rpy_rotation(rpy: Array) -> Array:
             [-sp, cp * sr, cp * cr],
         ]
     )
-
-
-def _timing(
-    statement: Statement, time: Time | None, units: Mapping[Kind, Unit] | None, findings: Collector
-) -> Timing:
-    """The motion time in s; [MIN] is None."""
-    if time is None:
-        help_ = "write [20] for 20 time units, [MIN] for the shortest, or give one in DEFAULT"
-        findings.add("Y0406", "the motion time is missing", statement.head_span, help_)
-        return Timing(None)
-    span = statement.span(time.place) if time is statement.time else statement.head_span
-    items = time.items
-    help_ = "a motion time is [20] or [MIN]"
-    if len(items) == 1 and isinstance(items[0], Word) and items[0].name == "MIN":
-        return Timing(None)
-    if len(items) == 1 and isinstance(number := items[0], Number):
-        if number_fault(number) is not None:
-            findings.add("Y0403", f"{number.text} is beyond the largest value", span)
-        elif number.value <= 0:
-            findings.add(
-                "Y0407", f"a motion can't take {number.text}: the time has to be positive", span, help_
-            )
-        elif units is not None and "time" not in units:
-            message, unit_help = missing_unit("time", "the motion time")
-            findings.add("Y0304", message, span, unit_help)
-        elif units is not None:
-            return Timing(number.value * units["time"].factor)
-        return Timing(None)
-    text = " ".join(item.text for item in items)
-    if items and (text.endswith("%") or text.upper().startswith("V ") or text.startswith("$")):
-        findings.add("Y0207", f"the motion time [{text}] is not carried out by this version", span, help_)
-    else:
-        findings.add("Y0407", f"[{text}] is no motion time", span, help_)
-    return Timing(None)
 
 
 def _constant(values: Array) -> Array:

@@ -66,7 +66,7 @@ def parse(source: SourceFile) -> Result[Module]:
     unreadable: list[int] = []
     comment_lines: list[tuple[int, str]] = []
     for line, text in _statements(source):
-        if len(text) > LONGEST_LINE:
+        if len(text) > LONGEST_LINE and max(map(len, text.split("\n"))) > LONGEST_LINE:
             diagnostics.append(_too_long(source, line, text))
             unreadable.append(line)
             continue

@@ -1,4 +1,4 @@
-"""The words that open a declaration or a block; they can't be declared."""
+"""The words of the language that no command's file knows."""
 
 DECLARATIONS = frozenset(
     [
@@ -21,3 +21,9 @@ DECLARATIONS = frozenset(
         "WHEN",
     ]
 )
+
+OTHER_COMMANDS = frozenset(["MOVEC", "MOVEL_SPLINE", "WAIT", "SET", "HOLD", "CALL"])
+"""Commands of the language that no file of commands/builtin carries out."""
+
+OTHER_SUFFIXES = frozenset(["AVOID", "SCURVE", "TOPP"])
+"""Suffixes of the language that no file of motion/profiles carries out."""

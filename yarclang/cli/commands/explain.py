@@ -14,7 +14,10 @@ def command(codes: tuple[str, ...]) -> None:
 
     if not codes:
         for family, title in FAMILIES.items():
-            entries = [finding for finding in CATALOGUE.values() if finding.family == family]
+            entries = sorted(
+                (finding for finding in CATALOGUE.values() if finding.family == family),
+                key=lambda one: one.code,
+            )
             if entries:
                 click.echo(click.style(f"{family} {title}", bold=True))
             for finding in entries:

@@ -42,16 +42,22 @@ class SplinePath:
 
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,)."""
-        return self._pieces(s)[0]
+        leg = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
+        width = (self.knots[leg + 1] - self.knots[leg])[:, None]
+        left = ((self.knots[leg + 1] - s)[:, None]) / width
+        right = 1.0 - left
+        q0, q1, m0, m1 = self.waypoints[leg], self.waypoints[leg + 1], self.bends[leg], self.bends[leg + 1]
+        q: Array = left * q0 + right * q1 + ((left**3 - left) * m0 + (right**3 - right) * m1) * width**2 / 6.0
+        return q
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Largest distance across the path, of prismatic joints [m] and of revolute ones [rad]."""
-        on_path, tangent = self._pieces(s)
-        miss = q - on_path
-        along = np.sum(miss * tangent, axis=1) / np.maximum(np.sum(tangent**2, axis=1), 1e-300)
-        across = np.abs(miss - along[:, None] * tangent)
+        """Largest distance from where the law is on the path, of prismatic joints [m] and of revolute ones [rad].
+
+        What is early or late along the path counts too: where a spline turns back on itself there is no across.
+        """
+        miss = np.abs(q - self.joints(s))
         sliding = self.prismatic
-        return float(across[:, sliding].max(initial=0.0)), float(across[:, ~sliding].max(initial=0.0))
+        return float(miss[:, sliding].max(initial=0.0)), float(miss[:, ~sliding].max(initial=0.0))
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
         """The least and the largest value of each joint (n,) and the s (n,) at which they are taken."""
@@ -60,17 +66,6 @@ class SplinePath:
         low, high = np.argmin(q, axis=0), np.argmax(q, axis=0)
         joints = np.arange(q.shape[1])
         return q[low, joints], s[low], q[high, joints], s[high]
-
-    def _pieces(self, s: Array) -> tuple[Array, Array]:
-        """Position and derivative over s, (N, n) each."""
-        leg = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
-        width = (self.knots[leg + 1] - self.knots[leg])[:, None]
-        left = ((self.knots[leg + 1] - s)[:, None]) / width
-        right = 1.0 - left
-        q0, q1, m0, m1 = self.waypoints[leg], self.waypoints[leg + 1], self.bends[leg], self.bends[leg + 1]
-        q = left * q0 + right * q1 + ((left**3 - left) * m0 + (right**3 - right) * m1) * width**2 / 6.0
-        slope = (q1 - q0) / width + ((1 - 3 * left**2) * m0 + (3 * right**2 - 1) * m1) * width / 6.0
-        return q, slope
 
     def _turning_points(self) -> Array:
         """All s strictly inside the legs where some joint's derivative is zero."""

@@ -68,8 +68,24 @@ def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branch
     return Branches(q, valid, singular)
 
 
-def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
-    """The closed form of one block of poses."""
+def near_branches(arm: WristedArm, base_from_flange: Array, seeds: Array) -> Branches:
+    """The two wrist branches of the shoulder and elbow that are nearest to a seed, of at most one block of poses.
+
+    A quarter of the work of all eight, for who knows about where the arm is.
+
+    Args:
+        arm: the arm's constants.
+        base_from_flange: (N, 4, 4), N at most BLOCK.
+        seeds: (6, N) [rad]; they are held as well where an angle isn't determined.
+
+    Returns:
+        q (6, 2, N), and valid and singular (2, N).
+    """
+    return _block(arm, base_from_flange, seeds, near=True)
+
+
+def _block(arm: WristedArm, poses: Array, hold: Array, *, near: bool = False) -> Branches:
+    """The closed form of one block of poses: all eight branches, or with `near` two for each pose."""
     count = len(poses)
     columns = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
     columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, count)
@@ -80,34 +96,52 @@ def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
     sin1, cos1 = np.sin(q1), np.cos(q1)
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
     reached = reached & over.reached
+    if near:
+        best = _nearest_arm(arm, q1, q2, q3, hold)
+        shoulder, samples = best // 2, np.arange(count)
+        q2, q3 = (angle.reshape(4, count)[best, samples][None, None] for angle in (q2, q3))
+        q1, sin1, cos1 = (one[shoulder, samples][None] for one in (q1, sin1, cos1))
+        reached = reached[shoulder, samples][None]
+    shoulders, elbows = q2.shape[:2]
     # the wrist's rotation that the arm leaves over, rows first: (3, 3, shoulder 2, elbow 2, N)
     rows = columns[:3].transpose(1, 0, 2)[:, :, None]
-    turned: Array = np.empty((3, 3, 2, count))
+    turned: Array = np.empty((3, 3, shoulders, count))
     turned[0] = cos1 * rows[0] + sin1 * rows[1]
     turned[1] = cos1 * rows[1] - sin1 * rows[0]
     turned[2] = rows[2]
-    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, 2, 1, count)
+    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, shoulders, 1, count)
     bent = q2 + q3
     sin, cos = np.sin(bent), np.cos(bent)
-    rest: Array = np.empty((3, 3, 2, 2, count))
+    rest: Array = np.empty((3, 3, shoulders, elbows, count))
     rest[0] = cos * turned[0] + sin * turned[1]
     rest[1] = cos * turned[1] - sin * turned[0]
     rest[2] = turned[2]
-    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 4, count)
+    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, shoulders * elbows, count)
 
     wrist, bendable, straight = _wrist(arm, rest, hold[3])
-    q: Array = np.empty((6, 2, 2, 2, count))
+    q: Array = np.empty((6, 2, shoulders, elbows, count))
     q[0] = q1[:, None]
     q[1] = q2
     q[2] = q3 * arm.elbow_sign
-    q = q.reshape(6, 8, count)
-    q[3:] = wrist.reshape(3, 8, count)
+    arms = shoulders * elbows
+    q = q.reshape(6, 2 * arms, count)
+    q[3:] = wrist.reshape(3, 2 * arms, count)
     q -= TURN * np.round(q * (1.0 / TURN))
-    valid = np.empty((2, 4, count), bool)
-    valid[:] = np.repeat(reached, 2, axis=0) & bendable
-    singular = np.empty((2, 4, count), bool)
+    valid = np.empty((2, arms, count), bool)
+    valid[:] = np.repeat(reached, elbows, axis=0) & bendable
+    singular = np.empty((2, arms, count), bool)
     singular[:] = straight | over.singular
-    return Branches(q, valid.reshape(8, count), singular.reshape(8, count))
+    return Branches(q, valid.reshape(2 * arms, count), singular.reshape(2 * arms, count))
+
+
+def _nearest_arm(arm: WristedArm, q1: Array, q2: Array, q3: Array, seeds: Array) -> NDArray[np.intp]:
+    """Which shoulder and elbow, 2 shoulder + elbow, is nearest to the seeds (N,)."""
+    away = np.stack(
+        np.broadcast_arrays(q1[:, None] - seeds[0], q2 - seeds[1], q3 * arm.elbow_sign - seeds[2])
+    )
+    away -= TURN * np.round(away * (1.0 / TURN))
+    nearest: NDArray[np.intp] = np.argmin(np.square(away).sum(axis=0).reshape(4, -1), axis=0)
+    return nearest
 
 
 @dataclass(frozen=True, slots=True)

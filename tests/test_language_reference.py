@@ -1,0 +1,128 @@
+"""docs/language.md says what the program does: its examples are compiled, its tables are compared.
+
+`pytest tests/test_language_reference.py --rewrite-golden` writes the table of codes and the answers of
+section 7 anew.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+from programs import codes, compiled, planned
+
+import yarclang
+from yarclang.commands.registry import commands
+from yarclang.findings import CATALOGUE, FAMILIES
+from yarclang.motion.profile import profile_names
+from yarclang.semantics.declarations import declared_robot
+from yarclang.units import UNITS
+
+ROOT = Path(__file__).resolve().parents[1]
+REFERENCE = ROOT / "docs" / "language.md"
+TEXT = REFERENCE.read_text(encoding="utf-8")
+
+_BLOCK = re.compile(r"^```yarc *(?P<info>[^\n]*)\n(?P<program>.*?)^```$", re.DOTALL | re.MULTILINE)
+_LABEL = re.compile(r"(error|warning|note) (Y\d{4})")
+_CODES = re.compile(r"(?<=<!-- codes -->\n).*?(?=<!-- /codes -->)", re.DOTALL)
+_NOT_YET = re.compile(r"(?<=<!-- not-yet -->\n).*?(?=<!-- /not-yet -->)", re.DOTALL)
+_NOT_YET_ROW = re.compile(r"^\| `(?P<line>.*?)` \| (?P<code>Y\d{4}) \|", re.MULTILINE)
+_LINK = re.compile(r"\]\(#([^)]+)\)")
+_HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
+
+BLOCKS = [
+    pytest.param(block["info"], block["program"], id=f"line{TEXT.count(chr(10), 0, block.start()) + 1}")
+    for block in _BLOCK.finditer(TEXT)
+]
+
+
+def robot_of(program: str) -> str:
+    return declared_robot(yarclang.parse(program).value) or "INDUSTRIAL6"
+
+
+def answer(line: str) -> str:
+    """The one code that a line of section 7 is answered with."""
+    command = "" if line.startswith("P0") else "\nP0020 STOP"
+    found = codes(planned(f"DEFAULT {{TCP}} [20] (mm,deg,s) {{B}}\n{line}{command}")[1])
+    (code,) = found
+    return code
+
+
+def table_of_codes() -> str:
+    rows = (f"| `{code}` | {one.severity} | {one.title} |" for code, one in sorted(CATALOGUE.items()))
+    return "\n".join(["", "| code | severity | what it means |", "|---|---|---|", *rows, "", ""])
+
+
+def rewritten(part: re.Pattern[str], today: str) -> str:
+    """Put today's text between two markers of the reference."""
+    text = REFERENCE.read_text(encoding="utf-8")
+    REFERENCE.write_text(part.sub(lambda _: today, text), encoding="utf-8")
+    return today
+
+
+@pytest.mark.parametrize(("info", "program"), BLOCKS)
+def test_example(info, program):
+    """An example compiles without a finding, or has just the finding that stands at its head."""
+    value, diagnostics = compiled(program, robot_of(program))
+    if not info:
+        assert codes(diagnostics) == []
+        assert value is not None
+        return
+    severity, code = _LABEL.fullmatch(info).groups()
+    assert {(one.severity, one.code) for one in diagnostics} == {(severity, code)}
+    assert (value is None) == (severity == "error")
+
+
+def test_table_of_codes_is_the_catalogue(rewrite_golden):
+    (shown,) = _CODES.findall(TEXT)
+    if rewrite_golden:
+        shown = rewritten(_CODES, table_of_codes())
+    assert shown == table_of_codes()
+
+
+def test_what_is_not_carried_out_is_answered_as_it_says(rewrite_golden):
+    (shown,) = _NOT_YET.findall(TEXT)
+    today = _NOT_YET_ROW.sub(
+        lambda row: row[0].replace(f"| {row['code']} |", f"| {answer(row['line'])} |"), shown
+    )
+    if rewrite_golden:
+        shown = rewritten(_NOT_YET, today)
+    assert len(_NOT_YET_ROW.findall(shown)) == len(shown.splitlines()) > 30
+    assert all(CATALOGUE[code].severity == "error" for _, code in _NOT_YET_ROW.findall(shown))
+    assert shown == today
+
+
+def test_every_code_that_is_named_exists():
+    assert set(re.findall(r"Y\d{4}", TEXT)) <= set(CATALOGUE)
+
+
+@pytest.mark.parametrize("name", commands())
+def test_every_command_has_a_row_a_section_and_an_example(name):
+    assert f"| [{name}](#{name.lower()}) |" in TEXT
+    assert f"\n### {name}\n" in TEXT
+    assert re.search(rf"^[Pp]\d+ {name}(_RPY|_QUAT)?(_LSPB|_POLY5)?\b", TEXT, re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    "spec", [one for one in commands().values() if one.old_name], ids=lambda one: one.name
+)
+def test_every_old_name_is_listed(spec):
+    assert f"| `{spec.old_name}` | `{spec.name}` |" in TEXT
+
+
+def test_every_profile_unit_and_family_is_listed():
+    assert all(f"| `_{name}`" in TEXT for name in profile_names())
+    assert all(f"`{name}`" in TEXT for name in UNITS)
+    assert all(f"| {family} | " in TEXT for family in FAMILIES)
+
+
+def test_version_is_todays():
+    from importlib.metadata import version
+
+    assert f"yarclang {version('yarclang')}" in TEXT
+
+
+def test_links_lead_to_headings():
+    def anchor(heading: str) -> str:
+        return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+    assert set(_LINK.findall(TEXT)) <= {anchor(heading) for heading in _HEADING.findall(TEXT)}

@@ -1,0 +1,35 @@
+"""The parts of a statement that it doesn't take."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+from yarclang.diagnostics import Collector
+from yarclang.syntax.ast import Place, Statement
+
+ALL_PARTS = ("a moving frame", "values", "a motion time", "units", "a base frame", "options")
+
+
+def refuse_parts(statement: Statement, refused: Container[str], findings: Collector) -> None:
+    """A finding at the first part of a statement that is among the refused ones.
+
+    The parts are called as in ALL_PARTS.
+    """
+    places: list[tuple[str, Place]] = []
+    if statement.moving:
+        places.append(("a moving frame", statement.moving.place))
+    if statement.waypoints:
+        places.append(("values", statement.waypoints[0].place))
+    if statement.time:
+        places.append(("a motion time", statement.time.place))
+    if statement.units:
+        places.append(("units", statement.units.place))
+    if statement.base:
+        places.append(("a base frame", statement.base.place))
+    if statement.options:
+        places.append(("options", statement.options[0].word.place))
+    for part, place in places:
+        if part in refused:
+            message = f"{statement.name.name} doesn't take {part}"
+            findings.add("Y0408", message, statement.span(place), "take it away")
+            return

@@ -3,29 +3,52 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.pmac.program import Assignment, Moves, PmacProgram, SegmentTime
+from yarclang.pmac.program import Assignment, Command, Moves, PmacProgram, SegmentTime
 from yarclang.pmac.variables import ASTRAY, commanded_position
 
 _ROWS_AT_ONCE = 1000
-_TRAILING_ZEROS = re.compile(r"\.?0+(?=[A-Z\n])")
+# the zeros first, then the point: half the time of one expression for both
+_ZEROS = re.compile(r"0+(?=[A-Z\n])")
+_POINT = re.compile(r"\.(?=[A-Z\n])")
 
 
-def emit(program: PmacProgram) -> str:
-    """The text of a program.
+@dataclass(frozen=True, slots=True)
+class Emitted:
+    """The text of a program without its header.
 
-    It loads a buffer and moves nothing: whoever runs it sends R. The lines of the header
-    come first, then the map of commands, then what the controller reads.
+    `opening` is everything up to the first move of the motion, `body` the rest. `places` has the first and the last
+    move line of each step, counted from the first line of the body.
     """
-    opening = list(_opening(program))
-    first = 1 + len(program.header) + len(program.commands) + len(opening)
+
+    commands: tuple[Command, ...]
+    opening: tuple[str, ...]
+    body: str
+    places: Mapping[int, tuple[int, int]]
+
+    def text(self, header: tuple[str, ...]) -> str:
+        """The whole text: header lines and the map of commands as comments, then what the controller reads."""
+        before = len(header) + len(self.commands) + len(self.opening)
+        head = [f"; {line}" if line else ";" for line in header]
+        for command in self.commands:
+            place = self.places.get(command.step)
+            lines = f"{before + place[0]} {before + place[1]}" if place else "- -"
+            head.append(
+                f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}"
+            )
+        return "\n".join((*head, *self.opening, "")) + self.body
+
+
+def emit(program: PmacProgram) -> Emitted:
+    """The text of a program. It loads a buffer and moves nothing: whoever runs it sends R."""
     pieces: list[str] = []
     places: dict[int, tuple[int, int]] = {}
-    line = first
+    line = 1
     for item in program.body:
         if isinstance(item, Moves):
             pieces.append(_moves(program, item.values))
@@ -35,13 +58,7 @@ def emit(program: PmacProgram) -> str:
         else:
             pieces.append(_word(item) + "\n")
             line += 1
-    head = [f"; {text}" if text else ";" for text in program.header]
-    for command in program.commands:
-        start, stop = places.get(command.step, ("-", "-"))
-        head.append(
-            f"; command {command.step} {command.index} {command.name} {command.source_line} {start} {stop}"
-        )
-    return "\n".join((*head, *opening, "")) + "".join(pieces) + "CLOSE\n"
+    return Emitted(program.commands, tuple(_opening(program)), "".join(pieces) + "CLOSE\n", places)
 
 
 def segment_time(milliseconds: float) -> str:
@@ -62,7 +79,7 @@ def _moves(program: PmacProgram, values: NDArray[np.float64]) -> str:
     for start in range(0, len(values), _ROWS_AT_ONCE):
         block = values[start : start + _ROWS_AT_ONCE]
         pieces.append((row * len(block)) % tuple(block.ravel().tolist()))
-    return _TRAILING_ZEROS.sub("", "".join(pieces))
+    return _POINT.sub("", _ZEROS.sub("", "".join(pieces)))
 
 
 def _opening(program: PmacProgram) -> Iterator[str]:

@@ -20,13 +20,13 @@ _START_SHARE = 0.05
 """A start that is off adds this share of the acceleration limit in the first segment."""
 
 
-def lower(plan: MotionPlan, target: Target, header: tuple[str, ...]) -> PmacProgram:
+def lower(plan: MotionPlan, target: Target) -> PmacProgram:
     """Make the controller program of a plan."""
     robot = plan.robot
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    decimals = max((decimals_for(robot, segment) for segment in segments), default=4)
+    decimals = max((decimals_for(robot, segment) for segment in set(segments)), default=4)
     body = tuple(_body(plan.motions, robot.axis_units, decimals))
     if target == "rotary":
         body = _guarded(body, marks)
@@ -36,7 +36,6 @@ def lower(plan: MotionPlan, target: Target, header: tuple[str, ...]) -> PmacProg
     unit = 32 * robot.controller.ixx08
     return PmacProgram(
         target=target,
-        header=header,
         coordinate_system=robot.controller.coordinate_system,
         motors=robot.controller.motors,
         axes=robot.controller.axes,

@@ -198,14 +198,36 @@ class _Fitter:
 
     def within(self, segments: int, segment: float) -> _Trial:
         """The trial with the shortest ramp that keeps the limits at a segment time, or the fastest one."""
-        trial = self.trial(segments, 1)
-        ramps = range(1, self.profile.longest_ramp(segments) + 1)
-        for ramp in ramps:
+        longest = self.profile.longest_ramp(segments)
+        ramp = self.likely_ramp(segments, segment)
+        trial = self.trial(segments, ramp)
+        if trial.demand.segment <= segment:
+            while ramp > 1 and self.foreseen(trial, ramp - 1) <= segment:
+                shorter = self.trial(segments, ramp - 1)
+                if shorter.demand.segment > segment:
+                    break
+                trial, ramp = shorter, ramp - 1
+            return trial
+        for ramp in range(1, longest + 1):
             if self.foreseen(trial, ramp) <= segment:
                 trial = self.trial(segments, ramp)
                 if trial.demand.segment <= segment:
                     return trial
         return self.fastest(segments)
+
+    def likely_ramp(self, segments: int, segment: float) -> int:
+        """About the shortest ramp that keeps the limits, from the steepest slope of the path alone."""
+        slope, bounds = self.path.slope, self.bounds
+        velocity = (slope / bounds.velocity).max()
+        acceleration, jerk = (slope / bounds.acceleration).max(), (slope / bounds.jerk).max()
+        for ramp in range(1, self.profile.longest_ramp(segments) + 1):
+            strain = self.profile.strain(segments, ramp)
+            need = max(
+                strain[0] * velocity, (strain[1] * acceleration) ** (1 / 2), (strain[2] * jerk) ** (1 / 3)
+            )
+            if need <= segment:
+                return ramp
+        return 1
 
     def fastest(self, segments: int) -> _Trial:
         """The trial with the ramp that needs the shortest segments."""
@@ -246,8 +268,9 @@ class _Fitter:
 
     def deviation(self, trial: _Trial) -> tuple[float, float]:
         """How far the curve is from the path, in the middle of the segments and at the knots [m], [rad]."""
-        q = np.concatenate((knot_values(trial.points)[1:-1], middle_values(trial.points)))
-        s = np.concatenate((knot_values(trial.control)[1:-1], middle_values(trial.control)))
+        # the knots 2 to n - 2 were solved
+        q = np.concatenate((knot_values(trial.points)[[1, -2]], middle_values(trial.points)))
+        s = np.concatenate((knot_values(trial.control)[[1, -2]], middle_values(trial.control)))
         return self.path.deviation(q, s)
 
     def segments_for_tolerance(self, trial: _Trial) -> int | None:

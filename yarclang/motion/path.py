@@ -25,6 +25,11 @@ class Path(Protocol):
         """Whether all joints keep one ratio: then control points on the line execute it exactly."""
         ...
 
+    @property
+    def slope(self) -> Array:
+        """About the steepest slope of each joint over s (n,) [rad or m]."""
+        ...
+
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,), ascending from 0 to 1."""
         ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import PurePath
 
@@ -105,27 +105,26 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Motion plan to controller text, read back and proved."""
     robot, program = request.robot, planned.program
-    lowered = lower(planned, request.target, ())
+    lowered = lower(planned, request.target)
+    emitted = emit(lowered)
     header = tuple(_header(lowered, planned, request.target))
     if request.progress:
         request.progress("certifying", 0, 1)
-    text = emit(_with_header(lowered, (*header, "certificate being made")))
-    judged = certify(
-        text, program, robot, request.tolerance or robot.tolerance, _witnesses(planned), _laws(planned)
-    )
+    text = emitted.text((*header, "certificate being made"))
+    tolerance = request.tolerance or robot.tolerance
+    judged = certify(text, program, robot, tolerance, _witnesses(planned), _laws(planned))
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
     # only this comment line differs from the text that was judged
-    final = emit(_with_header(lowered, (*header, f"certificate {judged.value.summary()}")))
+    final = emitted.text((*header, f"certificate {judged.value.summary()}"))
     return Result(Compiled(final, program, planned, judged.value), judged.diagnostics)
-
-
-def _with_header(lowered: PmacProgram, header: tuple[str, ...]) -> PmacProgram:
-    return replace(lowered, header=header)
 
 
 def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[str]:
     """What a person who finds the text wants to know, but for the certificate."""
+    import pinocchio
+    import scipy
+
     robot = planned.robot
     times = {motion.curve.segment for motion in planned.motions}
     segments = ""
@@ -140,7 +139,7 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
         "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
         "prog": f"loading moves nothing; &{lowered.coordinate_system}B1R runs it, from the start only",
     }[target]
-    made_with = ", ".join(f"{name} {version(name)}" for name in ("numpy", "pin", "scipy"))
+    made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}"
     return [
         f"yarcc {version('yarclang')}: {PurePath(planned.program.source.name).name}",
         f"target {target}",

@@ -55,7 +55,6 @@ class PmacProgram:
     """
 
     target: Target
-    header: tuple[str, ...]
     coordinate_system: int
     motors: tuple[int, ...]
     axes: tuple[str, ...]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from yarclang.hir import Array
 
 
@@ -13,6 +15,12 @@ class JointPath:
 
     start: Array
     end: Array
+
+    @property
+    def slope(self) -> Array:
+        """The slope of each joint over s (n,) [rad or m]."""
+        slope: Array = np.abs(self.end - self.start)
+        return slope
 
     @property
     def is_straight_in_joints(self) -> bool:

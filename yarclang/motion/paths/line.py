@@ -89,6 +89,13 @@ class LinePath:
         return end
 
     @property
+    def slope(self) -> Array:
+        """The steepest slope of each joint over s, about (n,) [rad or m]."""
+        track = self.followed
+        slope: Array = (np.abs(np.diff(track.q, axis=0)) / np.diff(track.s)[:, None]).max(axis=0)
+        return slope
+
+    @property
     def is_straight_in_joints(self) -> bool:
         """Never assumed."""
         return False

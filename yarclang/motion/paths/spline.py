@@ -40,6 +40,13 @@ class SplinePath:
         """Never assumed."""
         return False
 
+    @property
+    def slope(self) -> Array:
+        """About the steepest slope of each joint over s (n,) [rad or m]."""
+        s = np.linspace(0.0, 1.0, 33)
+        slope: Array = np.abs(np.diff(self.joints(s), axis=0)).max(axis=0) * (len(s) - 1)
+        return slope
+
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,)."""
         leg = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)

@@ -68,24 +68,8 @@ def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branch
     return Branches(q, valid, singular)
 
 
-def near_branches(arm: WristedArm, base_from_flange: Array, seeds: Array) -> Branches:
-    """The two wrist branches of the shoulder and elbow that are nearest to a seed, of at most one block of poses.
-
-    A quarter of the work of all eight, for who knows about where the arm is.
-
-    Args:
-        arm: the arm's constants.
-        base_from_flange: (N, 4, 4), N at most BLOCK.
-        seeds: (6, N) [rad]; they are held as well where an angle isn't determined.
-
-    Returns:
-        q (6, 2, N), and valid and singular (2, N).
-    """
-    return _block(arm, base_from_flange, seeds, near=True)
-
-
-def _block(arm: WristedArm, poses: Array, hold: Array, *, near: bool = False) -> Branches:
-    """The closed form of one block of poses: all eight branches, or with `near` two for each pose."""
+def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
+    """The closed form of one block of poses."""
     count = len(poses)
     columns = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
     columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, count)
@@ -96,52 +80,34 @@ def _block(arm: WristedArm, poses: Array, hold: Array, *, near: bool = False) ->
     sin1, cos1 = np.sin(q1), np.cos(q1)
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
     reached = reached & over.reached
-    if near:
-        best = _nearest_arm(arm, q1, q2, q3, hold)
-        shoulder, samples = best // 2, np.arange(count)
-        q2, q3 = (angle.reshape(4, count)[best, samples][None, None] for angle in (q2, q3))
-        q1, sin1, cos1 = (one[shoulder, samples][None] for one in (q1, sin1, cos1))
-        reached = reached[shoulder, samples][None]
-    shoulders, elbows = q2.shape[:2]
     # the wrist's rotation that the arm leaves over, rows first: (3, 3, shoulder 2, elbow 2, N)
     rows = columns[:3].transpose(1, 0, 2)[:, :, None]
-    turned: Array = np.empty((3, 3, shoulders, count))
+    turned: Array = np.empty((3, 3, 2, count))
     turned[0] = cos1 * rows[0] + sin1 * rows[1]
     turned[1] = cos1 * rows[1] - sin1 * rows[0]
     turned[2] = rows[2]
-    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, shoulders, 1, count)
+    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, 2, 1, count)
     bent = q2 + q3
     sin, cos = np.sin(bent), np.cos(bent)
-    rest: Array = np.empty((3, 3, shoulders, elbows, count))
+    rest: Array = np.empty((3, 3, 2, 2, count))
     rest[0] = cos * turned[0] + sin * turned[1]
     rest[1] = cos * turned[1] - sin * turned[0]
     rest[2] = turned[2]
-    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, shoulders * elbows, count)
+    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 4, count)
 
     wrist, bendable, straight = _wrist(arm, rest, hold[3])
-    q: Array = np.empty((6, 2, shoulders, elbows, count))
+    q: Array = np.empty((6, 2, 2, 2, count))
     q[0] = q1[:, None]
     q[1] = q2
     q[2] = q3 * arm.elbow_sign
-    arms = shoulders * elbows
-    q = q.reshape(6, 2 * arms, count)
-    q[3:] = wrist.reshape(3, 2 * arms, count)
+    q = q.reshape(6, 8, count)
+    q[3:] = wrist.reshape(3, 8, count)
     q -= TURN * np.round(q * (1.0 / TURN))
-    valid = np.empty((2, arms, count), bool)
-    valid[:] = np.repeat(reached, elbows, axis=0) & bendable
-    singular = np.empty((2, arms, count), bool)
+    valid = np.empty((2, 4, count), bool)
+    valid[:] = np.repeat(reached, 2, axis=0) & bendable
+    singular = np.empty((2, 4, count), bool)
     singular[:] = straight | over.singular
-    return Branches(q, valid.reshape(2 * arms, count), singular.reshape(2 * arms, count))
-
-
-def _nearest_arm(arm: WristedArm, q1: Array, q2: Array, q3: Array, seeds: Array) -> NDArray[np.intp]:
-    """Which shoulder and elbow, 2 shoulder + elbow, is nearest to the seeds (N,)."""
-    away = np.stack(
-        np.broadcast_arrays(q1[:, None] - seeds[0], q2 - seeds[1], q3 * arm.elbow_sign - seeds[2])
-    )
-    away -= TURN * np.round(away * (1.0 / TURN))
-    nearest: NDArray[np.intp] = np.argmin(np.square(away).sum(axis=0).reshape(4, -1), axis=0)
-    return nearest
+    return Branches(q, valid.reshape(8, count), singular.reshape(8, count))
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,3 +208,64 @@ def _held(angle: Array, hold: Array, weight: Array) -> Array:
     away -= TURN * np.round(away * (1.0 / TURN))
     held: Array = hold + away * (square / (square + HOLD * HOLD))
     return held
+
+
+def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """One solution (6, N) next to seeds (6, N), and where it is proved to be the nearest of all branches (N,).
+
+    Shoulder, elbow and wrist are chosen one after the other. Any other branch differs in at least one of these
+    choices, and costs at least what the rejected side of that choice did: where all of it costs less, it is the nearest.
+    """
+    count = len(poses)
+    columns = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
+    columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, count)
+    columns = np.matmul(arm.first_from_base[:3, :3], columns)
+    columns[3] += arm.first_from_base[:3, 3, None]
+    q: Array = np.empty((6, count))
+    q1, over = _shoulder(arm, columns[3], seed[0])
+    away1 = q1 - seed[0]
+    away1 -= TURN * np.round(away1 * (1.0 / TURN))
+    cost1 = away1 * away1
+    second = cost1[1] < cost1[0]
+    q[0] = seed[0] + np.where(second, away1[1], away1[0])
+    rival = np.maximum(cost1[0], cost1[1])
+    cost = np.minimum(cost1[0], cost1[1])
+    sin1, cos1 = np.sin(q[:1]), np.cos(q[:1])
+    q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
+    q3 *= arm.elbow_sign
+    away: Array = np.empty((2, 2, count))
+    away[0], away[1] = q2[0] - seed[1], q3[0] - seed[2]
+    away -= TURN * np.round(away * (1.0 / TURN))
+    costs = away[0] * away[0] + away[1] * away[1]
+    second = costs[1] < costs[0]
+    rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
+    cost += np.minimum(costs[0], costs[1])
+    away = np.where(second, away[:, 1], away[:, 0])
+    q[1:3] = seed[1:3] + away
+    turned: Array = np.empty((3, 3, count))
+    rows = columns[:3].transpose(1, 0, 2)
+    sin, cos = sin1[0], cos1[0]
+    turned[0] = cos * rows[0] + sin * rows[1]
+    turned[1] = cos * rows[1] - sin * rows[0]
+    turned[2] = rows[2]
+    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, count)
+    bent = q[1] + arm.elbow_sign * q[2]
+    sin, cos = np.sin(bent), np.cos(bent)
+    rest: Array = np.empty((3, 3, 1, count))
+    rest[0, :, 0] = cos * turned[0] + sin * turned[1]
+    rest[1, :, 0] = cos * turned[1] - sin * turned[0]
+    rest[2, :, 0] = turned[2]
+    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 1, count)
+    wrist, bendable, _straight = _wrist(arm, rest, seed[3])
+    away = wrist[:, :, 0] - seed[3:, None]
+    away -= TURN * np.round(away * (1.0 / TURN))
+    costs = (away * away).sum(axis=0)
+    second = costs[1] < costs[0]
+    rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
+    cost += np.minimum(costs[0], costs[1])
+    q[3:] = seed[3:] + np.where(second, away[:, 1], away[:, 0])
+    sure = (cost < rival) & over.reached & reached[0] & bendable[0]
+    # near a singularity the last bits count: the caller's other way is the reference
+    sure &= np.hypot(rest[0, 2, 0], rest[1, 2, 0]) > 1e-5
+    sure &= ~over.singular
+    return q, sure

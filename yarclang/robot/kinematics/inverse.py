@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.robot.kinematics.closed_form import BLOCK, TURN, Branches, closed_form, near_branches
+from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form
 from yarclang.robot.kinematics.fk import links_of, walk
 from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
@@ -27,9 +27,6 @@ POLISH = 1e-10
 
 REACHED = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
-
-SURE = 0.01
-"""A solution within this squared distance of its seed [rad^2] is the nearest one: other branches aren't looked at."""
 
 STRETCHED = 1.0
 """What a branch that doesn't reach the pose costs against one that does, in squared joint differences: a
@@ -139,23 +136,24 @@ def wrapped(chain: Chain, q: Array) -> Array:
 
 def _nearest_branch(arm: WristedArm, poses: Array, seed: Array) -> Array:
     """Of all branches and full turns the nearest (6, N) to `seed` (6, N)."""
-    q, cost = _nearest_of(near_branches(arm, poses, seed), seed)
-    far = np.flatnonzero(cost > SURE)
-    if len(far):
-        # the seed isn't beside its solution: all branches may be meant
-        q[:, far], _ = _nearest_of(closed_form(arm, poses[far], seed[:, far]), seed[:, far])
+    q, sure = nearest_form(arm, poses, seed)
+    if not sure.all():
+        rest = np.flatnonzero(~sure)
+        q[:, rest] = _nearest_of_all(arm, poses[rest], np.ascontiguousarray(seed[:, rest]))
     return q
 
 
-def _nearest_of(found: Branches, seed: Array) -> tuple[Array, Array]:
-    """The branch nearest to `seed` (6, N), on its full turn, and its squared distance (N,)."""
+def _nearest_of_all(arm: WristedArm, poses: Array, seed: Array) -> Array:
+    """The same, by looking at all of them."""
+    found = closed_form(arm, poses, seed)
     away = found.q
     away -= seed[:, None]
     away -= TURN * np.round(away * (1.0 / TURN))
     cost = np.einsum("jbn,jbn->bn", away, away)
     cost[~found.valid] += STRETCHED
-    best, samples = np.argmin(cost, axis=0), np.arange(cost.shape[1])
-    return seed + away[:, best, samples], cost[best, samples]
+    best = np.argmin(cost, axis=0)
+    result: Array = seed + away[:, best, np.arange(len(best))]
+    return result
 
 
 def _repeated(chain: Chain, q: Array, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:

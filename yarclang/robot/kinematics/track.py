@@ -13,11 +13,12 @@ from typing import Literal
 
 import numpy as np
 
+from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import wristed_arm
 from yarclang.robot.kinematics.inverse import REACHED, branches, follow, restarts
 from yarclang.robot.kinematics.march import march
 from yarclang.robot.kinematics.nearest import beyond, nearest_miss, nearest_turn
-from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.kinematics.strands import Strand, follow_branches
 from yarclang.robot.model import Array, Chain, Limits
 
@@ -112,7 +113,10 @@ def track(
         ValueError: q_start doesn't stand at the path's start.
     """
     s = np.linspace(0.0, 1.0, max(samples, 3))
-    start, miss, turn = follow(chain, pose_at(s[:1]), q_start[None])
+    start = q_start[None]
+    miss, turn = misses(walk(chain, q_start[:, None], np.eye(4))[0], pose_columns(pose_at(s[:1])))
+    if max(float(miss[0]), float(turn[0])) > 1e-10:
+        start, miss, turn = follow(chain, pose_at(s[:1]), start)
     if max(float(miss[0]), float(turn[0])) > ON_PATH or np.abs(start[0] - q_start).max() > START:
         raise ValueError("the start position doesn't stand at the path's start")
     if np.abs(beyond(limits, start[0])).max() <= ON_PATH:

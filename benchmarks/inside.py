@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def measure_stages(count: int, tm: float) -> dict[str, Any]:
-    """Times of each stage of one compilation. `emit` counts both texts, the judged one and the one that is kept."""
+    """Times of each stage of one compilation."""
     times: dict[str, Times] = {}
     for module, names in STAGES:
         for name in names:

@@ -112,7 +112,7 @@ def _frames(
     findings: Collector,
 ) -> tuple[Array, Axes] | None:
     """The moving frame on the flange and the base axes; None for joint values or with errors."""
-    if values.of_joints:
+    if values.of_joints or (_takes_names(name) and _all_named(statement)):
         # joint values need no frames; those given change nothing, but have to exist
         for frame in (statement.moving, statement.base):
             if frame is not None:
@@ -141,6 +141,18 @@ def _frames(
     return (moving, base) if moving is not None and base is not None else None
 
 
+def _takes_names(name: ResolvedName) -> bool:
+    """Whether names of joint positions may stand for way-points: where the command takes joint values at all."""
+    return name.spec.targets.get("") is Values.JOINTS
+
+
+def _all_named(statement: Statement) -> bool:
+    """Whether every way-point is one word: the name of a joint position."""
+    return bool(statement.waypoints) and all(
+        len(waypoint.values) == 1 and isinstance(waypoint.values[0], Word) for waypoint in statement.waypoints
+    )
+
+
 def _named_goal(
     statement: Statement,
     name: ResolvedName,
@@ -151,7 +163,7 @@ def _named_goal(
     """A way-point that is one name of a joint position: for commands that take joint values, whatever the target."""
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
-    if name.spec.targets.get("") is not Values.JOINTS:
+    if not _takes_names(name):
         return None
     if word.name in robot.positions:
         return JointGoal(robot.positions[word.name])
@@ -178,6 +190,8 @@ def _numbers(
         fault = number_fault(value)
         if fault is not None:
             code, message, help_ = fault
+            if isinstance(value, Word) and value.name in robot.positions:
+                help_ = f"{value.name} is a joint position: MOVEJ goes there"
             findings.add(code, message, statement.span(value.place), help_)
             faults += 1
     if faults:

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from yarclang.pmac.program import Target
     from yarclang.syntax.ast import Module
 
-__all__ = ["check", "compile", "format", "parse", "plan"]
+__version__ = "0.1.0"
+
+__all__ = ["__version__", "check", "compile", "format", "parse", "plan"]
 
 
 def parse(text: str, *, name: str = "<text>") -> Result[Module]:

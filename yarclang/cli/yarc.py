@@ -6,6 +6,8 @@ from importlib import import_module
 
 import click
 
+from yarclang import __version__
+
 _COMMANDS = {
     "check": "Check programs without writing anything.",
     "completion": "Print the shell's completion script.",
@@ -46,6 +48,6 @@ class _Lazy(click.Group):
 
 
 @click.command(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="yarclang", message="yarc %(version)s")
+@click.version_option(__version__, message="yarc %(version)s")
 def main() -> None:
     """Check, look at and understand YARC programs. `yarcc` compiles them."""

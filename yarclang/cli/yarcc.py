@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang import __version__
 from yarclang.cli.options import format_option, planning_options, tm_option
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="yarclang", message="yarcc %(version)s")
+@click.version_option(__version__, message="yarcc %(version)s")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option(
     "-o", "--output", metavar="OUT", help="Where to write the text of one program (- for standard output)."

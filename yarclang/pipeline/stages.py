@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import PurePath
 
 import numpy as np
 
+from yarclang import __version__
 from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.certify.certificate import Certificate
@@ -141,7 +141,7 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
     }[target]
     made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}"
     return [
-        f"yarcc {version('yarclang')}: {PurePath(planned.program.source.name).name}",
+        f"yarcc {__version__}: {PurePath(planned.program.source.name).name}",
         f"target {target}",
         f"robot {robot.name} {robot.fingerprint}",
         f"program {fingerprint(planned.program)}",

@@ -57,7 +57,11 @@ def long(two: MotionPlan) -> MotionPlan:
     there, back = two.motions[0].curve.points, two.motions[0].curve.points[::-1].copy()
     motions = [
         PlannedMotion(
-            0, two.motions[0].path, "LSPB", Curve(back if k % 2 else there, 0.02, there[:, 0]), np.array([there[-1]])
+            0,
+            two.motions[0].path,
+            "LSPB",
+            Curve(back if k % 2 else there, 0.02, there[:, 0]),
+            np.array([there[-1]]),
         )
         for k in range(10_000)
     ]

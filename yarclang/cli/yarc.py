@@ -15,6 +15,7 @@ _COMMANDS = {
     "plot": "Draw a program's motion.",
     "robots": "List the robots of the standard library.",
     "settings": "Print the controller's settings for a robot.",
+    "sim": "Be a Turbo PMAC on a TCP port.",
 }
 
 

@@ -1,0 +1,147 @@
+"""Round trips through the simulator's socket: `python benchmarks/simulator.py [--seconds S] [--rounds N]`.
+
+A `yarc sim` in a process of its own, a client with a blocking socket in this one, loopback between them; by turns with
+a bare asyncio server that answers any bytes at once, which is what this computer can do at best. Goal: 20,000
+questions a second. Medians of the rounds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import socket
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from yarclang.runtime.protocol import Answer, Ask, Connection, Request, Write, Written, encode
+from yarclang.simulator.ethernet import PacketReader, Station
+from yarclang.simulator.machine import Machine
+
+GOAL = 20_000
+SIMULATOR = "from yarclang.cli.yarc import main; main(['sim', '--port', '0'])"
+ECHO = """
+import asyncio
+class Echo(asyncio.Protocol):
+    def connection_made(self, transport): self.transport = transport
+    def data_received(self, data): self.transport.write(b"0\\r\\x06")
+async def main():
+    server = await asyncio.get_running_loop().create_server(Echo, "127.0.0.1", 0)
+    print(f"127.0.0.1:{server.sockets[0].getsockname()[1]},", flush=True)
+    await server.serve_forever()
+asyncio.run(main())
+"""
+LINES = tuple(f"P{number}={number * 0.5}" for number in range(60))
+
+
+def main() -> None:
+    """Measure, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--rounds", type=int, default=5)
+    options = parser.parse_args()
+    print("| what | a second | lines a second | goal |\n|---|---|---|---|")
+    with child(SIMULATOR) as port, child(ECHO) as echo_port:
+        ask, echo = client(port), bare_client(echo_port)
+        tasks: list[tuple[str, Callable[[], None], int]] = [
+            ("a bare echo on loopback", echo, 1),
+            ("question `P1` on loopback", lambda: ask(Ask("P1")), 1),
+            ("question `#1P#2P#3P#4P#5P#6P`", lambda: ask(Ask("#1P#2P#3P#4P#5P#6P")), 1),
+            (f"WRITEBUFFER of {len(LINES)} assignments", lambda: ask(Write(LINES)), len(LINES)),
+            ("both codecs without a socket", both_codecs(), 1),
+            ("the machine alone, `P1`", machine(), 1),
+        ]
+        rates: list[list[float]] = [[] for _ in tasks]
+        for _ in range(options.rounds):
+            for (_, work, _), found in zip(tasks, rates, strict=True):
+                found.append(per_second(work, options.seconds))
+    for (what, _, lines), found in zip(tasks, rates, strict=True):
+        rate = statistics.median(found)
+        goal = f"{GOAL:,}" if what.startswith("question") else ""
+        print(f"| {what} | {rate:,.0f} | {rate * lines:,.0f} | {goal} |")
+
+
+@contextmanager
+def child(code: str) -> Iterator[int]:
+    """The port that a server in a process of its own says."""
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            said = re.search(r":(\d+),", process.stdout.readline())
+            assert said is not None, "the server doesn't say where it listens"
+            yield int(said[1])
+        finally:
+            process.terminate()
+
+
+def bare_client(port: int) -> Callable[[], None]:
+    """A function that sends the bytes of a question and waits for those of a reply."""
+    wire = connect(port)
+    question = encode(Ask("P1"))
+
+    def ask() -> None:
+        wire.sendall(question)
+        wire.recv(65536)
+
+    return ask
+
+
+def connect(port: int) -> socket.socket:
+    """A socket that doesn't wait for more to send."""
+    wire = socket.create_connection(("127.0.0.1", port), timeout=10)
+    wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return wire
+
+
+def client(port: int) -> Callable[[Request], None]:
+    """A function that asks and waits for the reply."""
+    wire, connection = connect(port), Connection()
+
+    def ask(request: Request) -> None:
+        wire.sendall(connection.send(request, 0.0, 1.0))
+        while not (events := connection.receive(wire.recv(65536), 0.0)):
+            if more := connection.outgoing():
+                wire.sendall(more)
+        (event,) = events
+        if not isinstance(event, Answer | Written) or event.error is not None:
+            raise SystemExit(f"{request}: {event}")
+
+    ask(Ask("I6=1 I3=2"))
+    return ask
+
+
+def both_codecs() -> Callable[[], None]:
+    """A question from end to end in this process."""
+    station, reader, connection = Station(Machine(), 0), PacketReader(), Connection()
+    station.answer(reader.receive(encode(Ask("I6=1 I3=2")))[0])
+    ask = Ask("P1")
+
+    def work() -> None:
+        (packet,) = reader.receive(connection.send(ask, 0.0, 1.0))
+        (event,) = connection.receive(station.answer(packet), 0.0)
+        assert isinstance(event, Answer)
+
+    return work
+
+
+def machine() -> Callable[[], None]:
+    """A question of the machine, without the protocol."""
+    one = Machine()
+    return lambda: one.command("P1") and None
+
+
+def per_second(work: Callable[[], None], seconds: float) -> float:
+    """How often it is done in a second."""
+    done, begun = 0, time.perf_counter()
+    while (passed := time.perf_counter() - begun) < seconds:
+        for _ in range(50):
+            work()
+        done += 50
+    return done / passed
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+"""A server beside the test, and clients for it."""
+
+import asyncio
+import contextlib
+import socket
+import threading
+import time
+
+from yarclang.runtime.protocol import Connection
+from yarclang.simulator.faults import parse_fault
+from yarclang.simulator.server import SimulatorServer
+
+
+@contextlib.contextmanager
+def served(machine, *faults, **options):
+    """The port of a server that runs in a thread of its own."""
+    loop = asyncio.new_event_loop()
+    server = SimulatorServer(machine, port=0, faults=[parse_fault(text) for text in faults], **options)
+    loop.run_until_complete(server.start())
+    thread = threading.Thread(target=loop.run_forever)
+    thread.start()
+    try:
+        yield server.port
+    finally:
+        asyncio.run_coroutine_threadsafe(server.close(), loop).result(10)
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join(10)
+        loop.close()
+
+
+class Client:
+    """Our codec on a plain socket."""
+
+    def __init__(self, port, timeout=5.0):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.connection, self.timeout = Connection(), timeout
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def ask(self, request):
+        """The event that answers a request."""
+        connection = self.connection
+        data = connection.send(request, time.monotonic(), self.timeout)
+        while True:
+            if data:
+                self.socket.sendall(data)
+            try:
+                data = self.socket.recv(65536)
+            except TimeoutError:
+                events = connection.check(connection.deadline)
+            except ConnectionError:
+                events = connection.close()
+            else:
+                events = connection.receive(data, time.monotonic()) if data else connection.close()
+            if events:
+                return events[0]
+            data = connection.outgoing()

@@ -1,0 +1,259 @@
+"""Troubles on purpose: what can go wrong between a program and a robot, when, and how it is written.
+
+    drop@12.5            close all connections after 12.5 s of the machine's time
+    freeze@3:2           answer nothing from 3 s on, for 2 s (without :2 for ever)
+    slow:0.02            each reply 0.02 s late; slow@3:0.005-0.02 from 3 s on, by 0.005 to 0.02 s at random
+    garble:0.001         one reply of 1000 has a wrong byte; also garble@3:0.001
+    busy@4:1             answer lines (GETRESPONSE) with a NUL and don't execute them, for 1 s
+    reset@7              what $$$ does
+    following@5:3        motor 3 is held where it stands: 100000 counts off, or following@5:3,2500
+    limit@5:2+           motor 2 runs onto its positive limit switch; limit@5:2- the negative one
+    amplifier@6:1        the amplifier of motor 1 fails
+
+Instead of a time, @line120 means: after so many program lines were written to the machine (WRITEBUFFER).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from yarclang.simulator.machine import Machine
+
+MOTORS = 32
+"""Motors of a Turbo PMAC."""
+
+HELD_BACK = 100_000.0
+"""How far `following` holds a motor off [counts]: well beyond any sensible limit of the following error."""
+
+Kind: TypeAlias = Literal[
+    "drop", "freeze", "slow", "garble", "busy", "reset", "following", "limit", "amplifier"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """From which time of the machine [s], or from how many program lines on. Neither: from the beginning."""
+
+    seconds: float | None = None
+    lines: int | None = None
+
+    def is_due(self, now: float, lines: int) -> bool:
+        """Whether the time has come."""
+        if self.lines is not None:
+            return lines >= self.lines
+        return self.seconds is None or now >= self.seconds
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One trouble.
+
+    `seconds` is how long it lasts (freeze, busy) or the least delay (slow) [s], `most` the largest delay [s],
+    `share` the share of replies (garble), `motor` and `side` (+1, -1) which motor and limit switch, `counts` how far
+    it is held off.
+    """
+
+    kind: Kind
+    when: When
+    seconds: float = math.inf
+    most: float = 0.0
+    share: float = 0.0
+    motor: int = 0
+    side: int = 0
+    counts: float = 0.0
+
+
+_SHAPE = re.compile(r"(?P<kind>[a-z]+)(?:@(?:line(?P<lines>\d{1,9})|(?P<seconds>[^:]+)))?(?::(?P<rest>.+))?")
+_SIDES = {"+": 1, "-": -1}
+
+
+def parse_fault(text: str) -> Fault:
+    """A fault from its text.
+
+    Raises:
+        ValueError: it isn't one; the message says why.
+    """
+    shape = _SHAPE.fullmatch(text.strip().lower())
+    if shape is None:
+        raise ValueError(f"{text!r} isn't a fault: KIND@SECONDS:VALUE, such as freeze@3:2")
+    kind, rest = shape["kind"], shape["rest"]
+    if kind not in _READERS:
+        raise ValueError(f"{text!r}: there is no fault {kind!r}; there are {', '.join(_READERS)}")
+    when = When(
+        None if shape["seconds"] is None else _number(text, shape["seconds"]),
+        None if shape["lines"] is None else int(shape["lines"]),
+    )
+    needs_time, form, values = _READERS[kind]
+    if needs_time and when == When():
+        raise ValueError(f"{text!r} must say when: {kind}@SECONDS or {kind}@lineNUMBER")
+    found = values.fullmatch(rest or "")
+    if found is None:
+        raise ValueError(f"{text!r}: it is written {form}")
+    return _fault(text, kind, when, found.groupdict())
+
+
+_NUMBER = r"[0-9]*\.?[0-9]+"
+_NOTHING = re.compile("")
+_DURATION = re.compile(f"(?P<seconds>{_NUMBER})?")
+_DELAY = re.compile(f"(?P<seconds>{_NUMBER})(?:-(?P<most>{_NUMBER}))?")
+_SHARE = re.compile(f"(?P<share>{_NUMBER})")
+_MOTOR = re.compile(r"(?P<motor>\d{1,2})")
+_HELD = re.compile(f"(?P<motor>\\d{{1,2}})(?:,(?P<counts>-?{_NUMBER}))?")
+_SWITCH = re.compile(r"(?P<motor>\d{1,2})(?P<side>[+-])")
+
+_READERS: dict[str, tuple[bool, str, re.Pattern[str]]] = {
+    "drop": (True, "drop@SECONDS", _NOTHING),
+    "freeze": (True, "freeze@SECONDS or freeze@SECONDS:DURATION", _DURATION),
+    "slow": (False, "slow:DELAY or slow:LEAST-MOST, also slow@SECONDS:DELAY", _DELAY),
+    "garble": (False, "garble:SHARE, also garble@SECONDS:SHARE", _SHARE),
+    "busy": (True, "busy@SECONDS:DURATION", _DURATION),
+    "reset": (True, "reset@SECONDS", _NOTHING),
+    "following": (True, "following@SECONDS:MOTOR or following@SECONDS:MOTOR,COUNTS", _HELD),
+    "limit": (True, "limit@SECONDS:MOTOR+ or limit@SECONDS:MOTOR-", _SWITCH),
+    "amplifier": (True, "amplifier@SECONDS:MOTOR", _MOTOR),
+}
+
+
+class Troubles:
+    """The faults of one session: acts on the machine when they are due, and says what becomes of replies.
+
+    Args:
+        machine: the machine, whose time it moves.
+        faults: what shall go wrong.
+        seed: the same seed gives the same delays and the same wrong bytes.
+    """
+
+    def __init__(self, machine: Machine, faults: Iterable[Fault] = (), seed: int = 0) -> None:
+        self._machine = machine
+        self._ahead = list(faults)
+        self.any = bool(self._ahead)
+        """Whether there are faults at all."""
+        self._begun: list[tuple[Fault, float]] = []
+        self._drops = 0
+        self._lines = 0
+        self._state = (seed * 2 + 1) & _WORD
+        self._begin_due()
+
+    @property
+    def now(self) -> float:
+        """The machine's time [s]."""
+        return self._machine.now
+
+    def advance(self, seconds: float) -> None:
+        """Let the machine's time pass [s]; what is due on the way happens at its exact time."""
+        end = self.now + seconds
+        while self._ahead:
+            times = [fault.when.seconds for fault in self._ahead if fault.when.seconds is not None]
+            stop = min((time for time in times if time < end), default=None)
+            if stop is None:
+                break
+            if stop > self.now:
+                self._machine.advance(stop - self.now)
+            self._begin_due(stop)
+        if end > self.now:
+            self._machine.advance(end - self.now)
+        if self._ahead:
+            self._begin_due()
+
+    def lines_written(self, lines: int) -> None:
+        """So many more program lines were written."""
+        self._lines += lines
+        if lines and self._ahead:
+            self._begin_due()
+
+    def dropped(self) -> bool:
+        """Whether connections are to be closed now; each drop is told once."""
+        drops, self._drops = self._drops, 0
+        return drops > 0
+
+    @property
+    def frozen(self) -> bool:
+        """Whether nothing is answered now."""
+        return any(self._lasts("freeze"))
+
+    @property
+    def busy(self) -> bool:
+        """Whether lines are answered with a NUL now, and not executed."""
+        return any(self._lasts("busy"))
+
+    def spoil(self, reply: bytes) -> tuple[bytes, float]:
+        """What becomes of a reply: its bytes, and how late it goes out [s]."""
+        if not self._begun or not reply:
+            return reply, 0.0
+        delay = 0.0
+        for fault, _ in self._begun:
+            if fault.kind == "garble" and self._random() < fault.share:
+                place = int(self._random() * len(reply))
+                wrong = reply[place] ^ (1 + int(self._random() * 255))
+                reply = reply[:place] + bytes((wrong,)) + reply[place + 1 :]
+            elif fault.kind == "slow":
+                delay += fault.seconds + self._random() * max(0.0, fault.most - fault.seconds)
+        return reply, delay
+
+    def _lasts(self, kind: Kind) -> Iterable[bool]:
+        return (self.now < since + fault.seconds for fault, since in self._begun if fault.kind == kind)
+
+    def _begin_due(self, now: float | None = None) -> None:
+        """Begin what is due; `now` [s] is the exact time where the machine's has been rounded."""
+        now = self.now if now is None else max(now, self.now)
+        due = [fault for fault in self._ahead if fault.when.is_due(now, self._lines)]
+        self._ahead = [fault for fault in self._ahead if fault not in due]
+        for fault in due:
+            self._begin(fault)
+
+    def _begin(self, fault: Fault) -> None:
+        machine = self._machine
+        match fault.kind:
+            case "drop":
+                self._drops += 1
+            case "reset":
+                machine.reset()
+            case "following":
+                machine.disturb(fault.motor, fault.counts)
+            case "limit":
+                machine.set_limit_switch(fault.motor, fault.side, True)
+            case "amplifier":
+                machine.fault_amplifier(fault.motor)
+            case _:
+                self._begun.append((fault, self.now))
+
+    def _random(self) -> float:
+        """0 to 1, without 1; a linear congruence (Knuth's MMIX), so that no clock and no library has a say."""
+        self._state = (self._state * 6364136223846793005 + 1442695040888963407) & _WORD
+        return (self._state >> 11) / (1 << 53)
+
+
+_WORD = (1 << 64) - 1
+
+
+def _number(text: str, digits: str) -> float:
+    if re.fullmatch(_NUMBER, digits) is None:
+        raise ValueError(f"{text!r}: {digits!r} isn't a number of seconds, and not line and a number")
+    return float(digits)
+
+
+def _fault(text: str, kind: str, when: When, values: dict[str, str | None]) -> Fault:
+    motor = int(values.get("motor") or 0)
+    if "motor" in values and not 1 <= motor <= MOTORS:
+        raise ValueError(f"{text!r}: motors are 1 to {MOTORS}")
+    share = float(values.get("share") or 0.0)
+    if share > 1.0:
+        raise ValueError(f"{text!r}: the share of replies is 0 to 1")
+    seconds = float(values.get("seconds") or math.inf)
+    most = float(values.get("most") or 0.0)
+    if most and most < seconds:
+        raise ValueError(f"{text!r}: the larger delay comes second")
+    return Fault(
+        kind,  # type: ignore[arg-type]  # _READERS has only kinds
+        when,
+        seconds=seconds,
+        most=most,
+        share=share,
+        motor=motor,
+        side=_SIDES.get(values.get("side") or "", 0),
+        counts=float(values.get("counts") or HELD_BACK) if kind == "following" else 0.0,
+    )

@@ -1,0 +1,50 @@
+"""What motors have done: their motions, kept so that they can be evaluated at any past instant."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+
+import numpy as np
+
+from yarclang.simulator.pieces import Array, Motion, Standing
+
+
+class Recorder:
+    """Keeps every motion of every motor. Memory grows with the motions: for tests, plots and training."""
+
+    def __init__(self) -> None:
+        self._times: dict[int, list[float]] = {}
+        self._motions: dict[int, list[tuple[Motion, int]]] = {}
+
+    def note(self, time: float, motor: int, motion: Motion, index: int) -> None:
+        """From `time` [s] on the motor is entry `index` of a motion."""
+        times = self._times.setdefault(motor, [])
+        motions = self._motions.setdefault(motor, [])
+        if times and times[-1] == time:
+            motions[-1] = motion, index
+        else:
+            times.append(time)
+            motions.append((motion, index))
+
+    def stands(self, time: float, motor: int, position: float) -> None:
+        """From `time` [s] on the motor stands [counts]."""
+        self.note(time, motor, Standing(np.array([position])), 0)
+
+    def positions(self, motor: int, times: Array) -> Array:
+        """Commanded positions (N,) [counts] at `times` (N,) [s]."""
+        return self._look(motor, times, 0)
+
+    def velocities(self, motor: int, times: Array) -> Array:
+        """Commanded velocities (N,) [counts/s] at `times` (N,) [s]."""
+        return self._look(motor, times, 1)
+
+    def _look(self, motor: int, times: Array, which: int) -> Array:
+        changes = self._times.get(motor, [])
+        motions = self._motions.get(motor, [])
+        if not changes:
+            raise ValueError(f"nothing is recorded of motor {motor}")
+        result = np.empty(len(times))
+        for row, time in enumerate(times):
+            motion, index = motions[max(bisect_right(changes, time) - 1, 0)]
+            result[row] = motion.at(float(time))[which][index]
+        return result

@@ -1,0 +1,52 @@
+"""What the controller answers to a line, and how I3 and I6 put it on the wire (TSRM 37-38, PSRM 25)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+ACK = b"\x06"
+BEL = b"\x07"
+CR = b"\r"
+LF = b"\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """The values that a line asked for, in order, and the number of the error that ended it, if one did."""
+
+    items: tuple[str, ...] = ()
+    error: int | None = None
+
+    @property
+    def text(self) -> str:
+        """All values, one a line."""
+        return "\n".join(self.items)
+
+
+class Refusal(Exception):  # noqa: N818 - what the controller does; the bugs of the house are errors
+    """The controller refuses a command with ERR`number`."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(f"ERR{number:03d}")
+        self.number = number
+
+
+def framed(reply: Reply, i3: int, i6: int) -> bytes:
+    """The bytes of a reply.
+
+    I3 says how data and acknowledgment are framed: 0 DATA CR; 1 LF DATA CR ... LF; 2 DATA CR ... ACK;
+    3 LF DATA CR ... ACK. I6 says how an error is: 0 and 2 BEL alone, 1 BEL ERRnnn CR, 3 BEL CR ERRnnn CR.
+    No acknowledgment follows an error.
+    """
+    feed = LF if i3 in (1, 3) else b""
+    data = b"".join(feed + item.encode("ascii", "replace").replace(b"\n", CR) + CR for item in reply.items)
+    if reply.error is None:
+        return data + {0: b"", 1: LF}.get(i3, ACK)
+    number = b"ERR%03d" % reply.error + CR
+    match i6:
+        case 1:
+            return data + BEL + feed + number
+        case 3:
+            return data + BEL + CR + feed + number
+        case _:
+            return data + BEL

@@ -1,0 +1,65 @@
+"""The time base of a coordinate system: how program time runs against real time (% command, feed hold)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class TimeMap:
+    """From instant `since` [s] on, where program time was `program` [s], the rate goes from `first` to
+    `last` (1 is 100 %) at `slope` [1/s], and stays there.
+    """
+
+    since: float = 0.0
+    program: float = 0.0
+    first: float = 1.0
+    last: float = 1.0
+    slope: float = 1.0
+
+    @property
+    def settled(self) -> float:
+        """When the rate stops changing [s]."""
+        return self.since + abs(self.last - self.first) / self.slope
+
+    def rate(self, time: float) -> float:
+        """The rate at an instant [s]."""
+        if self.first == self.last or time >= self.settled:
+            return self.last
+        return self.first + math.copysign(self.slope, self.last - self.first) * max(time - self.since, 0.0)
+
+    def program_time(self, time: float) -> float:
+        """Program time [s] at an instant [s]."""
+        passed = time - self.since
+        if self.first == self.last:
+            return self.program + self.last * passed
+        changing = abs(self.last - self.first) / self.slope
+        ramp = min(passed, changing)
+        slope = math.copysign(self.slope, self.last - self.first)
+        return self.program + self.first * ramp + slope * ramp**2 / 2.0 + self.last * (passed - ramp)
+
+    def instant(self, program: float) -> float:
+        """When program time gets there [s]; infinite if it never does."""
+        ahead = program - self.program
+        if ahead <= 0.0:
+            return self.since
+        if self.first == self.last:
+            return self.since + ahead / self.last if self.last > 0.0 else math.inf
+        changing = abs(self.last - self.first) / self.slope
+        in_ramp = (self.first + self.last) / 2.0 * changing
+        if ahead > in_ramp:
+            return self.since + changing + (ahead - in_ramp) / self.last if self.last > 0.0 else math.inf
+        slope = math.copysign(self.slope, self.last - self.first)
+        root = math.sqrt(max(self.first**2 + 2.0 * slope * ahead, 0.0))
+        # the form without cancellation
+        return self.since + 2.0 * ahead / (self.first + root)
+
+    def towards(self, time: float, rate: float, slope: float) -> TimeMap:
+        """The map from an instant on at which another rate is asked for."""
+        return TimeMap(time, self.program_time(time), self.rate(time), rate, max(slope, 1e-9))
+
+
+def slew(i10: float, variable: float) -> float:
+    """How fast the rate changes [1/s]: by Isx94 or Isx95 each servo interrupt, in units of I10 (TSRM 177-193)."""
+    return max(variable, 1e-6) * 2.0**23 / max(i10, 1.0) ** 2 * 1e3

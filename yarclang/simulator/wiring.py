@@ -1,0 +1,94 @@
+"""Registers and variables that show what the machine does (facts 5.4, 5.5, 7), and the timers that count down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from yarclang.pmac.status import (
+    ACTUAL,
+    COMMANDED,
+    MOTOR_STATUS_1,
+    MOTOR_STATUS_2,
+    MOTOR_STEP,
+    SYSTEM_STATUS_1,
+    SYSTEM_STATUS_2,
+    SYSTEM_STEP,
+    TARGET,
+)
+from yarclang.simulator.motors import Motor
+from yarclang.simulator.status import motor_words, system_words
+from yarclang.simulator.system import CoordinateSystem
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
+
+LONGEST_TIMER = 8_388_607.0
+
+
+class Timers:
+    """Isx11 and Isx12 count down, one each servo cycle (TSRM 177): what is kept is when they get to 0."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.ends: dict[int, float] = {}
+
+    def read(self, index: int) -> float:
+        """What is left, in servo cycles."""
+        if (end := self.ends.get(index)) is None:
+            return 0.0
+        return float(max(math.ceil((end - self.machine.now) / self.machine.servo_period - 1e-9), 0))
+
+    def start(self, index: int, value: float) -> None:
+        """Count down from `value`."""
+        self.ends[index] = self.machine.now + min(value, LONGEST_TIMER) * self.machine.servo_period
+
+
+def wire(machine: Machine) -> Timers:
+    """Connect the registers of all motors and coordinate systems; the timers."""
+    timers = Timers(machine)
+    for motor in machine.motors.values():
+        _wire_motor(machine, motor)
+    for system in machine.systems.values():
+        _wire_system(machine, system)
+        for number in (11, 12):
+            index = 5000 + 100 * system.number + number
+            machine.variables.timers[index] = _timer(timers, index)
+    return timers
+
+
+def _timer(timers: Timers, index: int) -> tuple[Callable[[], float], Callable[[float], None]]:
+    return lambda: timers.read(index), lambda value: timers.start(index, value)
+
+
+def _wire_motor(machine: Machine, motor: Motor) -> None:
+    """Status words, and positions in 1/(Ixx08 32) count."""
+    wired = machine.variables.memory.wired
+    step = MOTOR_STEP * (motor.number - 1)
+
+    def word(number: int) -> float:
+        return float(motor_words(motor, machine.system_of(motor), machine.now)[number])
+
+    def position(counts: float) -> float:
+        return float(round(counts * motor.unit))
+
+    wired["X", MOTOR_STATUS_1 + step] = lambda: word(0)
+    wired["Y", MOTOR_STATUS_2 + step] = lambda: word(1)
+    wired["D", COMMANDED + step] = lambda: position(motor.place(machine.now)[0])
+    wired["D", ACTUAL + step] = lambda: position(motor.actual(machine.now))
+    wired["D", TARGET + step] = lambda: position(
+        motor.profile.target if motor.profile is not None else motor.place(machine.now)[0]
+    )
+
+
+def _wire_system(machine: Machine, system: CoordinateSystem) -> None:
+    wired = machine.variables.memory.wired
+    step = SYSTEM_STEP * (system.number - 1)
+
+    def word(number: int) -> float:
+        return float(system_words(system, machine.now)[number])
+
+    wired["X", SYSTEM_STATUS_1 + step] = lambda: word(0)
+    wired["Y", SYSTEM_STATUS_2 + step] = lambda: word(1)
+    wired["Y", SYSTEM_STATUS_1 + step] = lambda: word(2)

@@ -263,7 +263,7 @@ def test_an_older_output_is_left_and_named(tmp_path):
     program.write_text("P0010 MOVEK\n")
     done = runner.invoke(yarcc, [str(program), "--robot", "INDUSTRIAL6"])
     assert done.exit_code == 1
-    assert "of an earlier version" in done.stderr
+    assert "was there before and is unchanged" in done.stderr
     assert (tmp_path / "p.pmc").read_bytes() == before
 
 

@@ -36,7 +36,7 @@ BLOCKS = [
 
 
 def robot_of(program: str) -> str:
-    return declared_robot(yarclang.parse(program).value) or "INDUSTRIAL6"
+    return (declared_robot(yarclang.parse(program).value) or ("INDUSTRIAL6", None))[0]
 
 
 def answer(line: str) -> str:

@@ -142,7 +142,7 @@ class Program:
 
 
 def fingerprint(program: Program) -> str:
-    """A hash of what the program does: layout, comments and the file's name don't enter.
+    """A hash of what the program does: layout, comments, the file's name and how a command is spelled don't enter.
 
     Returns:
         The SHA-256 as 64 hex digits.
@@ -156,7 +156,7 @@ def fingerprint(program: Program) -> str:
 
 def _feed(digest: Any, value: object) -> None:
     if isinstance(value, Origin):
-        digest.update(f"{value.index} {value.name};".encode())
+        digest.update(f"{value.index};".encode())
     elif isinstance(value, np.ndarray):
         digest.update(str(value.shape).encode() + (value + 0.0).tobytes())
     elif isinstance(value, tuple):

@@ -93,7 +93,7 @@ def test_segment_times_are_printed_exactly(steps):
 
 @pytest.mark.parametrize(("segment", "decimals"), [(0.05, 6), (0.005, 7), (0.002, 8)])
 def test_the_decimals_fit_the_segment_time(industrial6, segment, decimals):
-    assert decimals_for(industrial6, segment) == decimals
+    assert decimals_for(industrial6, segment, industrial6.tolerance) == decimals
     # the rule itself: a quarter of a count, 0.1 % of the acceleration, 1 % of the jerk limit
     counts = np.abs(counts_per_joint(industrial6) * industrial6.axis_units).sum(axis=1).max()
     assert 0.5 * 10**-decimals * counts <= 0.25

@@ -13,20 +13,20 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pmac.program import Assignment, Command, Moves, PmacProgram, SegmentTime, Target
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import counts_per_joint, to_counts
-from yarclang.robot.model import Robot
+from yarclang.robot.model import Robot, Tolerance
 from yarclang.units import MS
 
 _START_SHARE = 0.05
 """A start that is off adds this share of the acceleration limit in the first segment."""
 
 
-def lower(plan: MotionPlan, target: Target) -> PmacProgram:
-    """Make the controller program of a plan."""
+def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram:
+    """Make the controller program of a plan, printed finely enough for the tolerance of its path."""
     robot = plan.robot
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    decimals = max((decimals_for(robot, segment) for segment in set(segments)), default=4)
+    decimals = max((decimals_for(robot, segment, tolerance) for segment in set(segments)), default=4)
     body = tuple(_body(plan.motions, robot.axis_units, decimals))
     if target == "rotary":
         body = _guarded(body, marks)

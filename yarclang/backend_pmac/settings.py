@@ -181,6 +181,7 @@ def _feedback(robot: Robot) -> Iterator[str]:
 
 
 def _guard(robot: Robot) -> Iterator[str]:
+    yield f"; to go on after it has held ({ARMED} is 2 then): refill the buffer, {ARMED}=1, then R"
     yield f"{ARMED}=0"
     yield f"OPEN PLC {GUARD_PLC} CLEAR"
     yield f"IF({ARMED}=1)"

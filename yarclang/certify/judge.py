@@ -23,6 +23,11 @@ from yarclang.units import MS
 
 NO_LAWS: Mapping[int, Array] = MappingProxyType({})
 
+_REMEDIES = {
+    "Y1159": "allow more (--tolerance), or take shorter segments (--tm)",
+    "Y1160": "allow more (--tolerance): the controller's numbers have 9 decimals at most",
+}
+
 GUARD_SHARE = 0.05
 """A fixed program may start so far off that it adds this share of the acceleration limit."""
 
@@ -91,7 +96,10 @@ class _Judge:
         command = self.program.steps[step]
         assert not isinstance(command, hir.Gap)  # such a program is refused before
         origin = command.origin
-        self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, origin.span))
+        help_ = _REMEDIES.get(code, "")
+        self.findings.append(
+            Diagnostic(code, f"{_title(origin)}: {message}", origin.source, origin.span, help_)
+        )
 
     # start, times, rest
 

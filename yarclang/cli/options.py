@@ -11,6 +11,35 @@ import click
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+def _robots(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
+    """The robots' names that begin so, for completion."""
+    from yarclang.robot.library import list_robots
+
+    return [robot.name for robot in list_robots() if robot.name.startswith(incomplete.upper())]
+
+
+def _codes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001
+    """The findings' codes that begin so, for completion."""
+    from yarclang.findings import CATALOGUE
+
+    return [code for code in CATALOGUE if code.startswith(incomplete.upper())]
+
+
+def file_argument(name: str, **settings: Any) -> Callable[[F], F]:
+    """The programs to read, completed as paths; - is standard input."""
+    return click.argument(name, required=True, type=click.Path(allow_dash=True), **settings)
+
+
+def robot_argument(name: str, **settings: Any) -> Callable[[F], F]:
+    """Robots, completed by their names."""
+    return click.argument(name, shell_complete=_robots, **settings)
+
+
+def code_argument(name: str, **settings: Any) -> Callable[[F], F]:
+    """Codes of findings, completed."""
+    return click.argument(name, shell_complete=_codes, **settings)
+
+
 class Numbers(click.ParamType[tuple[float, ...]]):
     """Numbers separated by commas."""
 
@@ -71,6 +100,7 @@ def planning_options(function: F) -> F:
         click.option(
             "--robot",
             metavar="NAME|PATH",
+            shell_complete=_robots,
             help="A robot of the standard library, or the path of a robot.toml.",
         ),
     ):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from typing import Any
 
@@ -17,7 +18,7 @@ _WIDEST = 150
 def show_findings(diagnostics: Iterable[Diagnostic]) -> None:
     """Write findings to standard error, each with its place and the source line."""
     for diagnostic in diagnostics:
-        click.echo(finding_text(diagnostic), err=True)
+        click.echo(finding_text(diagnostic), err=True, color=False if os.environ.get("NO_COLOR") else None)
 
 
 def finding_text(diagnostic: Diagnostic) -> str:

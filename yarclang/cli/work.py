@@ -6,6 +6,7 @@ import os
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -66,6 +67,43 @@ def options_from(planning: dict[str, Any], progress: Progress | None = None) -> 
         target=planning.get("target", "rotary"),
         progress=progress,
     )
+
+
+def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
+    """Write to standard output; a full device is a finding, a closed pipe ends the program in silence."""
+    import click
+
+    try:
+        click.echo(content, nl=False)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        return (
+            Diagnostic("Y0107", f"standard output can't be written: {reason}", help="check where it goes"),
+        )
+    return ()
+
+
+def write_all(files: Sequence[tuple[Path, str]]) -> tuple[Diagnostic, ...]:
+    """Write several files; where one can't be written, those before it are put back as they were."""
+    before: list[tuple[Path, bytes | None]] = []
+    for path, content in files:
+        try:
+            old = path.read_bytes() if path.is_file() else None
+        except OSError:
+            old = None
+        found = write_whole(path, content)
+        if found:
+            for done, kept in before:
+                if kept is None:
+                    done.unlink(missing_ok=True)
+                else:
+                    write_whole(done, kept)
+            return found
+        before.append((path, old))
+    return ()
 
 
 def write_whole(path: Path, content: str | bytes) -> tuple[Diagnostic, ...]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from yarclang import __version__
-from yarclang.cli.options import format_option, planning_options, tm_option
+from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
+from yarclang.cli.outputs import beside, refuse_collisions
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="yarcc %(version)s")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@file_argument("files", nargs=-1, metavar="FILE...")
 @click.option(
     "-o", "--output", metavar="OUT", help="Where to write the text of one program (- for standard output)."
 )
@@ -54,6 +56,11 @@ def main(
     FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
+    destinations = {file: output or beside(file, ".pmc", out_dir) for file in files}
+    results = [(destination, file) for file, destination in destinations.items()]
+    if certificate is not None:
+        results.append((str(certificate), "the certificate"))
+    refuse_collisions(files, results)
     from yarclang.cli.work import Progress, options_from
 
     failed = False
@@ -61,7 +68,7 @@ def main(
     with Progress() as progress:
         options = options_from(planning, progress)
         for file in files:
-            destination = _destination(file, output, out_dir)
+            destination = destinations[file]
             compiled, diagnostics = _compile(file, options)
             progress.pause()
             if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
@@ -93,15 +100,10 @@ def _check_usage(
         raise click.UsageError("-o - and --format json both write to standard output")
     if len(set(files)) < len(files):
         raise click.UsageError("a file is named twice")
-
-
-def _destination(file: str, output: str | None, out_dir: Path | None) -> str:
-    if output is not None:
-        return output
-    if file == "-":
-        return "-" if out_dir is None else str(out_dir / "stdin.pmc")
-    path = Path(file)
-    return str((out_dir or path.parent) / path.with_suffix(".pmc").name)
+    if certificate is not None and str(certificate) == "-":
+        raise click.UsageError(
+            "--certificate takes a file; --format json writes the certificate to standard output"
+        )
 
 
 def _compile(file: str, options: Options) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
@@ -118,19 +120,19 @@ def _compile(file: str, options: Options) -> tuple[Compiled | None, tuple[Diagno
 
 
 def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tuple[Diagnostic, ...]:
-    """Write text and certificate, each whole or not at all."""
-    from yarclang.cli.work import write_whole
+    """Write text and certificate: both, or neither."""
+    import json
 
-    found: tuple[Diagnostic, ...] = ()
+    from yarclang.cli.work import write_all, write_standard_output
+
+    files: list[tuple[Path, str]] = []
+    if destination != "-":
+        files.append((Path(destination), compiled.text))
     if certificate is not None:
-        import json
-
-        found += write_whole(certificate, json.dumps(compiled.certificate.to_json(), indent=2) + "\n")
-    if not found:
-        if destination == "-":
-            click.echo(compiled.text, nl=False)
-        else:
-            found += write_whole(Path(destination), compiled.text)
+        files.append((certificate, json.dumps(compiled.certificate.to_json(), indent=2) + "\n"))
+    found = write_all(files)
+    if not found and destination == "-":
+        found = write_standard_output(compiled.text)
     return found
 
 
@@ -144,8 +146,8 @@ def _show(
     name = "<stdin>" if file == "-" else file
     if compiled is None:
         click.echo(f"{name}: {count_text(diagnostics) or 'no output'}; nothing written", err=True)
-        if destination != "-" and Path(destination).exists():
-            click.echo(f"  {destination} is of an earlier version of the program", err=True)
+        if os.path.isfile(destination):  # noqa: PTH113 (Path.is_file raises where a folder can't be searched)
+            click.echo(f"  {destination} was there before and is unchanged", err=True)
         return
     to_stderr = destination == "-"
     if compiled.certificate.commands:

@@ -62,4 +62,11 @@ FINDINGS = (
         "the file can't be read or written",
         "The operating system refused the file; its reason stands in the message.",
     ),
+    Finding(
+        "Y0108",
+        "controller-text",
+        "error",
+        "this is the controller's text, not a program",
+        "A .pmc file is what yarcc makes of a program. To read it as a program would give a finding a line.",
+    ),
 )

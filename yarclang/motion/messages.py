@@ -153,7 +153,7 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message
         )
     used = limit * fitted.share
     message = (
-        f"the {what} of {whose} would be {used:,.4g} {unit}, {(fitted.share - 1) * 100:.3g} % above its limit of "
+        f"the {what} of {whose} would be {used:,.4g} {unit}, {_percent(fitted.share - 1)} above its limit of "
         f"{limit:,.4g} {unit}, {fitted.time:.3g} s after the start ({fitted.s * 100:.3g} % of the way)"
     )
     return "Y0601", message, span, help_, fix
@@ -181,6 +181,10 @@ def _not_below(value: float) -> float:
     """The value rounded up to six digits behind its first."""
     step = 10.0 ** (math.floor(math.log10(value)) - 6)
     return math.ceil(value / step - 1e-6) * step
+
+
+def _percent(share: float) -> str:
+    return f"{share * 100:.3g} %" if share < 10.0 else f"{share * 100:,.0f} %"
 
 
 def _length(metres: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +61,11 @@ def open_program(path: str, options: Options) -> Result[Opened]:
 
 def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Opened]:
     """Parse a program that belongs to a folder, and find its robot."""
+    if source.text.startswith("; yarcc "):
+        message = "this is controller text that yarcc has written, not a program"
+        return Result(
+            None, (Diagnostic("Y0108", message, source, Span.on_line(1, 1, 8), "give the .yarc file"),)
+        )
     parsed = parse(source)
     module = parsed.value
     assert module is not None  # parsing always gives a tree
@@ -78,8 +83,11 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         return Result(None, diagnostics)
     robot = found.value
     findings = Collector(source)
-    start = _start(robot, options.start, "--start", findings)
-    fallback = _start(robot, project.value.start, "start in yarc.toml", findings)
+    start = _start(robot, options.start, "--start", findings, None)
+    found_in = project.value
+    settings = Collector(found_in.source or source)
+    fallback = _start(robot, found_in.start, "start", settings, found_in.span_of("start"))
+    findings.found += settings.found
     diagnostics = (*diagnostics, *findings.found)
     if has_errors(findings.found):
         return Result(None, diagnostics)
@@ -102,24 +110,37 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
         found = load_robot(options.robot)
         if declared is None or found.value is None:
             return found
-        other = load_robot(_placed(declared, folder))
+        other = _named(declared[0], folder, module.source, declared[1])
         if other.value is not None and other.value.fingerprint != found.value.fingerprint:
             message = f"the program is for {other.value.name}, the command line says {found.value.name}"
+            if other.value.name == found.value.name:
+                message = (
+                    f"two robots are named {found.value.name}: {other.value.folder} and {found.value.folder}"
+                )
             help_ = "leave --robot out, or change the ROBOT line"
-            return Result(None, (Diagnostic("Y1392", message, module.source, help=help_),))
+            return Result(None, (Diagnostic("Y1392", message, module.source, declared[1], help_),))
         return Result(found.value if other.value else None, other.diagnostics)
     if declared is not None:
-        return load_robot(_placed(declared, folder))
+        return _named(declared[0], folder, module.source, declared[1])
     malformed = [one for one in module.statements if one.index is None and one.name.name == "ROBOT"]
     if malformed:
         findings = Collector(module.source)
         check_robot(malformed[0], findings)
         return Result(None, tuple(findings.found))
     if project.robot is not None:
-        return load_robot(_placed(project.robot, project.folder))
+        return _named(project.robot, project.folder, project.source, project.span_of("robot"))
     names = ", ".join(robot.name for robot in list_robots())
     help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
     return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", module.source, help=help_),))
+
+
+def _named(name: str, folder: Path, source: SourceFile | None, span: Span | None) -> Result[Robot]:
+    """The robot of a name or path that stands in a file; what is wrong with the name is said there."""
+    found = load_robot(_placed(name, folder))
+    placed = tuple(
+        one if one.source is not None else replace(one, source=source, span=span) for one in found.diagnostics
+    )
+    return Result(found.value, placed)
 
 
 def _placed(name_or_path: str, folder: Path) -> str:
@@ -129,23 +150,27 @@ def _placed(name_or_path: str, folder: Path) -> str:
     return name_or_path
 
 
-def _start(robot: Robot, values: tuple[float, ...] | None, what: str, findings: Collector) -> Array | None:
+def _start(
+    robot: Robot, values: tuple[float, ...] | None, what: str, findings: Collector, span: Span | None
+) -> Array | None:
     """Joint values in deg (mm) as a joint position in SI, checked."""
     if values is None:
         return None
     names = " ".join(robot.joint_names)
     if len(values) != robot.size:
         message = f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} joints ({names})"
-        findings.add("Y1394", message, None, "give one value a joint, in deg (mm for prismatic joints)")
+        findings.add("Y1394", message, span, "give one value a joint, in deg (mm for prismatic joints)")
         return None
     q: Array = np.array(values, dtype=np.float64) * robot.axis_units
     excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
-    excess = np.where(np.isfinite(q), excess, np.inf)
+    if not np.isfinite(q).all():
+        findings.add("Y1394", f"{what} has a value that isn't finite", span, "the robot can't stand there")
+        return None
     joint = int(np.argmax(excess))
     if excess[joint] > 1e-9:
         name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
         message = f"{what} takes {name} out of its limits by {excess[joint]:.4g} {unit}"
-        findings.add("Y1394", message, None, "the robot can't stand there")
+        findings.add("Y1394", message, span, "the robot can't stand there")
         return None
     q.setflags(write=False)
     return q

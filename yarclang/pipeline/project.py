@@ -9,7 +9,7 @@ from pathlib import Path
 from yarclang.diagnostics import Diagnostic, Result, suggest
 from yarclang.pipeline.sources import read_source
 from yarclang.robot.toml_places import find_places
-from yarclang.source import Span
+from yarclang.source import SourceFile, Span
 
 FILE_NAME = "yarc.toml"
 _KEYS = ("robot", "start")
@@ -24,6 +24,11 @@ class Project:
     folder: Path
     robot: str | None = None
     start: tuple[float, ...] | None = None
+    source: SourceFile | None = None
+
+    def span_of(self, key: str) -> Span | None:
+        """Where a key's value stands in the file."""
+        return find_places(self.source).of_value((key,)) if self.source else None
 
 
 def find_project(folder: Path) -> Result[Project]:
@@ -71,7 +76,9 @@ def _read(path: Path) -> Result[Project]:
         )
     if findings:
         return Result(None, tuple(findings))
-    return Result(Project(path.parent, robot, tuple(map(float, start)) if start is not None else None))
+    return Result(
+        Project(path.parent, robot, tuple(map(float, start)) if start is not None else None, source)
+    )
 
 
 def _line_of(message: str) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.motion.limits import Grid
 from yarclang.pmac.segments import LARGEST, QUANTUM
@@ -35,7 +37,7 @@ def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
         )
     if asked < smallest:
         message = (
-            f"TM {tm:g} ms: the controller can't calculate segments shorter than {smallest / MS:.4g} ms in time "
+            f"TM {tm:g} ms: the controller can't calculate segments shorter than {np.ceil(smallest / MS * 1e4) / 1e4:.6g} ms in time "
             f"(three real-time interrupts at I8 = {robot.controller.i8})"
         )
         least = _neat_above(smallest / MS)

@@ -19,6 +19,8 @@ def read_source(path: str) -> Result[SourceFile]:
     A byte order mark is taken away; what isn't UTF-8 text is one finding at the first byte that isn't.
     """
     name = "<stdin>" if path == STANDARD_INPUT else path
+    if path == STANDARD_INPUT and sys.stdin is None:
+        return Result(None, (Diagnostic("Y0107", "standard input is closed", help="give a file's name"),))
     try:
         content = sys.stdin.buffer.read() if path == STANDARD_INPUT else Path(path).read_bytes()
     except OSError as error:
@@ -39,7 +41,7 @@ def decode_source(name: str, content: bytes) -> Result[SourceFile]:
     before = content[:bad].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     line = before.count(b"\n") + 1
     column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
-    message = f"this is not UTF-8 text: the first byte that isn't is 0x{content[bad]:02X}, at line {line}, column {column}"
+    message = f"this is not text: the first byte that isn't is 0x{content[bad]:02X}, at line {line}, column {column}"
     shown = SourceFile(name, before.decode("utf-8"))
     help_ = "save the program as UTF-8 text; or another file was meant"
     return Result(None, (Diagnostic("Y0103", message, shown, Span.on_line(line, column, column + 1), help_),))

@@ -105,13 +105,13 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Motion plan to controller text, read back and proved."""
     robot, program = request.robot, planned.program
-    lowered = lower(planned, request.target)
+    tolerance = request.tolerance or robot.tolerance
+    lowered = lower(planned, request.target, tolerance)
     emitted = emit(lowered)
     header = tuple(_header(lowered, planned, request.target))
     if request.progress:
         request.progress("certifying", 0, 1)
     text = emitted.text((*header, "certificate being made"))
-    tolerance = request.tolerance or robot.tolerance
     judged = certify(text, program, robot, tolerance, _witnesses(planned), _laws(planned))
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
@@ -137,11 +137,11 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
     )
     load = {
         "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
-        "prog": f"loading moves nothing; &{lowered.coordinate_system}B1R runs it, from the start only",
+        "prog": f"loading moves nothing; with all motors closed-loop, &{lowered.coordinate_system}B1R runs it, from the start only",
     }[target]
     made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}"
     return [
-        f"yarcc {__version__}: {PurePath(planned.program.source.name).name}",
+        f"yarcc {__version__}: {_printable(PurePath(planned.program.source.name).name)}",
         f"target {target}",
         f"robot {robot.name} {robot.fingerprint}",
         f"program {fingerprint(planned.program)}",
@@ -151,6 +151,15 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
         load,
         "commands: step, index, name, line in the source, first and last line of the moves in this file",
     ]
+
+
+def _printable(name: str) -> str:
+    """A file's name in ASCII, on one line."""
+    return (
+        "".join(one if one.isprintable() else "?" for one in name)
+        .encode("ascii", "backslashreplace")
+        .decode()
+    )
 
 
 def _laws(planned: MotionPlan) -> Mapping[int, Array]:

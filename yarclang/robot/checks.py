@@ -37,8 +37,21 @@ def check_table(file: TomlFile, draft: Draft, chain: Sequence[Joint] | None) -> 
     _check_frames(file, draft)
     if names is None:
         return
-    _check_positions(file, draft, names, {joint.name: joint.kind for joint in chain or ()})
-    check_drives(file, draft, len(names))
+    size = len(names) if chain is not None else _likely_size(draft, len(names))
+    if size == len(names):
+        _check_positions(file, draft, names, {joint.name: joint.kind for joint in chain or ()})
+    check_drives(file, draft, size)
+
+
+def _likely_size(draft: Draft, tables: int) -> int:
+    """How many joints the robot seems to have while the URDF can't tell: what most of the lists agree on."""
+    actuation, motors, controller = draft.table.actuation, draft.table.motors, draft.table.controller
+    lists: list[Sequence[object] | None] = []
+    lists += [actuation.K, actuation.J, actuation.a0] if actuation else []
+    lists += [motors.numbers, motors.velocity] if motors else []
+    lists += [controller.axes, controller.feedback] if controller else []
+    sizes = [tables, *(len(values) for values in lists if values is not None)]
+    return max(sizes, key=sizes.count)
 
 
 def _check_joints(file: TomlFile, draft: Draft, chain: Sequence[Joint] | None) -> tuple[str, ...] | None:

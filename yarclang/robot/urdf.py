@@ -152,6 +152,9 @@ def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
         urdf.say("Y1342", f"Joint {name} is {kind} and has no <limit>.", remedy, joint)
     lower = _limit(urdf, limit, "lower", required=False)
     upper = _limit(urdf, limit, "upper", required=False)
+    if limit is not None and lower is not None and upper is not None and lower > upper:
+        message = f"The lower limit of joint {name}, {lower:g}, is above the upper one, {upper:g}."
+        urdf.say("Y1316", message, "Exchange the two.", limit, "lower")
     velocity = _limit(urdf, limit, "velocity", required=True)
     _limit(urdf, limit, "effort", required=True)
     for tag, needed in _ATTRIBUTES.items():

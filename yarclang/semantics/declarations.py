@@ -12,17 +12,18 @@ from yarclang.semantics.frames import check_frame, moving_frame
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.times import time_is_sound
 from yarclang.semantics.units import missing_unit, number_fault, resolve_units
+from yarclang.source import Span
 from yarclang.syntax.ast import Module, Number, Statement, Text, Word
 from yarclang.units import Kind
 
 
-def declared_robot(module: Module) -> str | None:
-    """The robot that a ROBOT line names (a name, or a path in quotes), read before anything is checked."""
+def declared_robot(module: Module) -> tuple[str, Span] | None:
+    """The robot that a ROBOT line names (a name, or a path in quotes) and where, read before anything is checked."""
     for statement in module.statements:
         if statement.index is None and statement.name.name == "ROBOT" and len(statement.waypoints) == 1:
             values = statement.waypoints[0].values
             if len(values) == 1 and isinstance(values[0], Word | Text):
-                return values[0].text.strip('"')
+                return values[0].text.strip('"'), statement.span(values[0].place)
     return None
 
 

@@ -71,7 +71,7 @@ def _known(statement: Statement, frame: FrameName, robot: Robot, findings: Colle
         findings.add("Y0204", f"{frame.text} is today {{{today}}}", span, f"write {{{today}}}", fix)
         return today
     meant = suggest(frame.name, known)
-    help_ = (meant + "; " if meant else "") + f"{robot.name} has the frames {_listed(known)}"
+    help_ = (meant + " " if meant else "") + f"{robot.name} has the frames {_listed(known)}"
     findings.add("Y0301", f"no frame is named {frame.text}", span, help_)
     return None
 

@@ -170,7 +170,7 @@ def _named_goal(
     if word.name in {"NAN", "INF", "INFINITY"}:
         return None
     meant = suggest(word.text, robot.positions)
-    help_ = (meant + "; " if meant else "") + f"{robot.name} has {', '.join(robot.positions)}"
+    help_ = (meant + " " if meant else "") + f"{robot.name} has {', '.join(robot.positions)}"
     findings.add("Y0205", f"no joint position is named {word.text}", statement.span(word.place), help_)
     return JointGoal(robot.home)  # the finding is an error: the goal is never used
 

@@ -22,6 +22,11 @@ def resolve_units(
     found: dict[Kind, Unit] = {}
     if units is None:
         return found
+    if not units.items:
+        findings.add(
+            "Y0305", "no unit stands between the brackets", statement.span(units.place), "write (mm,deg,s)"
+        )
+        return None
     for item in units.items:
         unit, span = UNITS.get(item.text.lower()), statement.span(item.place)
         if unit is None:
@@ -50,7 +55,7 @@ def number_fault(item: Number | Word | Percent | Text | Other) -> tuple[str, str
     if isinstance(item, Number):
         if abs(item.value) <= LARGEST_NUMBER:
             return None
-        return "Y0403", f"{item.text} is beyond the largest value, {LARGEST_NUMBER:g}", ""
+        return "Y0403", f"{item.text} is beyond the largest value, {LARGEST_NUMBER:,.0f}", ""
     text = item.text if len(item.text) <= 40 else item.text[:40] + "…"
     if item.text.startswith("$"):
         return "Y0207", f"`{text}`: expressions are not carried out by this version", "write the number"

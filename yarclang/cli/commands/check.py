@@ -6,11 +6,11 @@ from typing import Any
 
 import click
 
-from yarclang.cli.options import format_option, planning_options, tm_option
+from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
 
 
 @click.command("check")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@file_argument("files", nargs=-1, metavar="FILE...")
 @planning_options
 @tm_option
 @click.option("--strict", is_flag=True, help="A warning counts as an error.")

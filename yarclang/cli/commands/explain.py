@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import click
 
+from yarclang.cli.options import code_argument
+
 
 @click.command("explain")
-@click.argument("codes", nargs=-1, metavar="[CODE]...")
+@code_argument("codes", nargs=-1, metavar="[CODE]...")
 def command(codes: tuple[str, ...]) -> None:
     """Explain findings by their codes; without one, list all codes."""
     from yarclang.diagnostics import suggest

@@ -7,13 +7,14 @@ from typing import Any
 
 import click
 
-from yarclang.cli.options import planning_options, tm_option
+from yarclang.cli.options import file_argument, planning_options, tm_option
+from yarclang.cli.outputs import beside, refuse_collisions
 
 _FORMATS = ("png", "svg", "pdf")
 
 
 @click.command("plot")
-@click.argument("file", metavar="FILE")
+@file_argument("file", metavar="FILE")
 @click.option(
     "-o",
     "--output",
@@ -24,8 +25,9 @@ _FORMATS = ("png", "svg", "pdf")
 @tm_option
 def command(file: str, output: str | None, **planning: Any) -> None:
     """Draw the motion of a program: joints against their limits, and the tool's path. - reads standard input."""
-    destination = _destination(file, output)
+    destination = output or beside(file, ".png")
     format_ = _format(destination)
+    refuse_collisions([file], [(destination, file)])
     from yarclang.cli.show import count_text, show_findings
     from yarclang.cli.work import Progress, options_from, write_whole
     from yarclang.diagnostics import has_errors, in_order
@@ -54,12 +56,6 @@ def command(file: str, output: str | None, **planning: Any) -> None:
         raise SystemExit(1)
     where = "standard output" if destination == "-" else destination
     click.echo(f"{name}: {plan.duration:.3f} s drawn to {where}", err=True)
-
-
-def _destination(file: str, output: str | None) -> str:
-    if output is not None:
-        return output
-    return "-" if file == "-" else str(Path(file).with_suffix(".png"))
 
 
 def _format(destination: str) -> Any:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import click
 
+from yarclang.cli.options import robot_argument
+
 
 @click.command("robots")
-@click.argument("names", nargs=-1, metavar="[NAME|PATH]...")
+@robot_argument("names", nargs=-1, metavar="[NAME|PATH]...")
 def command(names: tuple[str, ...]) -> None:
     """List the robots of the standard library; with names, check these robots and show them."""
     from yarclang.cli.show import show_findings

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import click
 
+from yarclang.cli.options import robot_argument
+
 
 @click.command("settings")
-@click.argument("robot", metavar="ROBOT")
+@robot_argument("robot", metavar="ROBOT")
 def command(robot: str) -> None:
     """Print what a controller has to be told once about ROBOT (a name or a path): axis definitions,
     feedback, limits, and the guard of the rotary buffer.

@@ -1,0 +1,46 @@
+"""Where results are written: nothing overwrites a source, or another result."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+import click
+
+STANDARD = "-"
+
+
+def beside(file: str, suffix: str, folder: Path | None = None) -> str:
+    """The path of a result: `file` with another suffix, in a folder or beside it."""
+    if file == STANDARD:
+        return STANDARD if folder is None else str(folder / f"stdin{suffix}")
+    path = Path(file)
+    return str((path.parent if folder is None else folder) / f"{path.stem or 'program'}{suffix}")
+
+
+def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]) -> None:
+    """Wrong usage where a result would overwrite a source or another result.
+
+    Args:
+        sources: the files that are read.
+        results: path of each result, and what it is made of.
+    """
+    read = {_real(source): source for source in sources if source != STANDARD}
+    taken: dict[str, str] = {}
+    for path, made_of in results:
+        if path == STANDARD or (os.path.exists(path) and not os.path.isfile(path)):  # noqa: PTH110, PTH113 (never raise)
+            continue
+        real = _real(path)
+        if real in read:
+            raise click.UsageError(
+                f"{path} would overwrite {read[real]}, which is a source; write elsewhere with -o"
+            )
+        if real in taken:
+            raise click.UsageError(f"{path} would be written twice: for {taken[real]} and for {made_of}")
+        taken[real] = made_of
+
+
+def _real(path: str) -> str:
+    """One name for one file, whatever links lead to it."""
+    return os.path.realpath(path)

@@ -21,6 +21,7 @@ from yarclang.simulator.online import OnLine, Port
 from yarclang.simulator.pieces import Array
 from yarclang.simulator.plc import Plc
 from yarclang.simulator.programs import Program
+from yarclang.simulator.questions import Question, questions
 from yarclang.simulator.recorder import Recorder
 from yarclang.simulator.registers import Definition, Variables
 from yarclang.simulator.reply import Refusal, Reply, framed
@@ -168,12 +169,28 @@ class Machine:
 
     def command(self, line: str, port: int = 0) -> Reply:
         """Execute a line, or store it in the buffer that is open on this port."""
-        work = OnLine(self, self._port(port))
+        on = self.ports.get(port) or self._port(port)
+        if not on.open and (asked := questions(line)):
+            return self._answered(asked, on)
+        work = OnLine(self, on)
         try:
             work.execute(line)
         except Refusal as refusal:
             return Reply(tuple(work.items), refusal.number)
         return Reply(tuple(work.items))
+
+    def _answered(self, asked: tuple[Question, ...], on: Port) -> Reply:
+        """What a line that only asks is told: values up to the first that is refused."""
+        items: list[str] = []
+        error = None
+        try:
+            for question in asked:
+                item = question(self, on)
+                if item is not None:
+                    items += (item,)
+        except Refusal as refusal:
+            error = refusal.number
+        return Reply(tuple(items), error)
 
     def control(self, character: int, port: int = 0) -> Reply:
         """Execute a control character, 1 for ^A to 26 for ^Z."""

@@ -16,6 +16,7 @@ from yarclang.pmac.errors import BUSY_PROGRAM, DATA, MOVE_IN_PROGRESS, NEEDS_BUF
 from yarclang.simulator.axes import axis_definition
 from yarclang.simulator.expressions import Reader, value_of
 from yarclang.simulator.motors import Motor
+from yarclang.simulator.questions import LEGAL, LONGEST_LINE, REPORTS
 from yarclang.simulator.registers import Definition, definition, printed
 from yarclang.simulator.reply import Refusal
 from yarclang.simulator.words import Statement, cleaned, numbers_listed, read_statement, simple_move
@@ -23,10 +24,8 @@ from yarclang.simulator.words import Statement, cleaned, numbers_listed, read_st
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine
 
-LONGEST_LINE = 255
-"""Characters of a line (facts 3)."""
-
 _ILLEGAL = 4
+_UP_TO = re.compile(r"\.\.(\d{1,5})")
 _VARIABLE = re.compile(r"([IPQM])(?=\d|\()")
 _DEFINITION = re.compile(r"->(\*|(?:DP|[XYDFL]):\$?[0-9A-F]+(?:,(?:\d+|[SU])){0,3})?")
 _AXIS_DEFINITION = re.compile(r"#(\d+)->((?:I(?!\d)|[0-9.+\-A-CU-Z]+)?)")
@@ -61,7 +60,7 @@ class OnLine:
         """
         if len(line) > LONGEST_LINE:
             raise Refusal(DATA)
-        if any(not (" " <= character <= "~" or character in "\t\r\n") for character in line):
+        if not LEGAL(line):
             raise Refusal(_ILLEGAL)
         text = cleaned(line)
         if self.port.open in ("rotary", "prog") and (move := simple_move(text)):
@@ -92,12 +91,12 @@ class OnLine:
         return True
 
     def _begins_command(self) -> bool:
-        rest = self.reader.rest
-        return any(pattern.match(rest) for pattern, _ in _COMMANDS)
+        text, at = self.reader.text, self.reader.at
+        return any(pattern.match(text, at) for pattern, _ in _BY_FIRST.get(text[at], ()))
 
     def _command(self) -> None:
         reader = self.reader
-        for pattern, action in _COMMANDS:
+        for pattern, action in _BY_FIRST.get(reader.text[reader.at], ()):
             if found := reader.match(pattern):
                 action(self, found)
                 return
@@ -175,7 +174,7 @@ class OnLine:
         letter, scope = found[1], variables.scope(self.port.system)
         first = int(value_of(reader.index(), scope))
         last = first
-        if ranged := reader.match(re.compile(r"\.\.(\d{1,5})")):
+        if ranged := reader.match(_UP_TO):
             last = int(ranged[1])
         if not 0 <= first <= last < VARIABLES:
             raise Refusal(DATA)
@@ -335,14 +334,8 @@ class OnLine:
 
     def report(self, found: re.Match[str]) -> None:
         """P (counts), V (counts per servo cycle), F (counts)."""
-        machine, motor = self.machine, self._motor
-        match found[0]:
-            case "P":
-                self.items.append(printed(motor.actual(machine.now), 1))
-            case "V":
-                self.items.append(printed(motor.place(machine.now)[1] * machine.servo_period, 3))
-            case _:
-                self.items.append(printed(motor.following_error(machine.now), 1))
+        if text := REPORTS[found[0]](self.machine, self.port):
+            self.items.append(text)
 
     def jog(self, found: re.Match[str]) -> None:
         """J and what follows it."""
@@ -484,49 +477,57 @@ _ANSWERS = {
 }
 
 Action = Callable[[OnLine, "re.Match[str]"], None]
-_COMMANDS: tuple[tuple[re.Pattern[str], Action], ...] = tuple(
-    (re.compile(pattern), action)
-    for pattern, action in (
-        (_AXIS_DEFINITION.pattern, OnLine.axes),
-        (r"##?(\d{0,3})", OnLine.motor_address),
-        (r"&(\d{0,3})", OnLine.system_address),
-        (r"\$\$\$(\*\*\*)?", OnLine.reset),
-        (r"OPEN(PROG?|PLC|ROT(?:ARY)?)", OnLine.open),
-        (r"CLOSE(ALL)?|CLS(?!\w)", OnLine.close),
-        (r"(?:CLEAR|CLR)(ALL|PLC)?", OnLine.clear),
+_COMMANDS: tuple[tuple[str, re.Pattern[str], Action], ...] = tuple(
+    (firsts, re.compile(pattern), action)
+    for firsts, pattern, action in (
+        ("#", _AXIS_DEFINITION.pattern, OnLine.axes),
+        ("#", r"##?(\d{0,3})", OnLine.motor_address),
+        ("&", r"&(\d{0,3})", OnLine.system_address),
+        ("$", r"\$\$\$(\*\*\*)?", OnLine.reset),
+        ("O", r"OPEN(PROG?|PLC|ROT(?:ARY)?)", OnLine.open),
+        ("C", r"CLOSE(ALL)?|CLS(?!\w)", OnLine.close),
+        ("C", r"(?:CLEAR|CLR)(ALL|PLC)?", OnLine.clear),
         (
+            "D",
             r"DEF(?:INE)?(ROT(?:ARY)?|GAT(?:HER)?|LOOK(?:AHEAD)?|BLCOMP|TCOMP|COMP|TBUF|UBUF|CCBUF(?:FER)?)",
             OnLine.define,
         ),
         (
+            "D",
             r"DEL(?:ETE)?(ROT(?:ARY)?|GAT(?:HER)?|LOOK(?:AHEAD)?|BLCOMP|TCOMP|COMP|TBUF|UBUF|TRACE|PLCC?|CCBUF(?:FER)?)\d*",
             OnLine.delete,
         ),
-        (r"END(?:GAT(?:HER)?|G)|GAT(?:HER)?(?:TRIGGER)?", OnLine.nothing),
-        (r"LIST(PROG?|PLC|PC|PE|ROT(?:ARY)?)", OnLine.listing),
-        (r"UNDEF(?:INE)?(ALL)?", OnLine.undefine),
-        (r"(ENA(?:BLE)?|DIS(?:ABLE)?|PAUSE|RESUME)PLC(C)?", OnLine.plcs),
-        (r"PMATCH", OnLine.match_positions),
-        (r"PR(?!O)", OnLine.lines_ahead),
-        (r"PQ(?!\d|\()", OnLine.queued),
-        (r"P[CE](?![A-Z])", OnLine.program_counter),
-        (r"VER(?:SION)?|TYPE|CID|VID|SID|DATE|CPU|CHKS|CHECKSUM", OnLine.fixed),
-        (r"TIME", OnLine.time),
-        (r"SAVE", OnLine.save),
-        (r'(SEND|CMD)[SPRA]?"([^"]*)"?', OnLine.message),
-        (r"LEARN|STN(?:=\d+)?|IDC|PASSWORD=\S*|LOCK|SIZE", OnLine.nothing),
-        (_VARIABLE.pattern, OnLine.variable),
-        (r"\?{1,3}", OnLine.status),
-        (r"%", OnLine.override),
-        (r"B(\d{1,5}(?:\.\d{1,5})?|(?![A-Z(+\-$.]))", OnLine.point),
-        (r"J([+\-/=^:])", OnLine.jog),
-        (r"(?:HOME|HM)Z?", OnLine.home),
-        (r"O(?=[\d+\-.])", OnLine.open_loop),
-        (rf"K{_LONE}", OnLine.kill),
-        (r"R(H?)([XYDFL]):?\$?([0-9A-F]{1,6})", OnLine.read_memory),
-        (r"W([XYDFL]):?\$?([0-9A-F]{1,6}),", OnLine.write_memory),
-        (rf"[RS]{_LONE}", OnLine.run),
-        (rf"[QHA]{_LONE}|/|\\", OnLine.system_order),
-        (rf"[PVF](?=[PVF]*{_LONE})", OnLine.report),
+        ("EG", r"END(?:GAT(?:HER)?|G)|GAT(?:HER)?(?:TRIGGER)?", OnLine.nothing),
+        ("L", r"LIST(PROG?|PLC|PC|PE|ROT(?:ARY)?)", OnLine.listing),
+        ("U", r"UNDEF(?:INE)?(ALL)?", OnLine.undefine),
+        ("EDPR", r"(ENA(?:BLE)?|DIS(?:ABLE)?|PAUSE|RESUME)PLC(C)?", OnLine.plcs),
+        ("P", r"PMATCH", OnLine.match_positions),
+        ("P", r"PR(?!O)", OnLine.lines_ahead),
+        ("P", r"PQ(?!\d|\()", OnLine.queued),
+        ("P", r"P[CE](?![A-Z])", OnLine.program_counter),
+        ("VTCSD", r"VER(?:SION)?|TYPE|CID|VID|SID|DATE|CPU|CHKS|CHECKSUM", OnLine.fixed),
+        ("T", r"TIME", OnLine.time),
+        ("S", r"SAVE", OnLine.save),
+        ("SC", r'(SEND|CMD)[SPRA]?"([^"]*)"?', OnLine.message),
+        ("LSIP", r"LEARN|STN(?:=\d+)?|IDC|PASSWORD=\S*|LOCK|SIZE", OnLine.nothing),
+        ("IPQM", _VARIABLE.pattern, OnLine.variable),
+        ("?", r"\?{1,3}", OnLine.status),
+        ("%", r"%", OnLine.override),
+        ("B", r"B(\d{1,5}(?:\.\d{1,5})?|(?![A-Z(+\-$.]))", OnLine.point),
+        ("J", r"J([+\-/=^:])", OnLine.jog),
+        ("H", r"(?:HOME|HM)Z?", OnLine.home),
+        ("O", r"O(?=[\d+\-.])", OnLine.open_loop),
+        ("K", rf"K{_LONE}", OnLine.kill),
+        ("R", r"R(H?)([XYDFL]):?\$?([0-9A-F]{1,6})", OnLine.read_memory),
+        ("W", r"W([XYDFL]):?\$?([0-9A-F]{1,6}),", OnLine.write_memory),
+        ("RS", rf"[RS]{_LONE}", OnLine.run),
+        ("QHA/\\", rf"[QHA]{_LONE}|/|\\", OnLine.system_order),
+        ("PVF", rf"[PVF](?=[PVF]*{_LONE})", OnLine.report),
     )
 )
+"""The characters that a command can begin with, its form, and what it does; the first that fits counts."""
+
+_BY_FIRST: dict[str, tuple[tuple[re.Pattern[str], Action], ...]] = {
+    first: tuple((pattern, action) for firsts, pattern, action in _COMMANDS if first in firsts)
+    for first in sorted({first for firsts, _, _ in _COMMANDS for first in firsts})
+}

@@ -214,10 +214,10 @@ class Seen:
 
 def printed(value: float, decimals: int | None = None) -> str:
     """A value in decimals, never with an exponent: the controller's reals carry about 12 digits."""
+    if value % 1.0 == 0.0:
+        return str(int(value))
     if decimals is not None:
         text = f"{value:.{decimals}f}"
-    elif value == int(value):
-        return str(int(value))
     else:
         digits = max(0, min(15, 12 - math.ceil(math.log10(abs(value)))))
         text = f"{value:.{digits}f}"

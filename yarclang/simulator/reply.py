@@ -9,6 +9,9 @@ BEL = b"\x07"
 CR = b"\r"
 LF = b"\n"
 
+_ACKNOWLEDGED = {0: b"", 1: LF}
+"""What ends a reply, by I3; else it is ACK."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reply:
@@ -39,9 +42,13 @@ def framed(reply: Reply, i3: int, i6: int) -> bytes:
     No acknowledgment follows an error.
     """
     feed = LF if i3 in (1, 3) else b""
-    data = b"".join(feed + item.encode("ascii", "replace").replace(b"\n", CR) + CR for item in reply.items)
+    between = "\r\n" if feed else "\r"
+    data = b""
+    if reply.items:
+        text = "\0".join(reply.items).replace("\n", "\r").replace("\0", between)
+        data = feed + text.encode("ascii", "replace") + CR
     if reply.error is None:
-        return data + {0: b"", 1: LF}.get(i3, ACK)
+        return data + _ACKNOWLEDGED.get(i3, ACK)
     number = b"ERR%03d" % reply.error + CR
     match i6:
         case 1:

@@ -12,7 +12,14 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "yarclang"
 DOORS = ("cli",)
 """Folders of the package that talk to the world."""
-SOCKETS = {"simulator/server.py"}
+SOCKETS = {
+    "runtime/log.py",
+    "runtime/session.py",
+    "runtime/transports/local.py",
+    "runtime/transports/tcp.py",
+    "simulator/embedded.py",
+    "simulator/server.py",
+}
 """Modules that do so in the other folders: the protocols themselves know neither socket nor clock."""
 DRAWERS = {"common", "helper", "helpers", "manager", "managers", "misc", "util", "utils"}
 WORLD = {

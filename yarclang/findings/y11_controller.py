@@ -92,4 +92,20 @@ FINDINGS: tuple[Finding, ...] = (
         "A pose has several joint positions. The planner says which it took; the certificate checks that they "
         "are at the programmed poses, and could not.",
     ),
+    Finding(
+        "Y1162",
+        "not-streamed",
+        "error",
+        "only a program for the rotary buffer is streamed",
+        "yarc run fills the controller's rotary buffer while the robot moves. A text that was compiled with --target "
+        "prog is a program buffer: it is downloaded as a whole, and B1R runs it.",
+    ),
+    Finding(
+        "Y1163",
+        "made-for-another-robot",
+        "error",
+        "the controller's text was made for another robot, or for the robot as it was",
+        "The header of the text names the robot and a fingerprint of its geometry, limits, actuation and "
+        "controller settings. If any of them has changed since, nothing that was proved holds any more.",
+    ),
 )

@@ -1,0 +1,63 @@
+"""What a script of the runtime does and hears: it yields an action, and is sent what came of it. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import TypeAlias, TypeVar
+
+from yarclang.runtime import messages
+from yarclang.runtime.messages import Request
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """Do nothing until `until` [s]; an order from outside ends it at once. Answered by `None`."""
+
+    until: float
+
+
+@dataclass(frozen=True, slots=True)
+class Connect:
+    """Give the connection up, if there is one, and make a new one. Answered by `Connected` or `Unreachable`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Connected:
+    """There is a new connection."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unreachable:
+    """There isn't, and why."""
+
+    reason: str
+
+
+Action: TypeAlias = Request | Wait | Connect
+Outcome: TypeAlias = messages.Event | Connected | Unreachable | None
+
+T = TypeVar("T")
+Script: TypeAlias = Generator[Action, Outcome, T]
+"""A sequence of actions that gives a T in the end."""
+
+
+class Lost(Exception):  # noqa: N818 - an event that scripts unwind for
+    """The connection is of no use any more: late, closed, or something came that can't be a reply."""
+
+
+class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
+    """The run can't go on: what is the matter, and what to do about it."""
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.remedy = remedy
+
+
+class Stopped(Exception):  # noqa: N818 - an event that scripts unwind for
+    """A person ends the run; `abort` without regard to the path."""
+
+    def __init__(self, abort: bool) -> None:
+        super().__init__("aborted" if abort else "stopped")
+        self.abort = abort

@@ -1,0 +1,93 @@
+"""Which lines go next into the rotary, so that it neither overflows nor runs dry. No I/O: time is an argument."""
+
+from __future__ import annotations
+
+from yarclang.runtime.job import Job
+from yarclang.runtime.packets import fitting
+
+AHEAD = 2
+"""Moves that are calculated before they are executed (TUM 339)."""
+
+_LATE = 0.1
+"""What the host may be late before the guard PLC holds [s]."""
+
+
+class Feed:
+    """The way of a job's lines into the rotary.
+
+    What lies in the buffer is known from `PR` alone, and only for the moment of its reply. Between two of them there are two
+    bounds: at most what was there and what was sent since; at least that, less what can have been executed.
+
+    Attributes:
+        sent: lines that the controller has taken.
+    """
+
+    def __init__(self, job: Job) -> None:
+        self.job = job
+        self.sent = 0
+        self._ahead = 0
+        self._sent_then = 0
+        self._then = 0.0
+        self._asked_then = 0.0
+        margin = max(2, round(_LATE / job.segment))
+        self.low = min(job.low + margin, max(job.low + 1, (job.low + job.full) // 2))
+        """Fewer lines ahead than these are too few: sooner than the guard PLC finds."""
+
+    @property
+    def left(self) -> int:
+        """Lines that the controller hasn't got yet."""
+        return len(self.job.lines) - self.sent
+
+    @property
+    def room(self) -> int:
+        """Lines that surely fit."""
+        return self.job.capacity - self.at_most
+
+    @property
+    def at_most(self) -> int:
+        """Lines ahead, if nothing was executed since `PR`."""
+        return self._ahead + self.sent - self._sent_then
+
+    def at_least(self, now: float, rate: float = 1.0) -> int:
+        """Lines ahead, if the controller executed all it can since `PR`; `rate` is 1 at 100 % override, 0 in a hold."""
+        executed = (now - self._asked_then) * rate / self.job.segment
+        return max(0, self.at_most - int(executed) - 1) if executed > 0.0 else self.at_most
+
+    @property
+    def heard_at(self) -> float:
+        """When `PR` was answered last [s]."""
+        return self._then
+
+    @property
+    def executed(self) -> int:
+        """Lines that were executed when `PR` was answered last; the two that are calculated ahead aren't."""
+        return max(0, self._sent_then - self._ahead - AHEAD)
+
+    def heard(self, ahead: int, asked: float, now: float) -> None:
+        """The controller says how many lines lie ahead, to a question asked at `asked` [s] and answered `now`."""
+        self._ahead, self._sent_then = ahead, self.sent
+        self._asked_then, self._then = asked, now
+
+    def packet(self) -> tuple[str, ...]:
+        """The lines that fit into the buffer and into a packet, from the first that the controller hasn't got."""
+        most = min(self.room, self.left)
+        if most <= 0:
+            return ()
+        count = min(most, fitting(self.job.lines, self.sent))
+        return self.job.lines[self.sent : self.sent + count]
+
+    def written(self, count: int) -> None:
+        """The controller has taken so many more."""
+        self.sent += count
+
+    def worthwhile(self, now: float, rate: float = 1.0) -> bool:
+        """Whether to send a packet now: a full one fits, or the rest of the program does, or few lines are ahead."""
+        packet = self.packet()
+        if not packet:
+            return False
+        whole = len(packet) == self.left or len(packet) < self.room
+        return whole or self.at_least(now, rate) < self.job.full
+
+    def runs_low(self, now: float, rate: float = 1.0) -> bool:
+        """Whether too few lines are ahead, with more to come, for a program that has begun."""
+        return self.left > 0 and self.at_least(now, rate) < self.low

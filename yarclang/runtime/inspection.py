@@ -1,0 +1,280 @@
+"""Looking at a controller before anything moves: what was asked, found and wanted, and the remedy where they differ."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from yarclang.pmac.variables import ARMED, GUARD_PLC
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Script, Wait
+from yarclang.runtime.feedback import MotorStatus
+from yarclang.runtime.operation import Operation, Refused, number_in
+from yarclang.runtime.rest import motor_statuses, stands_at, system_words
+
+Kind = Literal["number", "bits", "definition", "address", "listing"]
+Verdict = Literal["ok", "warning", "error"]
+
+TURBO = ("602404", "602413", "603382")
+"""CID of a Turbo PMAC Clipper, of a Turbo PMAC2-VME, of a Geo Brick."""
+
+_LONGEST_QUESTION = 200
+_GUARD_TIME = 0.5
+_CLOSE_ENOUGH = 1e-6
+_BIT = re.compile(r"(?<=,\d\d),1$|(?<=,\d),1$")
+_NUMBER = re.compile(r"\$[0-9A-F]+|\d+\.?\d*|\.\d+")
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One thing that the controller must have been told.
+
+    `question` is asked; `wanted` is what it should answer, compared as `kind` says: as a number, by its bits (all that are
+    wanted are set), as an axis definition, as the address of an M-variable, or as a program's listing.
+    """
+
+    subject: str
+    question: str
+    wanted: str
+    kind: Kind
+    remedy: str
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What was found of one thing."""
+
+    subject: str
+    found: str
+    wanted: str
+    verdict: Verdict
+    remedy: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inspection:
+    """All that was looked at. `joints` (n,) [rad or m] is where the robot is commanded to be, if that is known."""
+
+    checked: tuple[Checked, ...]
+    joints: Array | None
+
+    @property
+    def errors(self) -> tuple[Checked, ...]:
+        """What keeps a program from being run."""
+        return tuple(one for one in self.checked if one.verdict == "error")
+
+
+def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
+    """Look at everything: the controller's kind, its settings, the motors, what runs, and the guard.
+
+    Nothing moves. The guard is tried only where all motors are closed-loop and at rest, and no program runs.
+    """
+    checked = [(yield from _kind(operation))]
+    running = yield from _idle(operation, robot)
+    checked.append(running)
+    for question in _questions(items):
+        checked += yield from _compared(operation, question)
+    motors = yield from motor_statuses(operation, robot)
+    checked += [_motor(robot, row, motor) for row, motor in enumerate(motors)]
+    joints = None
+    if not any(one.verdict == "error" for one in checked):
+        joints = yield from stands_at(operation, robot)
+        checked.append((yield from guard_works(operation, robot)))
+    return Inspection(tuple(checked), joints)
+
+
+def _kind(operation: Operation) -> Script[Checked]:
+    """CID, and TYPE where it isn't one that we know."""
+    try:
+        identity = yield from operation.one("CID")
+        name = yield from operation.one("TYPE")
+    except Refused as refused:
+        return Checked("controller", str(refused), "a Turbo PMAC", "error", "is this a Turbo PMAC?")
+    fits = identity in TURBO or "TURBO" in name.upper()
+    remedy = "" if fits else "yarclang writes for the Turbo PMAC: its programs mean something else here"
+    return Checked(
+        "controller", f"{name} (CID {identity})", "a Turbo PMAC", "ok" if fits else "error", remedy
+    )
+
+
+def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
+    """No program may run in the coordinate system, nor be left in the middle."""
+    status = yield from system_words(operation, robot)
+    motors = yield from motor_statuses(operation, robot)
+    subject = f"coordinate system {robot.controller.coordinate_system}"
+    if all(motor.at_rest for motor in motors):
+        if not status.running:
+            return Checked(subject, "no program runs", "no program runs", "ok")
+        found, remedy = (
+            "a program is in the middle, held or starved",
+            "`yarc stop --to ...` ends it where the robot stands",
+        )
+    else:
+        found, remedy = "it moves", "wait for its end, or `yarc stop --to ...`"
+    return Checked(subject, found, "no program runs", "error", remedy)
+
+
+def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
+    """Items that go into one line: only numbers can be asked together."""
+    line: list[Item] = []
+    for item in items:
+        together = item.kind in ("number", "bits")
+        if line and (not together or sum(len(one.question) for one in line) > _LONGEST_QUESTION):
+            yield line
+            line = []
+        if together:
+            line.append(item)
+        else:
+            yield [item]
+    if line:
+        yield line
+
+
+def _compared(operation: Operation, items: list[Item]) -> Script[list[Checked]]:
+    try:
+        found = yield from operation.ask("".join(item.question for item in items))
+    except Refused as refused:
+        return [Checked(item.subject, str(refused), item.wanted, "error", item.remedy) for item in items]
+    if len(items) == 1:
+        return [_verdict(items[0], "\n".join(found))]
+    if len(found) != len(items):
+        told = f"{len(found)} values for {len(items)} questions"
+        return [Checked(item.subject, told, item.wanted, "error", item.remedy) for item in items]
+    return [_verdict(item, text) for item, text in zip(items, found, strict=True)]
+
+
+def _verdict(item: Item, found: str) -> Checked:
+    ok = _SAME[item.kind](found, item.wanted)
+    if item.kind == "listing":
+        shown = "as it should be" if ok else "another program" if _without_end(found) else "empty"
+        return Checked(
+            item.subject,
+            shown,
+            "as `yarc settings` has it",
+            "ok" if ok else "error",
+            "" if ok else item.remedy,
+        )
+    return Checked(item.subject, found, item.wanted, "ok" if ok else "error", "" if ok else item.remedy)
+
+
+def _same_number(found: str, wanted: str) -> bool:
+    try:
+        one, other = number_in(found), number_in(wanted)
+    except ValueError:
+        return False
+    return abs(one - other) <= _CLOSE_ENOUGH * max(1.0, abs(other))
+
+
+def _same_bits(found: str, wanted: str) -> bool:
+    try:
+        bits = int(number_in(wanted))
+        return int(number_in(found)) & bits == bits
+    except ValueError:
+        return False
+
+
+def _same_text(found: str, wanted: str) -> bool:
+    """The same but for letter case, spaces, leading zeros, and how a number is printed."""
+    one, other = _words(found), _words(wanted)
+    if len(one) != len(other):
+        return False
+    return all(
+        a == b
+        or (isinstance(a, float) and isinstance(b, float) and abs(a - b) <= _CLOSE_ENOUGH * max(1.0, abs(b)))
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _same_definition(found: str, wanted: str) -> bool:
+    """Axis definitions, with the terms in any order, and 1 for a factor that isn't written."""
+    return _terms(found) == _terms(wanted)
+
+
+def _terms(text: str) -> dict[str, float]:
+    terms: dict[str, float] = {}
+    for sign, number, axis in re.findall(
+        r"([+-]?)(\d+\.?\d*|\.\d+)?([A-CU-Z]?)", re.sub(r"\s", "", text.upper())
+    ):
+        if number or axis:
+            value = float(number or 1.0) * (-1.0 if sign == "-" else 1.0)
+            terms[axis] = float(f"{value:.7g}")
+    return {axis: value for axis, value in terms.items() if axis or value}
+
+
+def _same_address(found: str, wanted: str) -> bool:
+    """Addresses of M-variables; a width of one bit need not be written."""
+    return _same_text(_BIT.sub("", found), _BIT.sub("", wanted))
+
+
+def _same_listing(found: str, wanted: str) -> bool:
+    """Programs, without the RETURN that a listing adds."""
+    return _same_text(_without_end(found), wanted)
+
+
+def _without_end(listing: str) -> str:
+    """A listing without the RETURN that it ends with."""
+    return re.sub(r"\s*RET(URN)?\s*$", "", listing.upper())
+
+
+def _words(text: str) -> list[str | float]:
+    words: list[str | float] = []
+    at = 0
+    text = re.sub(r"\s", "", text.upper())
+    for number in _NUMBER.finditer(text):
+        words += [text[at : number.start()], number_in(number[0])]
+        at = number.end()
+    return [*words, text[at:]]
+
+
+_SAME = {
+    "number": _same_number,
+    "bits": _same_bits,
+    "definition": _same_definition,
+    "address": _same_address,
+    "listing": _same_listing,
+}
+
+
+def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
+    number = robot.controller.motors[row]
+    subject = f"motor {number}"
+    wanted = "closed-loop, homed, without a fault"
+    if trouble := status.trouble:
+        remedy = f"find out why, then close its loop: `#{number}J/`"
+        return Checked(subject, trouble, wanted, "error", remedy)
+    if not status.has("home complete"):
+        return Checked(
+            subject, "it isn't homed", wanted, "error", "home it: its position means nothing before"
+        )
+    if status.has("warning following error"):
+        return Checked(
+            subject, "its following error is beyond Ixx12", wanted, "warning", "look at its load and tuning"
+        )
+    return Checked(subject, "closed-loop, homed", wanted, "ok")
+
+
+def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
+    """Arm the guard PLC while the rotary is empty: it must hold at once. The abort behind it lifts the hold;
+    motors that are closed-loop and at rest don't notice.
+    """
+    subject = f"guard PLC {GUARD_PLC}"
+    wanted = "holds when the rotary runs low"
+    remedy = (
+        f"without it nobody stops the robot when this computer fails: download `yarc settings {robot.name}`"
+    )
+    yield from operation.ask("CLOSE ALL")
+    yield from operation.ask(f"{ARMED}=1")
+    since = operation.now
+    value = 1.0
+    while value == 1.0 and operation.now - since < _GUARD_TIME:
+        yield Wait(operation.now + 0.01)
+        (value,) = yield from operation.numbers(ARMED, 1)
+    yield from operation.ask(f"{ARMED}=0")
+    yield from operation.ask(f"&{robot.controller.coordinate_system}A")
+    if value == 2.0:
+        return Checked(
+            subject, f"it held within {max(operation.now - since, 1e-3) * 1e3:.0f} ms", wanted, "ok"
+        )
+    return Checked(subject, "armed, it does nothing", wanted, "error", remedy)

@@ -1,0 +1,79 @@
+"""What a run tells those who watch it, and what they may order. Plain values; times are those of the host's clock [s]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from yarclang.runtime.feedback import Sample
+from yarclang.runtime.state import State
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """The state is another one now, and why."""
+
+    time: float
+    state: State
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far the program is: seconds done and to go at the present override, and the command that is executed."""
+
+    time: float
+    done: float
+    left: float
+    command: str
+    source_line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """Something worth knowing, in words."""
+
+    time: float
+    text: str
+    warning: bool = False
+
+
+Notice: TypeAlias = Changed | Progress | Remark | Sample
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """Come to rest on the path, ready to go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Go on behind a hold."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Come to rest on the path and end the program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Abort:
+    """Each motor comes to rest at its Ixx15 at once, off the path, and the program ends (^A)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """Another pace: `percent` of the programmed speed, 1 to 100."""
+
+    percent: float
+
+
+@dataclass(frozen=True, slots=True)
+class Fail:
+    """Something outside failed (the log can't be written, say): come to rest on the path; it is a fault."""
+
+    what: str
+    remedy: str = ""
+
+
+Order: TypeAlias = Hold | Resume | Stop | Abort | Override | Fail

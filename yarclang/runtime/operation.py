@@ -1,0 +1,184 @@
+"""What all scripts of a run share: its clock, its state, its orders, what it tells, and how it asks. No I/O.
+
+Whoever drives a script sets `now` before each step. Orders wait here until the script looks at them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from yarclang.pmac.errors import ERRORS
+from yarclang.runtime.actions import Lost, Script, Trouble, Wait
+from yarclang.runtime.messages import (
+    Answer,
+    Ask,
+    AskControl,
+    Busy,
+    Closed,
+    Control,
+    Late,
+    Taken,
+    Violation,
+    Write,
+    Written,
+)
+from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Notice, Order, Remark, Stop
+from yarclang.runtime.state import Event, State, after
+
+PATIENCE = 2.0
+"""How long a controller may be busy with something else [s]."""
+
+_AGAIN = 0.02
+"""When a busy controller is asked again [s]."""
+
+ABORT_ALL = "\x01"
+HOLD_ALL = "\x0f"
+
+
+class Refused(Trouble):
+    """The controller refuses a line with ERR`number`."""
+
+    def __init__(self, line: str, number: int) -> None:
+        meaning = ERRORS.get(number, "an error that isn't documented")
+        super().__init__(f"the controller refuses {line!r}: ERR{number:03d}, {meaning}")
+        self.line = line
+        self.number = number
+
+
+class Operation:
+    """One run against one controller.
+
+    Attributes:
+        now: the host's clock [s].
+        state: see `yarclang.runtime.state`.
+        orders: what people want, oldest first.
+        notices: what is to be told, oldest first; whoever tells it takes it away.
+    """
+
+    def __init__(self, now: float = 0.0) -> None:
+        self.now = now
+        self.state = State.DISCONNECTED
+        self.orders: deque[Order] = deque()
+        self.notices: deque[Notice] = deque()
+
+    def go(self, event: Event, why: str = "") -> None:
+        """Change the state as the table says, and tell it."""
+        before, self.state = self.state, after(self.state, event)
+        if self.state is not before or why:
+            self.notices.append(Changed(self.now, self.state, why))
+
+    def remark(self, text: str, *, warning: bool = False) -> None:
+        """Tell something."""
+        self.notices.append(Remark(self.now, text, warning))
+
+    def ask(self, line: str) -> Script[tuple[str, ...]]:
+        """The items of a reply; a busy controller is asked again.
+
+        Raises:
+            Refused: the controller refuses the line.
+            Trouble: it stays busy.
+            Lost: the connection is of no use any more.
+        """
+        since = self.now
+        told = False
+        while True:
+            event = yield Ask(line)
+            match event:
+                case Answer(items=items, error=None):
+                    return items
+                case Answer(error=int(number)):
+                    raise Refused(line, number)
+                case Busy():
+                    if self.now - since > PATIENCE:
+                        raise Trouble(
+                            f"the controller has been busy for {PATIENCE:g} s and doesn't answer {line!r}",
+                            "wait for its SAVE or download to end, or look at what else uses it",
+                        )
+                    if not told and any(
+                        isinstance(order, Hold | Stop | Abort | Fail) for order in self.orders
+                    ):
+                        # control characters are taken at any time
+                        told = True
+                        yield from self.control(ABORT_ALL if Abort() in self.orders else HOLD_ALL)
+                    yield Wait(self.now + _AGAIN)
+                case _:
+                    raise Lost(_reason(event))
+
+    def one(self, line: str) -> Script[str]:
+        """The only item of a reply."""
+        items = yield from self.ask(line)
+        if len(items) != 1:
+            raise Trouble(f"the controller answers {line!r} with {len(items)} values instead of one")
+        return items[0]
+
+    def numbers(self, line: str, count: int) -> Script[tuple[float, ...]]:
+        """A reply of so many numbers; hexadecimal ones begin with $."""
+        items = yield from self.ask(line)
+        try:
+            values = tuple(number_in(item) for item in items)
+        except ValueError:
+            values = ()
+        if len(values) != count:
+            raise Trouble(
+                f"the controller answers {line!r} with {', '.join(items)!r} instead of {count} numbers"
+            )
+        return values
+
+    def report(self, character: str) -> Script[str]:
+        """The line that ^B, ^F or ^P gives."""
+        event = yield AskControl(character)
+        match event:
+            case Answer(items=(text,)):
+                return text
+            case _:
+                raise Lost(_reason(event))
+
+    def control(self, character: str) -> Script[None]:
+        """A control character without a reply."""
+        event = yield Control(character)
+        if not isinstance(event, Taken):
+            raise Lost(_reason(event))
+
+    def write(self, lines: tuple[str, ...]) -> Script[Written]:
+        """Lines by WRITEBUFFER; the event says whether all are in."""
+        event = yield Write(lines)
+        if not isinstance(event, Written):
+            raise Lost(_reason(event))
+        return event
+
+    def urgent(self) -> bool:
+        """Whether somebody wants the motion to end."""
+        return any(isinstance(order, Stop | Abort | Fail) for order in self.orders)
+
+
+def number_in(text: str) -> float:
+    """A number as the controller writes it.
+
+    Raises:
+        ValueError: it is none.
+    """
+    return float(int(text[1:], 16)) if text.startswith("$") else float(text)
+
+
+def _reason(event: object) -> str:
+    match event:
+        case Late(request=request):
+            return f"no reply to {_named(request)} in time"
+        case Violation(request=request, reason=reason):
+            return f"{reason} (in reply to {_named(request)})" if request else reason
+        case Closed():
+            return "the controller has closed the connection"
+        case _:
+            return f"{event!r} is no reply"
+
+
+def _named(request: object) -> str:
+    match request:
+        case Ask(line=line):
+            return repr(line)
+        case Write(lines=lines):
+            return f"{len(lines)} program lines"
+        case AskControl(character=character) | Control(character=character):
+            return f"^{chr(ord(character) + 64)}"
+        case _:
+            return type(request).__name__

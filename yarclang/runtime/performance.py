@@ -1,0 +1,229 @@
+"""A run from its first question to its last: looking, streaming, and what becomes of it when something goes wrong. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Connect, Connected, Lost, Script, Stopped, Trouble, Unreachable, Wait
+from yarclang.runtime.inspection import Inspection, Item, inspect
+from yarclang.runtime.job import Job
+from yarclang.runtime.link import Link, measure
+from yarclang.runtime.notices import Abort
+from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, Operation
+from yarclang.runtime.protocol import GREETING
+from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
+from yarclang.runtime.state import Event, State
+from yarclang.runtime.streaming import Stream
+
+AGAIN_FOR = 10.0
+"""How long a lost connection is tried to be made again [s]."""
+
+_AGAIN_EACH = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ended:
+    """How a run has ended.
+
+    `what` says why it didn't end well, `remedy` what to do; `joints` (n,) [rad or m] is where the robot is commanded to stand (None: not
+    known), `command` what was executed, `done` how far the program was [s].
+    """
+
+    well: bool
+    what: str = ""
+    remedy: str = ""
+    joints: Array | None = None
+    command: str = ""
+    command_index: str = ""
+    done: float = 0.0
+
+
+def connect(operation: Operation) -> Script[None]:
+    """Make a connection and set the form of its replies.
+
+    Raises:
+        Trouble: the controller can't be reached, or doesn't talk as a PMAC does.
+    """
+    outcome = yield Connect()
+    if isinstance(outcome, Unreachable):
+        raise Trouble(outcome.reason, "check the address, the cable, and that the controller is on")
+    assert isinstance(outcome, Connected)
+    try:
+        yield from operation.ask(GREETING)
+    except Lost as lost:
+        raise Trouble(
+            f"there is something at that address, but it doesn't answer as a PMAC: {lost}",
+            "check the address",
+        ) from None
+    if operation.state is State.DISCONNECTED:
+        operation.go(Event.CONNECTED)
+
+
+def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
+    """Look at the controller before anything moves.
+
+    Raises:
+        Trouble: it can't be looked at.
+    """
+    try:
+        return (yield from inspect(operation, robot, items))
+    except Lost as lost:
+        raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
+
+
+def measured(operation: Operation, robot: Robot) -> Script[Link]:
+    """Measure the link.
+
+    Raises:
+        Trouble: it can't be measured.
+    """
+    try:
+        return (yield from measure(operation, len(robot.controller.axes)))
+    except Lost as lost:
+        raise Trouble(f"the connection was lost while the link was measured: {lost}") from None
+
+
+def perform(operation: Operation, job: Job) -> Script[Ended]:
+    """Run a job on a controller that was looked at. Whatever happens, the robot is at rest in the end, or it is said that this
+    isn't known.
+    """
+    stream = Stream(operation, job)
+    try:
+        yield from away_from_start(operation, job)
+        yield from stream.run()
+    except Stopped as stopped:
+        what = "aborted: off its path" if stopped.abort else "stopped on its path"
+        return (yield from _settle(operation, stream, Event.STOP, what, ""))
+    except Trouble as trouble:
+        return (yield from _settle(operation, stream, Event.FAULT, trouble.what, trouble.remedy))
+    except Lost as lost:
+        return (yield from _recover(operation, stream, str(lost)))
+    return Ended(True, joints=job.end, done=job.duration)
+
+
+def away_from_start(operation: Operation, job: Job) -> Script[None]:
+    """Look where the robot stands.
+
+    Raises:
+        Trouble: a joint is further from the start than the first segment allows.
+    """
+    joints = yield from stands_at(operation, job.robot)
+    if text := off_the_start(job, joints):
+        raise Trouble(text, "give --approach for a slow, certified motion to the start")
+
+
+def off_the_start(job: Job, joints: Array) -> str:
+    """How far each joint is from the start of a job; empty where all are near enough."""
+    robot = job.robot
+    off = joints - job.start
+    if (np.abs(off) <= job.slack).all():
+        return ""
+    parts = [
+        f"{name} {value / unit:+.4f} {unit_name}"
+        for name, value, allowed, unit, unit_name in zip(
+            robot.joint_names, off, job.slack, robot.axis_units, robot.axis_unit_names, strict=True
+        )
+        if abs(value) > allowed
+    ]
+    return f"the robot doesn't stand where {job.name} starts: {', '.join(parts)}"
+
+
+def _settle(operation: Operation, stream: Stream, event: Event, what: str, remedy: str) -> Script[Ended]:
+    """Come to rest, and leave the controller in a state that is known."""
+    robot = stream.job.robot
+    try:
+        joints = yield from _end_at_rest(operation, robot)
+    except Trouble as trouble:
+        operation.go(event, what)
+        return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None)
+    except Lost as lost:
+        return (yield from _recover(operation, stream, f"{what}; then: {lost}"))
+    operation.go(event, what)
+    return _ended(stream, what, remedy, joints)
+
+
+def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array]:
+    """Wait for rest, whatever is ordered meanwhile; end the program; where the robot stands."""
+    while True:
+        try:
+            yield from come_to_rest(operation, robot)
+        except Stopped:
+            continue
+        break
+    operation.orders.clear()
+    yield from leave(operation, robot)
+    return (yield from stands_at(operation, robot))
+
+
+def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
+    """The connection is lost: the guard PLC holds the motion when the buffer runs low. Make another connection, hold, and look."""
+    operation.go(Event.LOST, why)
+    robot = stream.job.robot
+    until = operation.now + AGAIN_FOR
+    what = f"the connection was lost: {why}"
+    while True:
+        outcome = yield Connect()
+        if isinstance(outcome, Connected):
+            try:
+                yield from operation.control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
+                yield from operation.ask(GREETING)
+                joints = yield from _end_at_rest(operation, robot)
+            except Lost as lost:
+                outcome = Unreachable(str(lost))
+            except Trouble as trouble:
+                operation.go(Event.FAULT, what)
+                return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy, None)
+            else:
+                operation.go(Event.FAULT, what)
+                remedy = "find out why, run `yarc doctor`, then go on with --from"
+                return _ended(stream, what, remedy, joints)
+        if operation.now >= until:
+            operation.go(Event.FAULT, what)
+            guard = (
+                "its guard PLC holds the motion on the path when the buffer runs low"
+                if stream.job.guarded
+                else "the lines that it has run to their end, at rest"
+            )
+            remedy = f"{guard}; look at the robot, then run `yarc doctor`"
+            return _ended(
+                stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None
+            )
+        yield Wait(operation.now + _AGAIN_EACH)
+
+
+def _reason(outcome: object) -> str:
+    """Why there is no connection."""
+    return outcome.reason if isinstance(outcome, Unreachable) else "it doesn't stay"
+
+
+def _ended(stream: Stream, what: str, remedy: str, joints: Array | None) -> Ended:
+    command = stream.command if stream.begun else None
+    return Ended(
+        False,
+        what,
+        remedy,
+        joints,
+        command.title if command else "",
+        command.index if command else "",
+        stream.done if stream.begun else 0.0,
+    )
+
+
+def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array]:
+    """Without a job of ours: hold (or abort) what the coordinate system does, and end it at rest.
+
+    Returns:
+        Where the robot stands (n,) [rad or m].
+    """
+    system = robot.controller.coordinate_system
+    if abort:
+        yield from operation.control(ABORT_ALL)
+    else:
+        yield from operation.ask(f"&{system}H")
+    joints = yield from _end_at_rest(operation, robot)
+    operation.remark(f"the robot stands at {described(robot, joints)}")
+    return joints

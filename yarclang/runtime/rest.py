@@ -1,0 +1,128 @@
+"""Looking whether the robot stands, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.pmac.variables import ARMED, commanded_position, motor_variable
+from yarclang.robot.actuation import from_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
+from yarclang.runtime.feedback import (
+    MotorStatus,
+    ReportError,
+    SystemStatus,
+    groups_of,
+    statuses_in,
+    system_status,
+)
+from yarclang.runtime.notices import Abort
+from yarclang.runtime.operation import ABORT_ALL, Operation
+
+LONGEST = 15.0
+"""A robot that hasn't come to rest by then won't [s]."""
+
+_POLL = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """Where the robot stands: commanded joint positions (n,) [rad or m], and its motors' words."""
+
+    joints: Array
+    motors: tuple[MotorStatus, ...]
+
+
+def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStatus, ...]]:
+    """The words of all motors of a robot, in their order; whatever buffer is open."""
+    motors = robot.controller.motors
+    found: dict[int, MotorStatus] = {}
+    groups = groups_of(motors)
+    for group in groups:
+        if len(groups) > 1 or group != 1:
+            yield from operation.ask(f"##{group}")
+        text = yield from operation.report("\x02")
+        try:
+            found |= statuses_in(text, group, motors)
+        except ReportError as error:
+            raise Lost(str(error)) from None
+    return tuple(found[motor] for motor in motors)
+
+
+def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
+    """The words of the robot's coordinate system."""
+    text = yield from operation.one(f"&{robot.controller.coordinate_system}??")
+    try:
+        return system_status(text)
+    except ReportError as error:
+        raise Lost(str(error)) from None
+
+
+def come_to_rest(
+    operation: Operation, robot: Robot, longest: float = LONGEST
+) -> Script[tuple[MotorStatus, ...]]:
+    """Wait until no motor has a desired velocity, seen twice.
+
+    Raises:
+        Trouble: one still moves after `longest` [s].
+        Stopped: an abort was ordered meanwhile; it is sent.
+    """
+    since = operation.now
+    seen = 0
+    while True:
+        if Abort() in operation.orders:
+            operation.orders.clear()
+            yield from operation.control(ABORT_ALL)
+            raise Stopped(abort=True)
+        motors = yield from motor_statuses(operation, robot)
+        seen = seen + 1 if all(motor.at_rest for motor in motors) else 0
+        if seen == 2:
+            return motors
+        if operation.now - since > longest:
+            moving = [
+                number
+                for number, motor in zip(robot.controller.motors, motors, strict=True)
+                if not motor.at_rest
+            ]
+            raise Trouble(
+                f"after {longest:g} s the robot still moves (motor {', '.join(map(str, moving))})",
+                "use the hardware's emergency stop if it shouldn't",
+            )
+        yield Wait(operation.now + _POLL)
+
+
+def leave(operation: Operation, robot: Robot) -> Script[None]:
+    """At rest: close all buffers, disarm the guard, end what runs (a starved or held rotary does), 100 % again.
+
+    A is sent only where a program runs: it would close the loops of motors that were killed.
+    """
+    system = robot.controller.coordinate_system
+    yield from operation.ask("CLOSE ALL")
+    yield from operation.ask(f"{ARMED}=0")
+    if (yield from system_words(operation, robot)).running:
+        yield from operation.ask(f"&{system}A")
+    yield from operation.ask(f"&{system}%100")
+
+
+def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
+    """The commanded joint positions (n,) [rad or m], from M161 and so on. No buffer may be open on this port."""
+    motors = robot.controller.motors
+    count = len(motors)
+    registers = yield from operation.numbers("".join(commanded_position(motor)[0] for motor in motors), count)
+    scales = yield from operation.numbers("".join(motor_variable(motor, 8) for motor in motors), count)
+    if not all(scale > 0.0 for scale in scales):
+        raise Trouble("a motor's position scale Ixx08 is 0", f"download `yarc settings {robot.name}`")
+    counts = np.array(registers) / (32.0 * np.array(scales))
+    return from_counts(robot, counts)
+
+
+def described(robot: Robot, joints: Array) -> str:
+    """Joint positions for people: `J1 10.000 deg, ...`."""
+    return ", ".join(
+        f"{name} {value / unit:.3f} {unit_name}"
+        for name, value, unit, unit_name in zip(
+            robot.joint_names, joints, robot.axis_units, robot.axis_unit_names, strict=True
+        )
+    )

@@ -1,0 +1,154 @@
+"""A run over a real connection: drives the scripts with a socket and a clock, and tells those who watch.
+
+The only module of the runtime, with `transports/`, that knows time and the network.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TypeVar
+
+from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
+from yarclang.runtime.messages import Event, Late, Request, Violation
+from yarclang.runtime.notices import Abort, Notice, Order
+from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, Operation
+from yarclang.runtime.protocol import Connection
+from yarclang.runtime.state import State
+from yarclang.runtime.transports.tcp import Wire, connect
+
+T = TypeVar("T")
+Listener = Callable[[Notice], None]
+
+REPLY_TIME = 1.0
+"""A reply that takes longer is lost [s]."""
+
+CONNECT_TIME = 5.0
+"""A connection that takes longer can't be made [s]."""
+
+
+class Session:
+    """One controller, and one script at a time.
+
+    Args:
+        host: of the controller.
+        port: likewise.
+        reply_time: after so long a reply is lost [s].
+    """
+
+    def __init__(self, host: str, port: int, *, reply_time: float = REPLY_TIME) -> None:
+        self.host = host
+        self.port = port
+        self.operation = Operation()
+        self._reply_time = reply_time
+        self._listeners: list[Listener] = []
+        self._woken = asyncio.Event()
+        self._wire: Wire | None = None
+        self._connection = Connection()
+
+    def listen(self, listener: Listener) -> None:
+        """Call a function with each notice from now on. It must not wait."""
+        self._listeners.append(listener)
+
+    def order(self, order: Order) -> None:
+        """Something that a person wants, at once."""
+        self.operation.orders.append(order)
+        self._woken.set()
+
+    async def perform(self, script: Script[T]) -> T:
+        """Carry a script out.
+
+        Returns:
+            What it gives.
+
+        Raises:
+            Trouble: as the script does.
+        """
+        operation = self.operation
+        loop = asyncio.get_running_loop()
+        outcome: Outcome = None
+        while True:
+            operation.now = loop.time()
+            try:
+                action = script.send(outcome)
+            except StopIteration as end:
+                result: T = end.value
+                return result
+            finally:
+                self._tell()
+            match action:
+                case Wait(until=until):
+                    await self._wait(until)
+                    outcome = None
+                case Connect():
+                    outcome = await self._connect()
+                case _:
+                    outcome = await self._exchange(action)
+
+    def close(self) -> None:
+        """End the connection."""
+        if self._wire is not None:
+            self._wire.close()
+            self._wire = None
+
+    def _tell(self) -> None:
+        notices = self.operation.notices
+        while notices:
+            notice = notices.popleft()
+            for listener in self._listeners:
+                listener(notice)
+
+    async def _wait(self, until: float) -> None:
+        """Until a time, or until somebody orders something."""
+        loop = asyncio.get_running_loop()
+        self._woken.clear()
+        delay = until - loop.time()
+        if delay <= 0.0:
+            await asyncio.sleep(0)
+            return
+        timer = loop.call_later(delay, self._woken.set)
+        await self._woken.wait()
+        timer.cancel()
+
+    async def _connect(self) -> Outcome:
+        self.close()
+        self._connection = Connection()
+        try:
+            self._wire = await connect(self.host, self.port, CONNECT_TIME)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            return Unreachable(f"{self.host}:{self.port} can't be reached: {reason.lower()}")
+        return Connected()
+
+    async def _exchange(self, request: Request) -> Event:
+        """A request, and the event that ends it."""
+        wire, connection = self._wire, self._connection
+        loop = asyncio.get_running_loop()
+        if wire is None or connection.lost:
+            return Violation(request, "there is no connection")
+        wire.send(connection.send(request, loop.time(), self._reply_time))
+        while True:
+            deadline = connection.deadline or loop.time()
+            timer = loop.call_later(max(0.0, deadline - loop.time()), wire.arrived.set)
+            await wire.arrived.wait()
+            timer.cancel()
+            data = wire.take()
+            events = connection.receive(data, loop.time()) if data else ()
+            if not events and wire.closed:
+                events = connection.close()
+            if not events:
+                events = connection.check(loop.time())
+            if more := connection.outgoing():
+                wire.send(more)
+            if events:
+                break
+        event = events[0]
+        if isinstance(event, Late | Violation):
+            self._last_words()
+        return event
+
+    def _last_words(self) -> None:
+        """What is said on a connection whose replies can't be trusted any more: hold, or abort if that was asked for."""
+        if self._wire is None or self.operation.state not in (State.MOVE, State.HOLD):
+            return
+        self._wire.send(Connection().last_words(ABORT_ALL if Abort() in self.operation.orders else HOLD_ALL))

@@ -1,0 +1,94 @@
+"""What a run may be doing, and what leads from one to the other (the paper's Fig. 2, with Hold, Fault and Disconnected)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from types import MappingProxyType
+
+
+class State(Enum):
+    """What the robot does for us; the value is what people read."""
+
+    DISCONNECTED = "disconnected"
+    """No connection: the controller is on its own, and its guard PLC holds what we don't feed."""
+    STOP = "stop"
+    """Connected, and no motion of ours: the controller is being looked at, or has nothing to do."""
+    INIT = "init"
+    """The rotary buffer is made and filled (the paper's Listing 3); nothing moves."""
+    MOVE = "move"
+    """The controller executes what we stream."""
+    HOLD = "hold"
+    """Held on the path; it can go on."""
+    FAULT = "fault"
+    """Something went wrong: the program is ended, and nothing moves before somebody has looked."""
+
+
+class Event(Enum):
+    """What changes the state."""
+
+    CONNECTED = "connected"
+    LOAD = "load"
+    """Everything was looked at and fits: the program is loaded."""
+    BEGIN = "begin"
+    """R."""
+    HOLD = "hold"
+    """A person's hold, or the buffer runs low."""
+    RESUME = "resume"
+    END = "end"
+    """All motions have ended, and the robot stands where the program ends."""
+    STOP = "stop"
+    """A person ends the program, on the path or by an abort."""
+    FAULT = "fault"
+    LOST = "lost"
+    """The connection is lost."""
+    CLEAR = "clear"
+    """A fault was looked at."""
+
+
+_S, _E = State, Event
+
+TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
+    {
+        _S.DISCONNECTED: {
+            _E.CONNECTED: _S.STOP,
+            _E.STOP: _S.DISCONNECTED,
+            _E.FAULT: _S.FAULT,
+            _E.LOST: _S.DISCONNECTED,
+        },
+        _S.STOP: {_E.LOAD: _S.INIT, _E.STOP: _S.STOP, _E.FAULT: _S.FAULT, _E.LOST: _S.DISCONNECTED},
+        _S.INIT: {_E.BEGIN: _S.MOVE, _E.STOP: _S.STOP, _E.FAULT: _S.FAULT, _E.LOST: _S.DISCONNECTED},
+        _S.MOVE: {
+            _E.HOLD: _S.HOLD,
+            _E.END: _S.STOP,
+            _E.STOP: _S.STOP,
+            _E.FAULT: _S.FAULT,
+            _E.LOST: _S.DISCONNECTED,
+        },
+        _S.HOLD: {
+            _E.HOLD: _S.HOLD,
+            _E.RESUME: _S.MOVE,
+            _E.STOP: _S.STOP,
+            _E.FAULT: _S.FAULT,
+            _E.LOST: _S.DISCONNECTED,
+        },
+        _S.FAULT: {_E.CLEAR: _S.STOP, _E.STOP: _S.FAULT, _E.FAULT: _S.FAULT, _E.LOST: _S.FAULT},
+    }
+)
+"""Every change that there is: from each state, by each event. STOP is legal everywhere."""
+
+
+class TransitionError(RuntimeError):
+    """A change that the table doesn't have: a bug of ours."""
+
+
+def after(state: State, event: Event) -> State:
+    """The state that an event leads to.
+
+    Raises:
+        TransitionError: the table has no such change.
+    """
+    try:
+        return TRANSITIONS[state][event]
+    except KeyError:
+        raise TransitionError(f"{event.value} in state {state.value}") from None

@@ -1,0 +1,62 @@
+"""A TCP connection to a controller, in the running event loop."""
+
+from __future__ import annotations
+
+import asyncio
+
+
+class Wire(asyncio.Protocol):
+    """Bytes to and from a controller. `arrived` is set when bytes have come, or the connection has ended."""
+
+    def __init__(self) -> None:
+        self.arrived = asyncio.Event()
+        self.closed = False
+        self._received = bytearray()
+        self._transport: asyncio.Transport | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """See `asyncio.Protocol`."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+
+    def data_received(self, data: bytes) -> None:
+        """See `asyncio.Protocol`."""
+        self._received += data
+        self.arrived.set()
+
+    def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002 (asyncio's signature)
+        """See `asyncio.Protocol`."""
+        self.closed = True
+        self.arrived.set()
+
+    def send(self, data: bytes) -> None:
+        """Put bytes on the wire now."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.write(data)
+
+    def take(self) -> bytes:
+        """What has come, each byte once."""
+        data = bytes(self._received)
+        self._received.clear()
+        self.arrived.clear()
+        return data
+
+    def close(self) -> None:
+        """End the connection; what was sent still goes out."""
+        if self._transport is not None:
+            self._transport.close()
+
+
+async def connect(host: str, port: int, timeout: float) -> Wire:
+    """Make a connection.
+
+    Raises:
+        OSError: it can't be made, or not within `timeout` [s].
+    """
+    loop = asyncio.get_running_loop()
+    try:
+        async with asyncio.timeout(timeout):
+            _, wire = await loop.create_connection(Wire, host, port)
+    except TimeoutError:
+        raise OSError(f"no answer within {timeout:g} s") from None
+    return wire

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -19,6 +20,7 @@ from yarclang.certify.read import TM_STEPS_PER_MS, ControllerText, Unreadable, r
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
+from yarclang.source import SourceFile, Span
 from yarclang.units import MS
 
 NO_LAWS: Mapping[int, Array] = MappingProxyType({})
@@ -77,6 +79,54 @@ def certify(
         judge.command(layout, place, loads[place.step], deviations[place.step]) for place in layout.places
     )
     return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
+
+
+def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certificate]:
+    """Prove what can be proved of a controller text whose program isn't known: limits, rest, segment times.
+
+    Args:
+        text: the emitted text.
+        robot: geometry, limits, actuation and controller.
+        source: under whose name findings speak of the text.
+
+    Returns:
+        The certificate, whose deviations are infinite: how far the path is from the programmed one isn't known. None
+        where the text can't be read.
+    """
+    content = read(text, robot.controller)
+    if isinstance(content, Unreadable):
+        shown = Diagnostic(content.code, f"line {content.line} {content.reason}", source)
+        return Result(None, (shown,))
+    program = _told(content, robot, source)
+    judge = _Judge(program, robot, robot.tolerance, [])
+    layout = lay_out(content, program, program.start, robot.axis_units)
+    if not isinstance(layout, Layout):
+        step, reason = layout
+        judge.find("Y1153", reason, step)
+        return Result(None, tuple(judge.findings))
+    judge.segment_times(content, layout)
+    judge.rest(layout)
+    loads = judge.limits(layout)
+    unknown = Deviation(math.inf, math.inf, math.inf, math.inf)
+    commands = tuple(judge.command(layout, place, loads[place.step], unknown) for place in layout.places)
+    return Result(Certificate(content.target, commands, robot.tolerance), tuple(judge.findings))
+
+
+def _told(content: ControllerText, robot: Robot, source: SourceFile) -> hir.Program:
+    """The program as far as the text's map tells it: which commands there are, and where they move."""
+    start = content.start
+    if start.rapid is not None:
+        q = start.rapid * robot.axis_units
+    else:
+        assert start.guard is not None
+        q = from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
+    steps: list[hir.Step] = []
+    for entry in content.entries:
+        origin = hir.Origin(entry.index, entry.name, source, Span.on_line(entry.source_line, 1, 2))
+        goal = hir.JointGoal(q)  # where it goes isn't judged
+        still = entry.first is None
+        steps.append(hir.Stop(origin) if still else hir.JointMove(origin, goal, "", hir.Timing(None)))
+    return hir.Program(source, q, tuple(steps))
 
 
 @dataclass(frozen=True, slots=True)

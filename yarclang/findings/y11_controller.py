@@ -108,4 +108,12 @@ FINDINGS: tuple[Finding, ...] = (
         "The header of the text names the robot and a fingerprint of its geometry, limits, actuation and "
         "controller settings. If any of them has changed since, nothing that was proved holds any more.",
     ),
+    Finding(
+        "Y1164",
+        "no-such-command",
+        "error",
+        "no motion of the program has this index",
+        "yarc run --from goes on at a command, named by its index. Only motions can be gone on at: elsewhere the "
+        "robot's place isn't known.",
+    ),
 )

@@ -35,7 +35,12 @@ class Papers:
     certificate: str = ""
 
 
-def job_of_text(text: str, robot: Robot, name: str, papers: Papers = Papers()) -> Result[Job]:
+NO_PAPERS = Papers()
+
+
+def job_of_text(
+    text: str, robot: Robot, name: str, papers: Papers = NO_PAPERS, offset: float = 0.0
+) -> Result[Job]:
     """Read a rotary program that yarcc has written.
 
     Args:
@@ -43,6 +48,7 @@ def job_of_text(text: str, robot: Robot, name: str, papers: Papers = Papers()) -
         robot: whom it is for; its fingerprint must be that in the header.
         name: what people call the program.
         papers: what goes with it.
+        offset: where it begins in the program that it is a part of [s].
 
     Returns:
         None, with a finding, where the text isn't what yarcc writes for this robot and for a rotary buffer.
@@ -60,14 +66,14 @@ def job_of_text(text: str, robot: Robot, name: str, papers: Papers = Papers()) -
             return _refused("Y1163", message, source, "compile the program again")
     else:
         return _refused("Y1163", "the header doesn't say for which robot the text was made", source)
-    return Result(_job(content, text, robot, name, papers))
+    return Result(_job(content, text, robot, name, papers, offset))
 
 
 def _refused(code: str, message: str, source: SourceFile, help_: str = "") -> Result[Job]:
     return Result(None, (Diagnostic(code, message, source, help=help_),))
 
 
-def _job(content: ControllerText, text: str, robot: Robot, name: str, papers: Papers) -> Job:
+def _job(content: ControllerText, text: str, robot: Robot, name: str, papers: Papers, offset: float) -> Job:
     numbered = [
         (number, line)
         for number, line in enumerate(text.splitlines(), 1)
@@ -114,6 +120,7 @@ def _job(content: ControllerText, text: str, robot: Robot, name: str, papers: Pa
         text=text,
         source=papers.source,
         certificate=papers.certificate,
+        offset=offset,
     )
 
 

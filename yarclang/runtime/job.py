@@ -48,6 +48,7 @@ class Job:
         text: the whole controller text.
         source: the program's own text, or empty.
         certificate: what was proved, as plain JSON text.
+        offset: where it begins in the program that it is a part of [s].
     """
 
     name: str
@@ -68,6 +69,7 @@ class Job:
     text: str
     source: str
     certificate: str
+    offset: float = 0.0
 
     @property
     def capacity(self) -> int:

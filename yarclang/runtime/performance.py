@@ -102,7 +102,7 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
         return (yield from _settle(operation, stream, Event.FAULT, trouble.what, trouble.remedy))
     except Lost as lost:
         return (yield from _recover(operation, stream, str(lost)))
-    return Ended(True, joints=job.end, done=job.duration)
+    return Ended(True, joints=job.end, done=job.offset + job.duration)
 
 
 def away_from_start(operation: Operation, job: Job) -> Script[None]:
@@ -209,7 +209,7 @@ def _ended(stream: Stream, what: str, remedy: str, joints: Array | None) -> Ende
         joints,
         command.title if command else "",
         command.index if command else "",
-        stream.done if stream.begun else 0.0,
+        stream.job.offset + stream.done if stream.begun else 0.0,
     )
 
 

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
 from yarclang.runtime.messages import Event, Late, Request, Violation
-from yarclang.runtime.notices import Abort, Notice, Order
+from yarclang.runtime.notices import Abort, Notice, Order, Stop
 from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, Operation
 from yarclang.runtime.protocol import Connection
 from yarclang.runtime.state import State
@@ -34,11 +34,13 @@ class Session:
         host: of the controller.
         port: likewise.
         reply_time: after so long a reply is lost [s].
+        pace: how fast the controller's time passes: 1, but for a simulator.
     """
 
-    def __init__(self, host: str, port: int, *, reply_time: float = REPLY_TIME) -> None:
+    def __init__(self, host: str, port: int, *, reply_time: float = REPLY_TIME, pace: float = 1.0) -> None:
         self.host = host
         self.port = port
+        self.pace = pace
         self.operation = Operation()
         self._reply_time = reply_time
         self._listeners: list[Listener] = []
@@ -65,10 +67,9 @@ class Session:
             Trouble: as the script does.
         """
         operation = self.operation
-        loop = asyncio.get_running_loop()
         outcome: Outcome = None
         while True:
-            operation.now = loop.time()
+            operation.now = self._now()
             try:
                 action = script.send(outcome)
             except StopIteration as end:
@@ -85,11 +86,29 @@ class Session:
                 case _:
                     outcome = await self._exchange(action)
 
+    async def order_given(self, kind: type[Order]) -> None:
+        """Wait, with nothing moving, until an order of a kind is given; a stop or an abort ends the wait, too, and stays."""
+        orders = self.operation.orders
+        while not any(isinstance(order, kind | Stop | Abort) for order in orders):
+            self._woken.clear()
+            await self._woken.wait()
+        if not any(isinstance(order, Stop | Abort) for order in orders):
+            orders.clear()
+
     def close(self) -> None:
         """End the connection."""
         if self._wire is not None:
             self._wire.close()
             self._wire = None
+
+    def _now(self) -> float:
+        """The host's clock, at the controller's pace [s]."""
+        return asyncio.get_running_loop().time() * self.pace
+
+    def _later(self, until: float, event: asyncio.Event) -> asyncio.TimerHandle:
+        """Set an event at a time of that clock."""
+        delay = max(0.0, until - self._now()) / self.pace
+        return asyncio.get_running_loop().call_later(delay, event.set)
 
     def _tell(self) -> None:
         notices = self.operation.notices
@@ -100,13 +119,11 @@ class Session:
 
     async def _wait(self, until: float) -> None:
         """Until a time, or until somebody orders something."""
-        loop = asyncio.get_running_loop()
         self._woken.clear()
-        delay = until - loop.time()
-        if delay <= 0.0:
+        if until <= self._now():
             await asyncio.sleep(0)
             return
-        timer = loop.call_later(delay, self._woken.set)
+        timer = self._later(until, self._woken)
         await self._woken.wait()
         timer.cancel()
 
@@ -123,21 +140,19 @@ class Session:
     async def _exchange(self, request: Request) -> Event:
         """A request, and the event that ends it."""
         wire, connection = self._wire, self._connection
-        loop = asyncio.get_running_loop()
         if wire is None or connection.lost:
             return Violation(request, "there is no connection")
-        wire.send(connection.send(request, loop.time(), self._reply_time))
+        wire.send(connection.send(request, self._now(), self._reply_time * self.pace))
         while True:
-            deadline = connection.deadline or loop.time()
-            timer = loop.call_later(max(0.0, deadline - loop.time()), wire.arrived.set)
+            timer = self._later(connection.deadline or 0.0, wire.arrived)
             await wire.arrived.wait()
             timer.cancel()
             data = wire.take()
-            events = connection.receive(data, loop.time()) if data else ()
+            events = connection.receive(data, self._now()) if data else ()
             if not events and wire.closed:
                 events = connection.close()
             if not events:
-                events = connection.check(loop.time())
+                events = connection.check(self._now())
             if more := connection.outgoing():
                 wire.send(more)
             if events:

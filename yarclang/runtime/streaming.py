@@ -176,7 +176,7 @@ class Stream:
         command, done = self.command, self.done
         left = (self.job.duration - done) / max(self.rate, 0.01)
         title, line = (command.title, command.source_line) if command else ("", 0)
-        self.operation.notices.append(Progress(self.operation.now, done, left, title, line))
+        self.operation.notices.append(Progress(self.operation.now, self.job.offset + done, left, title, line))
 
     def _ask_positions(self) -> Script[None]:
         operation, motors = self.operation, self.job.robot.controller.motors
@@ -194,7 +194,9 @@ class Stream:
                 following |= counts_in(errors, group, motors)
             except ReportError as error:
                 raise Lost(str(error)) from None
-        sample = Sample(operation.now, self.done, in_order(actual, motors), in_order(following, motors))
+        sample = Sample(
+            operation.now, self.job.offset + self.done, in_order(actual, motors), in_order(following, motors)
+        )
         operation.notices.append(sample)
 
     def _ask_status(self) -> Script[None]:
@@ -307,7 +309,7 @@ class Stream:
                 f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at {described(job.robot, joints)}",
                 "run `yarc doctor`: somebody else may use this controller",
             )
-        self.operation.notices.append(Progress(operation.now, job.duration, 0.0, "", 0))
+        self.operation.notices.append(Progress(operation.now, job.offset + job.duration, 0.0, "", 0))
         operation.go(Event.END, f"at the end of {job.name}, to a count")
 
 

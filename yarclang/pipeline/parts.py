@@ -1,0 +1,79 @@
+"""Programs that a run needs besides the one that was written: a part of it, and the slow way to a start."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.hir import Array, Gap, JointGoal, JointMove, Origin, Program, Timing
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile, Span
+
+_PEAK = 1.5
+"""Largest speed of an LSPB motion over its mean."""
+
+_SHORTEST = 0.5
+"""No approach is quicker [s]."""
+
+
+def approach(robot: Robot, here: Array, there: Array) -> Result[Compiled]:
+    """A certified joint motion at the robot's rapid share of its speed limits.
+
+    Args:
+        robot: whose.
+        here: (n,) where it stands [rad or m].
+        there: (n,) where it shall go [rad or m].
+    """
+    way = np.abs(there - here)
+    limits, share = robot.limits, robot.controller.rapid_share
+    by_speed = _PEAK * way / (limits.velocity * share)
+    by_acceleration = np.sqrt(4.5 * way / (limits.acceleration * share))
+    duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
+    values = " ".join(f"{value:.6g}" for value in there / robot.axis_units)
+    text = f"P0001 MOVEJ_LSPB {values} [{duration:g}] (deg,s)"
+    source = SourceFile("<approach>", text)
+    origin = Origin("P0001", "MOVEJ_LSPB", source, Span.on_line(1, 1, len(text) + 1))
+    move = JointMove(origin, JointGoal(there), "LSPB", Timing(duration))
+    return _compiled(Program(source, here, (move,)), Request(robot))
+
+
+def part(plan: MotionPlan, request: Request, first: int, last: int | None = None) -> Result[Compiled]:
+    """The motions number `first` to `last` (not included; None: to the end) of a plan, as a program of their own."""
+    motion = plan.motions[first]
+    steps = plan.program.steps
+    end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
+    program = replace(plan.program, start=motion.curve.points[0], steps=steps[motion.step : end])
+    return _compiled(program, request)
+
+
+def motion_number(plan: MotionPlan, index: str) -> int | Diagnostic:
+    """The number of the motion with an index such as P0010, or a finding that says which there are."""
+    indices: list[str] = []
+    for motion in plan.motions:
+        step = plan.program.steps[motion.step]
+        assert not isinstance(step, Gap)
+        indices.append(step.origin.index)
+    wanted = index.upper()
+    for number, name in enumerate(indices):
+        if name == wanted or (
+            name[1:].isdigit() and wanted[1:].isdigit() and int(name[1:]) == int(wanted[1:])
+        ):
+            return number
+    named = [name for name in indices if name]
+    shown = ", ".join(named[:8]) + (", ..." if len(named) > 8 else "")
+    message = f"no motion has the index {index}"
+    return Diagnostic(
+        "Y1164", message, plan.program.source, help=f"there are {shown}" if shown else "no motion has one"
+    )
+
+
+def _compiled(program: Program, request: Request) -> Result[Compiled]:
+    planned = plan_program(program, request)
+    if planned.value is None:
+        return Result(None, planned.diagnostics)
+    made = certified(planned.value, request)
+    return Result(made.value, (*planned.diagnostics, *made.diagnostics))

@@ -148,6 +148,7 @@ def test_a_wrong_robot_in_a_file_is_said_at_its_place(call):
     ("program", "words", "expected"),
     [
         ("yarc", "yarc settings IND", "INDUSTRIAL6"),
+        ("yarc", "yarc sim --robot IND", "INDUSTRIAL6"),
         ("yarc", "yarc explain Y060", "Y0601"),
         ("yarcc", "yarcc --robot TR", "TRACKED_MANIPULATOR"),
         ("yarcc", "yarcc a.y", "file"),

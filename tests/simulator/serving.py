@@ -1,31 +1,19 @@
 """A server beside the test, and clients for it."""
 
-import asyncio
 import contextlib
 import socket
-import threading
 import time
 
 from yarclang.runtime.protocol import Connection
+from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.faults import parse_fault
-from yarclang.simulator.server import SimulatorServer
 
 
 @contextlib.contextmanager
 def served(machine, *faults, **options):
     """The port of a server that runs in a thread of its own."""
-    loop = asyncio.new_event_loop()
-    server = SimulatorServer(machine, port=0, faults=[parse_fault(text) for text in faults], **options)
-    loop.run_until_complete(server.start())
-    thread = threading.Thread(target=loop.run_forever)
-    thread.start()
-    try:
-        yield server.port
-    finally:
-        asyncio.run_coroutine_threadsafe(server.close(), loop).result(10)
-        loop.call_soon_threadsafe(loop.stop)
-        thread.join(10)
-        loop.close()
+    with EmbeddedSimulator(machine, faults=[parse_fault(text) for text in faults], **options) as simulator:
+        yield simulator.port
 
 
 class Client:

@@ -308,6 +308,43 @@ def test_single_step():
         assert not machine.systems[1].running
 
 
+@pytest.mark.parametrize(
+    ("pause", "go_on"), [("H", "R"), ("%0", "%100"), ("%50", "%100")], ids=["hold", "override 0", "override 50"]
+)
+@pytest.mark.parametrize("move", ["RAPID X100", "LINEAR TA20 TS0 TM5000 X100", "SPLINE1 TM2000|X50|X100|X150"])
+def test_a_limit_stops_behind_a_pause(move, pause, go_on):
+    machine = bare("1000X")
+    say(machine, "I113=50000 I115=2 I116=30")
+    program(machine, *move.split("|"))
+    say(machine, "B1R")
+    machine.advance(0.7)
+    say(machine, pause)
+    machine.advance(0.5)
+    say(machine, go_on)
+    machine.advance(10)
+    assert machine.systems[1].limit_stop
+    assert 50000 <= machine.positions()[0] < 51000
+
+
+@pytest.mark.parametrize("start", ["B1R", "#1J+", "#1J=100000"])
+def test_a_limit_counts_from_when_it_is_set(start):
+    machine = bare("1000X")
+    say(machine, "I115=2 I116=30 I122=30")
+    program(machine, "LINEAR TA20 TS0 TM5000 X100")
+    say(machine, start)
+    machine.advance(0.7)
+    say(machine, "I113=50000")
+    machine.advance(10)
+    assert 50000 <= machine.positions()[0] < 51000
+    say(machine, "I113=0", "#1J=0")
+    machine.advance(10)
+    say(machine, start)
+    machine.advance(0.7)
+    say(machine, "I113=50000", "I113=60000")
+    machine.advance(10)
+    assert 60000 <= machine.positions()[0] < 61000
+
+
 def test_jogs():
     machine = bare("X")
     say(machine, "I122=10 I119=0.1 I120=0 I121=0")

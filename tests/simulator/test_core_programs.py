@@ -307,6 +307,32 @@ def test_plc_takes_no_moves():
     assert say(machine, "P3") == ("1",)
 
 
+def test_plc_addresses_a_motor_and_a_coordinate_system():
+    machine = bare()
+    plc(machine, 1, "ADDRESS#2&3", 'CMD"J+"', "Q1=7", 'CMD"P1=Q1"', "DISABLE PLC 1")
+    say(machine, "I5=2")
+    machine.advance(0.1)
+    assert [machine.motors[n].jogging for n in (1, 2)] == [False, True]
+    assert say(machine, "P1&1Q1&3Q1") == ("7", "0", "7")
+
+
+@pytest.mark.parametrize("address", ["&17", "&0", "#33", "#0"])
+def test_plc_addresses_what_there_is(address):
+    machine = bare()
+    say(machine, "OPEN PLC 1 CLEAR")
+    assert error(machine, f"ADDRESS{address}") == 3
+
+
+@pytest.mark.parametrize("order", ["$$$", "$$$***", "CLOSE ALL"])
+def test_cmd_resets(order):
+    """What CMD has queued behind a reset is lost with all that ran."""
+    machine = bare()
+    plc(machine, 1, f'CMD"{order}"', 'CMD"P1=5"', "DISABLE PLC 1")
+    say(machine, "I5=2")
+    machine.advance(0.1)
+    assert say(machine, "P1") == ("5" if order == "CLOSE ALL" else "0",)
+
+
 def test_a_program_is_listed_as_it_was_written():
     machine = bare()
     program(machine, "linear  tm 50 ; a comment", "X(P1*2) Y-.5")

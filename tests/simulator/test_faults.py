@@ -28,6 +28,7 @@ def troubles(*texts, seed=0):
         ("garble:0.001", Fault("garble", When(), share=0.001)),
         ("garble@2:1", Fault("garble", When(2.0), share=1.0)),
         ("busy@4:1", Fault("busy", When(4.0), 1.0)),
+        ("busy@4", Fault("busy", When(4.0), math.inf)),
         ("reset@7", Fault("reset", When(7.0))),
         ("reset@line120", Fault("reset", When(lines=120))),
         ("following@5:3", Fault("following", When(5.0), motor=3, counts=HELD_BACK)),
@@ -54,6 +55,7 @@ def test_syntax(text, fault):
         ("drop@-1", "isn't a number of seconds"),
         ("drop@line", "isn't a number of seconds"),
         ("drop@3:1", "it is written drop@SECONDS"),
+        ("busy@3:soon", "it is written busy@SECONDS or busy@SECONDS:DURATION"),
         ("slow@3", "it is written slow:DELAY"),
         ("slow:0.02-0.01", "larger delay comes second"),
         ("garble:2", "0 to 1"),
@@ -87,6 +89,16 @@ def test_machine_faults_come_at_their_exact_time():
     trouble.advance(0.5)
     trouble.advance(0.5)
     assert machine.done[3:] == [(2.0, "reset")]
+
+
+def test_faults_are_told_as_they_were_written():
+    told = []
+    machine = Echo()
+    faults = [parse_fault(text) for text in ("Limit@0.5:2-", "slow:0.1", "drop@line3")]
+    trouble = Troubles(machine, faults, tell=lambda text: told.append((machine.now, text)))
+    trouble.advance(1.0)
+    trouble.lines_written(3)
+    assert told == [(0.0, "fault slow:0.1"), (0.5, "fault Limit@0.5:2-"), (1.0, "fault drop@line3")]
 
 
 def test_faults_by_lines():

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import time
+from typing import get_args
 
 import pytest
 from click.testing import CliRunner
@@ -31,6 +32,7 @@ from yarclang.runtime.protocol import (
     Written,
     encode,
 )
+from yarclang.simulator.faults import Kind, parse_fault
 from yarclang.simulator.server import SimulatorServer, is_loopback
 
 ASK = Ask("P1")
@@ -151,6 +153,52 @@ def test_a_client_that_never_reads_is_not_read_either():
 
     asyncio.run(asyncio.wait_for(run(), 60))
     assert len(machine.heard) < questions
+
+
+def test_a_name_with_several_addresses_has_one_port():
+    """`localhost` is often 127.0.0.1 and ::1; with port 0 each would take one of its own."""
+
+    async def run():
+        async with SimulatorServer(Echo(), host=["127.0.0.1", "127.0.0.2"], port=0) as server:
+            ends = {each.getsockname() for each in server._server.sockets}
+            assert ends == {("127.0.0.1", server.port), ("127.0.0.2", server.port)}
+
+    asyncio.run(run())
+
+
+def test_what_is_odd_is_told():
+    told = []
+    with served(Echo(), "amplifier@0:3", tell=told.append) as port:
+        with Client(port) as one, Client(port) as two:
+            one.ask(ASK)
+            two.ask(ASK)
+            with Client(port) as three:
+                assert three.ask(ASK) == Closed(ASK)
+        time.sleep(0.1)
+        answered(b"GET / HTTP/1.1\r\n\r\n", port, 100)
+    assert told[0] == "fault amplifier@0:3"
+    assert "another client is turned away: the controller keeps 2 connections" in told
+    assert told[-1].startswith("a connection is closed: 47 45 54")
+    assert len(told) == 3
+
+
+class Heavy(Echo):
+    """A machine whose time takes a hundredth of it."""
+
+    def advance(self, seconds):
+        time.sleep(seconds / 100)
+        super().advance(seconds)
+
+
+def test_a_rate_that_the_computer_cannot_keep_up_with():
+    """Time passes slower; clients are answered all the same."""
+    machine = Heavy()
+    with served(machine, rate=10_000.0) as port, Client(port) as client:
+        begun = time.monotonic()
+        for _ in range(5):
+            assert client.ask(ASK) == Answer(ASK, ("P1",))
+        assert time.monotonic() - begun < 2.0
+    assert machine.now > 1.0
 
 
 @pytest.mark.parametrize("rate", [0.5, 1.0, 10.0])
@@ -309,11 +357,68 @@ def test_yarc_sim_says_when_the_port_is_taken():
         with run_sim("--port", str(port)) as process:
             _, err = process.communicate(timeout=20)
     assert process.returncode == 1
-    assert f"can't listen on 127.0.0.1:{port}" in err
+    assert err == f"Error: can't listen on 127.0.0.1:{port}: address already in use\n"
+
+
+def test_yarc_sim_says_what_address_it_has_not():
+    with run_sim("--host", "192.0.2.1") as process:
+        _, err = process.communicate(timeout=20)
+    assert process.returncode == 1
+    assert err == "Error: can't listen on 192.0.2.1:0: cannot assign requested address\n"
+
+
+def test_an_address_with_colons_is_in_brackets(monkeypatch):
+    async def nothing(server):
+        pass
+
+    for name in ("start", "serve", "close"):
+        monkeypatch.setattr(SimulatorServer, name, nothing)
+    assert "listens on [::1]:1025," in CliRunner().invoke(yarc, ["sim", "--host", "::1"]).stdout
+
+
+def test_yarc_sim_says_what_happens():
+    """Faults as they come, and words of programs that run as something else."""
+    with run_sim("--fault", "amplifier@0.3:2") as process:
+        try:
+            port = int(re.search(r":(\d+),", process.stdout.readline())[1])
+            assert process.stderr.readline() == "0.300 s: fault amplifier@0.3:2\n"
+            with Client(port) as client:
+                client.ask(Ask("I6=1 I3=2"))
+                lines = ("I100=1", "#1->X", "OPEN PROG 1 CLEAR", "CIRCLE1", "X1", "CLOSE", "A", "&1B1R")
+                assert client.ask(Write(lines)).error is None
+                assert re.fullmatch(r"\d+\.\d{3} s: CIRCLE1 .*\n", process.stderr.readline())
+        finally:
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=20)
+    assert (process.returncode, err) == (0, "stopped\n")
+
+
+def test_help_shows_every_fault():
+    shown = CliRunner().invoke(yarc, ["sim", "--help"]).stdout
+    table = re.findall(r"^ +([a-z]+[@:]\S+)  ", shown, re.MULTILINE)
+    assert [parse_fault(text).kind for text in table] == list(get_args(Kind))
+
+
+@pytest.mark.parametrize("text", ["REAL", "Max", "10", "0.5"])
+def test_rates(monkeypatch, text):
+    async def nothing(server):
+        pass
+
+    for name in ("start", "serve", "close"):
+        monkeypatch.setattr(SimulatorServer, name, nothing)
+    shown = {"REAL": "real time", "Max": "as fast as it goes"}.get(text, f"{text} times real time")
+    assert f", {shown};" in CliRunner().invoke(yarc, ["sim", "--rate", text]).stdout
 
 
 @pytest.mark.parametrize(
-    "arguments", [("--rate", "0"), ("--rate", "fast"), ("--fault", "fire@3"), ("--port", "70000")]
+    "arguments",
+    [
+        ("--rate", "0"),
+        ("--rate", "fast"),
+        ("--fault", "fire@3"),
+        ("--port", "70000"),
+        ("--host", ""),
+    ],
 )
 def test_yarc_sim_refuses_wrong_usage(arguments):
     with run_sim(*arguments) as process:

@@ -62,8 +62,8 @@ class Surroundings(Protocol):
         """SEND."""
         ...
 
-    def queue(self, text: str, system: int) -> None:
-        """CMD: a line for the interpreter, when it gets to it."""
+    def queue(self, text: str, system: int, motor: int = 1) -> None:
+        """CMD: a line for the interpreter, when it gets to it, and what it addresses."""
         ...
 
     def switch_plcs(self, name: str, numbers: tuple[int, ...]) -> None:

@@ -6,19 +6,21 @@
     garble:0.001         one reply of 1000 has a wrong byte; also garble@3:0.001
     busy@4:1             answer lines (GETRESPONSE) with a NUL and don't execute them, for 1 s
     reset@7              what $$$ does
-    following@5:3        motor 3 is held where it stands: 100000 counts off, or following@5:3,2500
-    limit@5:2+           motor 2 runs onto its positive limit switch; limit@5:2- the negative one
+    following@5:3        motor 3 is 100000 counts from where it is told to be; following@5:3,2500: 2500
+    limit@5:2+           the positive limit switch of motor 2 is on; limit@5:2- the negative one
     amplifier@6:1        the amplifier of motor 1 fails
 
-Instead of a time, @line120 means: after so many program lines were written to the machine (WRITEBUFFER).
+Times are the machine's, from its beginning on. Instead of one, @line120 means: after so many program lines were written to
+the machine (WRITEBUFFER), with the packet that brings the last of them. A switch stays on and an
+amplifier stays bad until $$$; closing the loop of a motor (J/, A) ends its following error.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from yarclang.simulator.machine import Machine
@@ -27,7 +29,7 @@ MOTORS = 32
 """Motors of a Turbo PMAC."""
 
 HELD_BACK = 100_000.0
-"""How far `following` holds a motor off [counts]: well beyond any sensible limit of the following error."""
+"""How far off `following` puts a motor [counts]: well beyond any sensible limit of the following error."""
 
 Kind: TypeAlias = Literal[
     "drop", "freeze", "slow", "garble", "busy", "reset", "following", "limit", "amplifier"
@@ -54,7 +56,7 @@ class Fault:
 
     `seconds` is how long it lasts (freeze, busy) or the least delay (slow) [s], `most` the largest delay [s],
     `share` the share of replies (garble), `motor` and `side` (+1, -1) which motor and limit switch, `counts` how far
-    it is held off.
+    off it is, `text` how it was written.
     """
 
     kind: Kind
@@ -65,6 +67,7 @@ class Fault:
     motor: int = 0
     side: int = 0
     counts: float = 0.0
+    text: str = field(default="", compare=False)
 
 
 _SHAPE = re.compile(r"(?P<kind>[a-z]+)(?:@(?:line(?P<lines>\d{1,9})|(?P<seconds>[^:]+)))?(?::(?P<rest>.+))?")
@@ -110,7 +113,7 @@ _READERS: dict[str, tuple[bool, str, re.Pattern[str]]] = {
     "freeze": (True, "freeze@SECONDS or freeze@SECONDS:DURATION", _DURATION),
     "slow": (False, "slow:DELAY or slow:LEAST-MOST, also slow@SECONDS:DELAY", _DELAY),
     "garble": (False, "garble:SHARE, also garble@SECONDS:SHARE", _SHARE),
-    "busy": (True, "busy@SECONDS:DURATION", _DURATION),
+    "busy": (True, "busy@SECONDS or busy@SECONDS:DURATION", _DURATION),
     "reset": (True, "reset@SECONDS", _NOTHING),
     "following": (True, "following@SECONDS:MOTOR or following@SECONDS:MOTOR,COUNTS", _HELD),
     "limit": (True, "limit@SECONDS:MOTOR+ or limit@SECONDS:MOTOR-", _SWITCH),
@@ -125,10 +128,18 @@ class Troubles:
         machine: the machine, whose time it moves.
         faults: what shall go wrong.
         seed: the same seed gives the same delays and the same wrong bytes.
+        tell: hears of each fault that begins.
     """
 
-    def __init__(self, machine: Machine, faults: Iterable[Fault] = (), seed: int = 0) -> None:
+    def __init__(
+        self,
+        machine: Machine,
+        faults: Iterable[Fault] = (),
+        seed: int = 0,
+        tell: Callable[[str], None] | None = None,
+    ) -> None:
         self._machine = machine
+        self._tell = tell
         self._ahead = list(faults)
         self.any = bool(self._ahead)
         """Whether there are faults at all."""
@@ -207,6 +218,8 @@ class Troubles:
 
     def _begin(self, fault: Fault) -> None:
         machine = self._machine
+        if self._tell is not None:
+            self._tell(f"fault {fault.text}")
         match fault.kind:
             case "drop":
                 self._drops += 1
@@ -256,4 +269,5 @@ def _fault(text: str, kind: str, when: When, values: dict[str, str | None]) -> F
         motor=motor,
         side=_SIDES.get(values.get("side") or "", 0),
         counts=float(values.get("counts") or HELD_BACK) if kind == "following" else 0.0,
+        text=text.strip(),
     )

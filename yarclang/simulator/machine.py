@@ -16,7 +16,7 @@ from yarclang.robot.model import Robot
 from yarclang.simulator.axes import AxisDefinition
 from yarclang.simulator.buffers import Buffers
 from yarclang.simulator.controls import control_reply
-from yarclang.simulator.motors import Motor
+from yarclang.simulator.motors import WATCHED, Motor
 from yarclang.simulator.online import OnLine, Port
 from yarclang.simulator.pieces import Array
 from yarclang.simulator.plc import Plc
@@ -25,7 +25,13 @@ from yarclang.simulator.questions import Question, questions
 from yarclang.simulator.recorder import Recorder
 from yarclang.simulator.registers import Definition, Variables
 from yarclang.simulator.reply import Refusal, Reply, framed
-from yarclang.simulator.status import motor_words, system_words
+from yarclang.simulator.status import (
+    motor_word_1,
+    motor_word_2,
+    system_word_1,
+    system_word_2,
+    system_word_3,
+)
 from yarclang.simulator.system import CoordinateSystem
 from yarclang.simulator.wiring import wire
 
@@ -81,7 +87,7 @@ class Machine:
         self.gathering = False
         self.ports: dict[int, Port] = {}
         self._messages: dict[int, deque[str]] = {0: deque(maxlen=_MOST_WORDS)}
-        self._queue: deque[tuple[str, int]] = deque()
+        self._queue: deque[tuple[str, int, int]] = deque()
         self._saved: _Saved | None = None
         self._next_scan = math.inf
         self._next_interrupt = math.inf
@@ -145,25 +151,28 @@ class Machine:
         if now >= self._next_interrupt:
             self._next_interrupt = now + self.interrupt
             if self._eager is not None:
-                self._eager.scan(self.variables.scope(self._eager.system), self)
+                self._eager.scan(self.variables, self)
         if now >= self._next_scan:
             self._next_scan = now + SCAN
             for plc in self._background:
                 if plc.active:
-                    plc.scan(self.variables.scope(plc.system), self)
+                    plc.scan(self.variables, self)
         if self._queue:
             self._run_queue()
 
     def _run_queue(self) -> None:
         """CMD: the background interpreter. What it answers goes nowhere; an error neither (I6 = 2 and 0 hush it)."""
-        for _ in range(len(self._queue)):
-            text, system = self._queue.popleft()
-            self.ports[_COMMAND_PORT] = Port(system=system)
+        due, self._queue = self._queue, deque()
+        for text, system, motor in due:
+            port = self.ports[_COMMAND_PORT] = Port(motor, system)
             if text.startswith("^"):
                 self.control(ord(text[1]) - 64, _COMMAND_PORT)
             else:
                 self.command(text, _COMMAND_PORT)
-            self.buffers.release(self.ports[_COMMAND_PORT])
+            if _COMMAND_PORT not in self.ports:
+                # a reset: nothing that was queued before it is left
+                return
+            self.buffers.release(port)
 
     # ports
 
@@ -229,10 +238,10 @@ class Machine:
         for messages in self._messages.values():
             messages.append(text)
 
-    def queue(self, text: str, system: int) -> None:
-        """CMD: a line for the background interpreter."""
+    def queue(self, text: str, system: int, motor: int = 1) -> None:
+        """CMD: a line for the background interpreter, and what it addresses."""
         if len(self._queue) < _LONGEST_QUEUE:
-            self._queue.append((text, system))
+            self._queue.append((text, system, motor))
 
     def unknown(self, word: str) -> None:
         """A word of a program that is skipped."""
@@ -282,9 +291,14 @@ class Machine:
         """The hexadecimal digits of ?, ?? or ???."""
         if marks == 1:
             found = self.motors[motor]
-            words: tuple[int, ...] = motor_words(found, self.system_of(found), self._now)
+            owner = self.system_of(found)
+            words: tuple[int, ...] = (
+                motor_word_1(found, owner, self._now),
+                motor_word_2(found, owner, self._now),
+            )
         elif marks == 2:
-            words = system_words(self.systems[system], self._now)
+            each = self.systems[system]
+            words = system_word_1(each), system_word_2(each, self._now), system_word_3(each)
         else:
             words = self.global_words()
         return "".join(f"{word:06X}" for word in words)
@@ -336,7 +350,7 @@ class Machine:
             return
         self._refreshing = True
         try:
-            self._lazy.scan(self.variables.scope(self._lazy.system), self)
+            self._lazy.scan(self.variables, self)
         finally:
             self._refreshing = False
 
@@ -392,14 +406,12 @@ class Machine:
         """A limit switch of a motor opens or closes; `side` is +1 or -1. Ixx24 bit 17 makes it not be looked at."""
         found = self.motors[motor]
         found.switches[1 if side > 0 else -1] = on and not int(found.tuning(24)) & 0x20000
-        self._tuning_changed()
         self._look(found)
 
     def disturb(self, motor: int, counts: float) -> None:
         """Something holds the motor `counts` away from where it would be: a following error."""
         found = self.motors[motor]
         found.disturbance = counts
-        self._tuning_changed()
         self._look(found)
 
     def _look(self, motor: Motor) -> None:
@@ -407,6 +419,7 @@ class Machine:
         if motor.closed and (cause := motor.tripped(*motor.place(self._now))):
             self.tripped(motor, cause)
             return
+        motor.look_again()
         system = self.system_of(motor)
         if system is not None:
             system.look_again()
@@ -460,7 +473,6 @@ class Machine:
             for motor_number, definition in (saved.definitions[number] if saved else {}).items():
                 system.define(self.motors[motor_number], definition)
         self.defined()
-        self._tuning_changed()
         self.plcs_changed()
         self.changed(list(self.motors.values()))
 
@@ -472,14 +484,10 @@ class Machine:
         return [defaults.get(index, 0.0) for index in range(first, last + 1)]
 
     def _variable_changed(self, number: int) -> None:
-        if number < 3300:
-            self._tuning_changed()
+        if number % 100 in WATCHED and 1 <= number // 100 <= MOTORS:
+            self._look(self.motors[number // 100])
         if number == 5:
             self.plcs_changed()
-
-    def _tuning_changed(self) -> None:
-        for system in self.systems.values():
-            system.tuning_changed()
 
     # for those who look
 

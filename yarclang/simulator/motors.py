@@ -25,6 +25,9 @@ from yarclang.simulator.pieces import (
 LAG = 0.5e-3
 """Following error by velocity [s]: about one servo cycle, as of a motor with feedforward (assumed)."""
 
+WATCHED = frozenset({11, 13, 14})
+"""The Ixx that say when a motor trips; Ixx24 counts as a switch opens or closes."""
+
 
 class Driver(Protocol):
     """The coordinate system that moves the motor."""
@@ -258,6 +261,11 @@ class Motor:
         self.trip = self._first_trip(self.profile)
         if not self.profile.end > time:
             self.arrive()
+
+    def look_again(self) -> None:
+        """What may trip the motor has changed; what stops it already goes on."""
+        if self.profile is not None and not self.aborting:
+            self.trip = self._first_trip(self.profile)
 
     def _first_trip(self, profile: Profile) -> tuple[float, str] | None:
         since = profile.begin

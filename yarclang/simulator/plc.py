@@ -7,7 +7,7 @@ import re
 from yarclang.simulator.calculation import Surroundings
 from yarclang.simulator.expressions import value_of
 from yarclang.simulator.programs import Branch, Go, Program
-from yarclang.simulator.registers import Seen
+from yarclang.simulator.registers import Seen, Variables
 from yarclang.simulator.reply import Refusal
 from yarclang.simulator.words import Address, Assign, Plcs, Say, Skipped
 
@@ -67,18 +67,19 @@ class Plc:
             return frozenset()
         return frozenset(targets)
 
-    def scan(self, scope: Seen, outside: Surroundings) -> None:
+    def scan(self, variables: Variables, outside: Surroundings) -> None:
         """Run once: to the end, or to the end of a loop, where the next scan goes on.
 
         What can't be executed (a badly structured program, a variable that doesn't exist) disables the PLC (assumed).
         """
         try:
-            self._scan(scope, outside)
+            self._scan(variables, outside)
         except Refusal:
             self.disable()
 
-    def _scan(self, scope: Seen, outside: Surroundings) -> None:
+    def _scan(self, variables: Variables, outside: Surroundings) -> None:
         code, _, _ = self.program.code()
+        scope = variables.scope(self.system)
         at = self._at
         self._at = 0
         for _ in range(_AT_ONCE):
@@ -101,9 +102,9 @@ class Plc:
                         self._at = at
                         return
                 case Say(name="CMD", text=text):
-                    outside.queue(text, self.system)
+                    outside.queue(text, self.system, self.motor)
                 case Say(name="CMD^", text=text):
-                    outside.queue("^" + text, self.system)
+                    outside.queue("^" + text, self.system, self.motor)
                 case Say(name="SEND", text=text):
                     outside.say(text)
                 case Plcs(name=name, numbers=numbers):
@@ -112,6 +113,7 @@ class Plc:
                         return
                 case Address(motor=motor, system=system):
                     self.motor, self.system = motor or self.motor, system or self.system
+                    scope = variables.scope(self.system)
                 case Skipped(name=name):
                     outside.unknown(name)
                 case _:

@@ -13,10 +13,13 @@ from yarclang.simulator.expressions import bounded
 from yarclang.simulator.reply import Refusal
 
 _WORD = 1 << 24
+_ALL = _WORD - 1
 _BIT_FIELD = re.compile(r"([XY]):\$?([0-9A-F]{1,6})(?:,(\d{1,2})(?:,(\d{1,2}))?(?:,([SU]))?)?$")
 _WHOLE = re.compile(r"(DP|D|F|L):\$?([0-9A-F]{1,6})$")
 
 Read = Callable[[], float]
+ReadBits = Callable[[int], float]
+"""Gives a register; told which of its bits are wanted, it may leave the others 0."""
 Write = Callable[[float], None]
 
 
@@ -71,19 +74,21 @@ class Memory:
 
     def __init__(self) -> None:
         self.words: dict[tuple[str, int], int] = {}
-        self.wired: dict[tuple[str, int], Read] = {}
+        self.wired: dict[tuple[str, int], ReadBits] = {}
         self.wired_writes: dict[tuple[str, int], Write] = {}
         self.floats: dict[int, float] = {}
 
     def read(self, at: Definition) -> float:
         """The value of the bits that a definition names."""
         key = (at.kind, at.address)
+        read = self.wired.get(key)
         if at.kind in "XY":
-            word = int(self.wired[key]()) if key in self.wired else self.words.get(key, 0)
-            value = word >> at.offset & ((1 << at.width) - 1)
+            wanted = (1 << at.width) - 1
+            word = self.words.get(key, 0) if read is None else int(read(wanted << at.offset))
+            value = word >> at.offset & wanted
             return float(value - (1 << at.width) if at.signed and value >> (at.width - 1) else value)
-        if key in self.wired:
-            return float(self.wired[key]())
+        if read is not None:
+            return float(read(_ALL))
         if at.kind in ("F", "L"):
             return self.floats.get(at.address, 0.0)
         value = self.words.get(("X", at.address), 0) * _WORD + self.words.get(("Y", at.address), 0)

@@ -10,7 +10,7 @@ import ipaddress
 import socket
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from types import TracebackType
 
 from yarclang.pmac import requests as pmac
@@ -32,7 +32,10 @@ _SLACK = 0.25
 """Wall time that passed while the process couldn't run: more than this at once is left out [s]."""
 
 _STRIDE = 0.02
-"""How far time goes at once at the greatest rate [s]."""
+"""How far time goes at once [s of the machine]; at the greatest rate, with every turn of the event loop."""
+
+_BURST = 0.005
+"""Wall time that the machine's time may take of the computer's at once [s]: clients come between."""
 
 _STAY = 0.0002
 """How long a reply's reader is waited for before other work is done: one that asks again at once is answered at once [s]."""
@@ -54,6 +57,7 @@ class SimulatorServer:
         rate: seconds of the machine a second; None is as fast as it goes.
         faults: what shall go wrong.
         seed: of the faults.
+        tell: gets a line for a person whenever something happens that isn't a client's doing, or odd.
     """
 
     def __init__(
@@ -65,12 +69,14 @@ class SimulatorServer:
         rate: float | None = 1.0,
         faults: Iterable[Fault] = (),
         seed: int = 0,
+        tell: Callable[[str], None] | None = None,
     ) -> None:
         self.machine = machine
         self.host = host
         self.port = port
         self.rate = rate
-        self.troubles = Troubles(machine, faults, seed)
+        self._tell = tell
+        self.troubles = Troubles(machine, faults, seed, self.tell)
         self.memory = bytearray(_MEMORY)
         self._clients: dict[int, _Client] = {}
         self._server: asyncio.Server | None = None
@@ -87,10 +93,17 @@ class SimulatorServer:
         """
         self.loop = asyncio.get_running_loop()
         self._failed = self.loop.create_future()
-        self._server = await self.loop.create_server(lambda: _Client(self), self.host, self.port)
-        self.port = self._server.sockets[0].getsockname()[1]
+        self._server = await self._listen(self.port)
+        ports = [each.getsockname()[1] for each in self._server.sockets]
+        if len(set(ports)) > 1:  # each address of a name has got one of its own
+            self._server.close()
+            self._server = await self._listen(ports[0])
+        self.port = ports[0]
         self._since = self.loop.time()
         self._tick()
+
+    async def _listen(self, port: int) -> asyncio.Server:
+        return await self.loop.create_server(lambda: _Client(self), self.host, port)
 
     async def close(self) -> None:
         """Close all connections and stop the time."""
@@ -125,11 +138,22 @@ class SimulatorServer:
         """Let the machine's time pass up to now."""
         if self.rate is None:
             return
-        elapsed = self.loop.time() - self._since
-        if elapsed * self.rate >= _FINE:
-            self._since += elapsed
-            self.troubles.advance(min(elapsed, _SLACK) * self.rate)
-            self.act()
+        now = self.loop.time()
+        due = min(now - self._since, _SLACK) * self.rate
+        if due < _FINE:
+            return
+        while due > 0.0:
+            self.troubles.advance(min(due, _STRIDE))
+            due = max(0.0, due - _STRIDE)
+            if self.loop.time() - now > _BURST:
+                break
+        self._since = now - due / self.rate
+        self.act()
+
+    def tell(self, text: str) -> None:
+        """Say to the person who runs the server what is odd."""
+        if self._tell is not None:
+            self._tell(text)
 
     def wall(self, seconds: float) -> float:
         """Seconds of the wall clock for seconds of the machine."""
@@ -157,6 +181,7 @@ class SimulatorServer:
         """The port of the machine for a new client; None if it has no more."""
         free = [port for port in range(pmac.CLIENTS) if port not in self._clients]
         if not free:
+            self.tell(f"another client is turned away: the controller keeps {pmac.CLIENTS} connections")
             return None
         self._clients[free[0]] = client
         return free[0]
@@ -221,7 +246,13 @@ class _Client(asyncio.Protocol):
         To sleep and be woken takes longer than to answer: the event loop alone makes a third of the round trips.
         """
         wire, transport = self._wire, self._transport
-        if wire is None or transport is None or transport.is_closing() or not self._reading or self._server.rate is None:
+        if (
+            wire is None
+            or transport is None
+            or transport.is_closing()
+            or not self._reading
+            or self._server.rate is None
+        ):
             return b""
         if transport.get_write_buffer_size():
             return b""
@@ -266,6 +297,8 @@ class _Client(asyncio.Protocol):
             self._server.fail(error)
             return
         if self._reader.broken is not None and not self._packets and self._held is None:
+            if self._transport is not None and not self._transport.is_closing():
+                self._server.tell(f"a connection is closed: {self._reader.broken}")
             self.drop()
         self._read(not self._packets and self._held is None and not self._full)
 

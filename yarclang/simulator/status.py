@@ -1,6 +1,12 @@
-"""Status words of motors, coordinate systems and the controller (TSRM 281-290), from what they do now."""
+"""Status words of motors, coordinate systems and the controller (TSRM 281-290), from what they do now.
+
+Each word is worked out by itself. `wanted` has the bits that somebody looks at: those that take the positions
+of the motors are left 0 where none of them is among it, because a PLC asks for one bit at each of its scans.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from yarclang.pmac.status import (
     AXIS_CODES,
@@ -15,99 +21,118 @@ from yarclang.pmac.status import (
 from yarclang.simulator.motors import Motor
 from yarclang.simulator.system import CoordinateSystem
 
-
-def packed(bits: dict[str, int], names: dict[str, bool]) -> int:
-    """The word with the bits of the names that hold."""
-    return sum(1 << bits[name] for name, holds in names.items() if holds)
+WHOLE = 0xFFFFFF
 
 
-def in_position(motor: Motor, time: float) -> bool:
-    """Closed loop, desired velocity zero, no move under way, following error within Ixx28 (1/16 count)."""
-    return (
-        motor.closed
-        and not motor.jogging
-        and motor.driver is None
-        and abs(motor.following_error(time)) <= motor.tuning(28) / 16.0
-    )
+def _bits(word: dict[str, int], *names: str) -> int:
+    return sum(1 << word[name] for name in names)
 
 
-def warned(motor: Motor, time: float) -> bool:
-    """Whether the following error is beyond Ixx12 (1/16 count)."""
-    return 0.0 < motor.tuning(12) / 16.0 < abs(motor.following_error(time))
+_PLACED = _bits(MOTOR_WORD_1, "negative limit set", "positive limit set", "desired velocity zero")
+_MOTOR_FOLLOWS = _bits(MOTOR_WORD_2, "warning following error", "in position")
+_SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
 
 
-def motor_words(motor: Motor, system: CoordinateSystem | None, time: float) -> tuple[int, int]:
-    """Both words of `#n?`."""
-    positive, negative = motor.set_limits(time)
+def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
+    """The first word of `#n?`."""
+    bits = MOTOR_WORD_1
     dwelling = system is not None and system.dwell_until is not None
-    first = packed(
-        MOTOR_WORD_1,
-        {
-            "activated": motor.activated,
-            "negative limit set": negative,
-            "positive limit set": positive,
-            "amplifier enabled": motor.enabled,
-            "open loop": not motor.closed,
-            "move timer active": motor.driver is not None or dwelling,
-            "dwell in progress": dwelling,
-            "data block error": motor.data_error,
-            "desired velocity zero": motor.closed and not motor.place(time)[1],
-            "abort deceleration": motor.aborting,
-            "home search in progress": motor.homing,
-        },
+    word = (
+        motor.activated << bits["activated"]
+        | motor.enabled << bits["amplifier enabled"]
+        | (not motor.closed) << bits["open loop"]
+        | (motor.driver is not None or dwelling) << bits["move timer active"]
+        | dwelling << bits["dwell in progress"]
+        | motor.data_error << bits["data block error"]
+        | motor.aborting << bits["abort deceleration"]
+        | motor.homing << bits["home search in progress"]
     )
-    second = packed(
-        MOTOR_WORD_2,
-        {
-            "assigned": system is not None,
-            "stopped on limit": motor.limit_stop,
-            "home complete": motor.homed,
-            "amplifier fault": motor.amplifier_fault,
-            "fatal following error": motor.fatal_error,
-            "warning following error": warned(motor, time),
-            "in position": in_position(motor, time),
-        },
+    if wanted & _PLACED:
+        positive, negative = motor.set_limits(time)
+        word |= (
+            negative << bits["negative limit set"]
+            | positive << bits["positive limit set"]
+            | (motor.closed and not motor.place(time)[1]) << bits["desired velocity zero"]
+        )
+    return word
+
+
+def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
+    """The second word of `#n?`."""
+    bits = MOTOR_WORD_2
+    word = (
+        motor.limit_stop << bits["stopped on limit"]
+        | motor.homed << bits["home complete"]
+        | motor.amplifier_fault << bits["amplifier fault"]
+        | motor.fatal_error << bits["fatal following error"]
     )
+    if wanted & _MOTOR_FOLLOWS:
+        warned, in_position = _following([motor], time)
+        word |= warned << bits["warning following error"] | in_position << bits["in position"]
     if system is not None:
-        terms = system.definitions[motor.number].terms
-        second |= (system.number - 1) << 20 | AXIS_CODES.get(terms[0][0], 0) << 16
-    return first, second
+        axis = system.definitions[motor.number].terms[0][0]
+        word |= 1 << bits["assigned"] | (system.number - 1) << 20 | AXIS_CODES.get(axis, 0) << 16
+    return word
 
 
-def system_words(system: CoordinateSystem, time: float) -> tuple[int, int, int]:
-    """The three words of `&n??`."""
-    calculation = system.calculation
-    motors = system.motors
-    first = packed(
-        SYSTEM_WORD_1,
-        {
-            "continuous motion request": system.running and not system.single_step,
-            "move by time": not calculation.feed,
-            "continuous motion": system.running and not system.single_step,
-            "single step": system.single_step,
-            "running": system.running,
-        },
+def system_word_1(system: CoordinateSystem) -> int:
+    """The first word of `&n??`."""
+    bits, calculation = SYSTEM_WORD_1, system.calculation
+    continuous = system.running and not system.single_step
+    word = (
+        continuous << bits["continuous motion request"]
+        | (not calculation.feed) << bits["move by time"]
+        | continuous << bits["continuous motion"]
+        | system.single_step << bits["single step"]
+        | system.running << bits["running"]
     )
     for axis, bit in INCREMENTAL_BITS.items():
-        first |= (axis in calculation.vector) << (bit + 1) | (axis in calculation.incremental) << bit
-    rotary = calculation.rotary
-    second = packed(
-        SYSTEM_WORD_2,
-        {
-            "run-time error": system.run_time_error,
-            "move in stack": bool(system.steps),
-            "amplifier fault": any(motor.amplifier_fault for motor in motors),
-            "fatal following error": any(motor.fatal_error for motor in motors),
-            "warning following error": any(warned(motor, time) for motor in motors),
-            "in position": bool(motors) and all(in_position(motor, time) for motor in motors),
-            "rotary full": rotary is not None and rotary.full,
-            "dwell buffered": system.dwell_until is not None,
-        },
+        word |= (axis in calculation.vector) << (bit + 1) | (axis in calculation.incremental) << bit
+    return word
+
+
+def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) -> int:
+    """The second word of `&n??`."""
+    bits, motors, rotary = SYSTEM_WORD_2, system.motors, system.calculation.rotary
+    mode = MODE_BITS.get(system.calculation.mode, 0)
+    word = (
+        (mode & 4) << 2
+        | mode & 3
+        | system.run_time_error << bits["run-time error"]
+        | bool(system.steps) << bits["move in stack"]
+        | any(motor.amplifier_fault for motor in motors) << bits["amplifier fault"]
+        | any(motor.fatal_error for motor in motors) << bits["fatal following error"]
+        | (rotary is not None and rotary.full) << bits["rotary full"]
+        | (system.dwell_until is not None) << bits["dwell buffered"]
     )
-    mode = MODE_BITS.get(calculation.mode, 0)
-    second |= (mode & 4) << 2 | mode & 3
-    third = packed(
-        SYSTEM_WORD_3,
-        {"resume error": system.resume_error, "desired position limit stop": system.limit_stop},
+    if wanted & _SYSTEM_FOLLOWS:
+        warned, in_position = _following(motors, time)
+        word |= warned << bits["warning following error"]
+        word |= (bool(motors) and in_position) << bits["in position"]
+    return word
+
+
+def system_word_3(system: CoordinateSystem) -> int:
+    """The third word of `&n??`."""
+    bits = SYSTEM_WORD_3
+    return (
+        system.resume_error << bits["resume error"] | system.limit_stop << bits["desired position limit stop"]
     )
-    return first, second, third
+
+
+def _following(motors: Iterable[Motor], time: float) -> tuple[bool, bool]:
+    """Whether any following error is beyond Ixx12, and whether all motors are in position: closed loop, no move under way,
+    following error within Ixx28 (both 1/16 count).
+    """
+    warned, in_position = False, True
+    for motor in motors:
+        error = abs(motor.following_error(time))
+        warned = warned or 0.0 < motor.tuning(12) / 16.0 < error
+        in_position = (
+            in_position
+            and motor.closed
+            and not motor.jogging
+            and motor.driver is None
+            and error <= motor.tuning(28) / 16.0
+        )
+    return warned, in_position

@@ -89,7 +89,8 @@ class CoordinateSystem:
         self.dwell_until: float | None = None
         self.homing: list[Motor] = []
         self.retry_at: float | None = None
-        self.trip_at: tuple[float, Motor, str] | None = None
+        self.trip: tuple[float, Motor, str] | None = None
+        self.trips_at = math.inf
         self.held_at: Array | None = None
         self._rest: deque[Piece] = deque()
         self._suspect = 0
@@ -250,9 +251,9 @@ class CoordinateSystem:
         self.running = self.calculating = self.single_step = False
         self.steps.clear()
         self._rest.clear()
-        self.sequence = self.piece = self.dwell_until = self.retry_at = self.trip_at = None
+        self.sequence = self.piece = self.dwell_until = self.retry_at = self.trip = None
         self.homing = []
-        self._next_end = math.inf
+        self._next_end = self.trips_at = math.inf
         self.held, self.held_at = False, None
         self._last = None
         rate = self.percent / 100.0
@@ -288,9 +289,7 @@ class CoordinateSystem:
     @property
     def next_event(self) -> float:
         """When something is to be done here [s]."""
-        when = self._next_end
-        if self.trip_at is not None:
-            when = min(when, self.trip_at[0])
+        when = min(self._next_end, self.trips_at)
         if self.dwell_until is not None:
             when = min(when, self.dwell_until)
         if self.retry_at is not None:
@@ -304,8 +303,8 @@ class CoordinateSystem:
         now = self.outside.now
         if self.held and self.held_at is None and now >= self.map.settled:
             self._stand_held()
-        if self.trip_at is not None and now >= self.trip_at[0]:
-            _, motor, cause = self.trip_at
+        if self.trip is not None and now >= self.trips_at:
+            _, motor, cause = self.trip
             self.outside.tripped(motor, cause)
             return
         if self.piece is not None and now >= self._next_end:
@@ -443,21 +442,20 @@ class CoordinateSystem:
         self._last = None
         if any(motor.driver is None for motor in self.motors):
             self._drive()
-        self._timed()
         self._watch(piece)
+        self._timed()
         self.outside.changed(self.motors)
 
     def _timed(self) -> None:
         if self.piece is None:
             return
         self._next_end = self.map.instant(self.begin + self.piece.duration)
-        if self.trip_at is not None:
-            self._watch(self.piece)
+        self.trips_at = math.inf if self.trip is None else self.map.instant(self.begin + self.trip[0])
 
     def _idle_motors(self) -> None:
         self.piece = None
-        self._next_end = math.inf
-        self.trip_at = None
+        self._next_end = self.trips_at = math.inf
+        self.trip = None
         self._last = None
         for motor, place in zip(self.motors, self._end, strict=True):
             if motor.driver is not None and motor.driver[0] is self:
@@ -473,19 +471,17 @@ class CoordinateSystem:
 
     # limits
 
-    def tuning_changed(self) -> None:
-        """An I-variable of a motor has changed."""
-        self._bounds = None
-
     def look_again(self) -> None:
         """What may trip a motor has changed."""
+        self._bounds = None
         self._suspect = 4
         if self.piece is not None:
             self._watch(self.piece)
+            self._timed()
 
     def _watch(self, piece: Piece) -> None:
         """Find out whether a motor will trip on this piece. Most pieces are far from anything."""
-        self.trip_at = None
+        self.trip = None
         if self._bounds is None:
             limits = [motor.limits() for motor in self.motors]
             slack = [
@@ -505,7 +501,4 @@ class CoordinateSystem:
             self._suspect = 4
         if self._suspect:
             self._suspect -= 1
-            if found := first_trip(piece, self.motors):
-                u, motor, cause = found
-                when = self.map.instant(self.begin + u)
-                self.trip_at = (when, motor, cause) if when < math.inf else None
+            self.trip = first_trip(piece, self.motors)

@@ -18,7 +18,13 @@ from yarclang.pmac.status import (
     TARGET,
 )
 from yarclang.simulator.motors import Motor
-from yarclang.simulator.status import motor_words, system_words
+from yarclang.simulator.status import (
+    motor_word_1,
+    motor_word_2,
+    system_word_1,
+    system_word_2,
+    system_word_3,
+)
 from yarclang.simulator.system import CoordinateSystem
 
 if TYPE_CHECKING:
@@ -67,17 +73,18 @@ def _wire_motor(machine: Machine, motor: Motor) -> None:
     wired = machine.variables.memory.wired
     step = MOTOR_STEP * (motor.number - 1)
 
-    def word(number: int) -> float:
-        return float(motor_words(motor, machine.system_of(motor), machine.now)[number])
-
     def position(counts: float) -> float:
         return float(round(counts * motor.unit))
 
-    wired["X", MOTOR_STATUS_1 + step] = lambda: word(0)
-    wired["Y", MOTOR_STATUS_2 + step] = lambda: word(1)
-    wired["D", COMMANDED + step] = lambda: position(motor.place(machine.now)[0])
-    wired["D", ACTUAL + step] = lambda: position(motor.actual(machine.now))
-    wired["D", TARGET + step] = lambda: position(
+    wired["X", MOTOR_STATUS_1 + step] = lambda wanted: motor_word_1(
+        motor, machine.system_of(motor), machine.now, wanted
+    )
+    wired["Y", MOTOR_STATUS_2 + step] = lambda wanted: motor_word_2(
+        motor, machine.system_of(motor), machine.now, wanted
+    )
+    wired["D", COMMANDED + step] = lambda _: position(motor.place(machine.now)[0])
+    wired["D", ACTUAL + step] = lambda _: position(motor.actual(machine.now))
+    wired["D", TARGET + step] = lambda _: position(
         motor.profile.target if motor.profile is not None else motor.place(machine.now)[0]
     )
 
@@ -86,9 +93,6 @@ def _wire_system(machine: Machine, system: CoordinateSystem) -> None:
     wired = machine.variables.memory.wired
     step = SYSTEM_STEP * (system.number - 1)
 
-    def word(number: int) -> float:
-        return float(system_words(system, machine.now)[number])
-
-    wired["X", SYSTEM_STATUS_1 + step] = lambda: word(0)
-    wired["Y", SYSTEM_STATUS_2 + step] = lambda: word(1)
-    wired["Y", SYSTEM_STATUS_1 + step] = lambda: word(2)
+    wired["X", SYSTEM_STATUS_1 + step] = lambda _: system_word_1(system)
+    wired["Y", SYSTEM_STATUS_2 + step] = lambda wanted: system_word_2(system, machine.now, wanted)
+    wired["Y", SYSTEM_STATUS_1 + step] = lambda _: system_word_3(system)

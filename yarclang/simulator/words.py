@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from yarclang.pmac.defaults import MOTORS, SYSTEMS
 from yarclang.pmac.errors import DATA
 from yarclang.simulator.expressions import Condition, Data, Reader
 from yarclang.simulator.reply import Refusal
@@ -336,10 +337,17 @@ def _plc_word(reader: Reader) -> Statement | None:
     motor = system = None
     while not reader.ended and reader.rest[0] in "#&":
         if reader.takes("#"):
-            motor = reader.whole()
+            motor = _address(reader, MOTORS)
         elif reader.takes("&"):
-            system = reader.whole()
+            system = _address(reader, SYSTEMS)
     return Address(motor, system)
+
+
+def _address(reader: Reader, largest: int) -> int:
+    number = reader.whole()
+    if not 1 <= number <= largest:
+        raise Refusal(DATA)
+    return number
 
 
 def _motion_word(reader: Reader) -> Statement | None:

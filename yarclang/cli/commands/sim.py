@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from yarclang.cli.options import _robots as complete_robots
 
 if TYPE_CHECKING:
     from yarclang.simulator.faults import Fault
     from yarclang.simulator.machine import Machine
     from yarclang.simulator.server import SimulatorServer
+
+
+_LOOK = 0.2
+"""How often to look for words that aren't simulated [s]."""
 
 
 class _Rate(click.ParamType[float | None]):
@@ -20,13 +27,18 @@ class _Rate(click.ParamType[float | None]):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
         if not isinstance(value, str):
             return value  # type: ignore[no-any-return]  # converted already
-        if value == "max":
+        word = value.lower()
+        if word == "max":
             return None
-        if value == "real":
+        if word == "real":
             return 1.0
-        from yarclang.cli.options import PositiveNumber
-
-        return PositiveNumber("N").convert(value, param, ctx)
+        try:
+            rate = float(value)
+        except ValueError:
+            rate = math.nan
+        if not 0.0 < rate < math.inf:
+            self.fail(f"{value!r} is neither real nor max nor a positive number", param, ctx)
+        return rate
 
 
 class _Fault(click.ParamType["Fault"]):
@@ -45,11 +57,40 @@ class _Fault(click.ParamType["Fault"]):
             self.fail(str(error), param, ctx)
 
 
-@click.command("sim")
+class _Address(click.ParamType[str]):
+    """An address or a name; the empty one would be all addresses, which nobody means."""
+
+    name = "ADDRESS"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if not str(value).strip():
+            self.fail("it is empty; all addresses are 0.0.0.0", param, ctx)
+        return str(value).strip()
+
+
+_FAULTS = """\b
+Faults:
+  drop@12.5       close all connections, 12.5 s after the start
+  freeze@3:2      answer nothing from 3 s on, for 2 s (without :2 for ever)
+  slow:0.02       each reply 0.02 s late; slow:0.005-0.02 by chance
+  garble:0.001    one reply of 1000 has a wrong byte
+  busy@4:1        answer lines with a NUL, and don't execute them, for 1 s
+  reset@7         what $$$ does
+  following@5:3   motor 3 is 100000 counts off; following@5:3,2500: 2500
+  limit@5:2+      the positive limit switch of motor 2 is on; 2- the negative
+  amplifier@6:1   the amplifier of motor 1 fails
+
+Times are the machine's, in s. @line120 instead of one: when 120 program lines have been written (WRITEBUFFER). Switches stay
+on and amplifiers stay bad until $$$.
+"""
+
+
+@click.command("sim", epilog=_FAULTS)
 @click.option(
     "--robot",
     metavar="NAME|PATH",
-    help="Start commissioned for this robot: its settings loaded, homed, standing at HOME "
+    shell_complete=complete_robots,
+    help="Start commissioned for this robot: its settings loaded and saved, homed, closed-loop, standing at HOME "
     "(default: a bare controller as after $$$***).",
 )
 @click.option(
@@ -61,9 +102,10 @@ class _Fault(click.ParamType["Fault"]):
 )
 @click.option(
     "--host",
+    type=_Address(),
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on. Others than loopback let the network in.",
+    help="Where to listen. Other addresses than loopback let the network in.",
 )
 @click.option(
     "--rate",
@@ -71,28 +113,33 @@ class _Fault(click.ParamType["Fault"]):
     metavar="real|N|max",
     default="real",
     show_default=True,
-    help="How fast time passes: real time, N times as fast, or as fast as it goes.",
+    help="How fast time passes: real time, N times as fast (if the computer can), or as fast as it goes.",
 )
 @click.option(
     "--fault",
     "faults",
     type=_Fault(),
     multiple=True,
-    help="Something that goes wrong, such as drop@12.5, freeze@3:2, slow:0.02, garble:0.001, busy@4:1, reset@7, "
-    "following@5:3, limit@5:2+, amplifier@6:1; the number behind @ is the machine's time in s, @line120 a number of "
-    "program lines. May be given several times.",
+    help="What goes wrong, and when: see below. May be given several times.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of what faults do at random.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of what faults do by chance.")
 def command(
     robot: str | None, port: int, host: str, rate: float | None, faults: tuple[Fault, ...], seed: int
 ) -> None:
-    """Be a Turbo PMAC on a TCP port until Ctrl-C."""
+    """Be a Turbo PMAC on a TCP port until Ctrl-C.
+
+    Standard error tells when a fault begins, and what a program's words that aren't simulated do.
+    """
     import asyncio
 
     from yarclang.simulator.server import SimulatorServer
 
     machine, what = _machine(robot)
-    server = SimulatorServer(machine, host=host, port=port, rate=rate, faults=faults, seed=seed)
+
+    def tell(text: str) -> None:
+        click.echo(f"{machine.now:.3f} s: {text}", err=True)
+
+    server = SimulatorServer(machine, host=host, port=port, rate=rate, faults=faults, seed=seed, tell=tell)
     try:
         asyncio.run(_serve(server, what))
     except KeyboardInterrupt:
@@ -118,13 +165,14 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
 
 
 async def _serve(server: SimulatorServer, what: str) -> None:
+    import asyncio
+
     from yarclang.simulator.server import is_loopback
 
     try:
         await server.start()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise click.ClickException(f"can't listen on {server.host}:{server.port}: {reason}") from None
+        raise click.ClickException(f"can't listen on {_place(server)}: {_reason(error)}") from None
     if not is_loopback(server.host):
         click.echo(
             f"warning: {server.host} can be reached over the network, and the protocol has no password: "
@@ -134,8 +182,39 @@ async def _serve(server: SimulatorServer, what: str) -> None:
     rate = "as fast as it goes" if server.rate is None else f"{server.rate:g} times real time"
     if server.rate == 1.0:
         rate = "real time"
-    click.echo(f"{what} listens on {server.host}:{server.port}, {rate}; Ctrl-C stops it")
+    click.echo(f"{what} listens on {_place(server)}, {rate}; Ctrl-C stops it")
+    watching = asyncio.create_task(_watch(server))
     try:
         await server.serve()
     finally:
+        watching.cancel()
         await server.close()
+
+
+async def _watch(server: SimulatorServer) -> None:
+    """Tell once of each word of a program that does something else here than on a controller, or nothing."""
+    import asyncio
+
+    told: set[str] = set()
+    while True:
+        for word in [word for word in server.machine.unknown_words if word not in told]:
+            told.add(word)
+            does = "runs as LINEAR" if word.startswith("CIRCLE") else "does nothing"
+            server.tell(f"{word} {'runs as SPLINE1' if word == 'SPLINE2' else does} here")
+        await asyncio.sleep(_LOOK)
+
+
+def _place(server: SimulatorServer) -> str:
+    """Address and port, as they are written together."""
+    host = f"[{server.host}]" if ":" in server.host else server.host
+    return f"{host}:{server.port}"
+
+
+def _reason(error: OSError) -> str:
+    """Why an address can't be listened on, without the address (asyncio puts it into the text)."""
+    import os
+    import socket
+
+    if isinstance(error, socket.gaierror) or not error.errno:
+        return (error.strerror or str(error)).lower()
+    return os.strerror(error.errno).lower()

@@ -135,19 +135,30 @@ class Stream:
             if moving and feed.runs_low(now, self.rate):
                 yield from self._low_water()
             elif moving and now >= due.lines and (feed.left == 0 or not feed.worthwhile(now, self.rate)):
-                yield from self._ask_lines()
+                yield from self._promptly(self._ask_lines())
                 if feed.at_most == 0 and feed.left == 0:
                     return
             elif feed.worthwhile(now, self.rate):
-                yield from self._write()
+                yield from self._promptly(self._write())
             elif now >= due.positions:
-                yield from self._ask_positions()
+                yield from self._promptly(self._ask_positions())
             elif now >= due.status:
-                yield from self._ask_status()
+                yield from self._promptly(self._ask_status())
             elif now >= due.lines:
-                yield from self._ask_lines()
+                yield from self._promptly(self._ask_lines())
             else:
                 yield Wait(min(due.positions, due.lines, due.status))
+
+    def _promptly(self, script: Script[None]) -> Script[None]:
+        """Carry a script out; an order is obeyed before its next request, not behind its last."""
+        outcome = None
+        while True:
+            try:
+                action = script.send(outcome)
+            except StopIteration:
+                return
+            yield from self._obey()
+            outcome = yield action
 
     def _write(self) -> Script[None]:
         packet = self.feed.packet()
@@ -281,6 +292,8 @@ class Stream:
             operation.remark("the guard PLC had held the motion: the buffer had run low", warning=True)
             yield from operation.ask(f"{ARMED}=1")
         yield from operation.ask("OPEN ROT")
+        if operation.urgent():
+            return
         yield from operation.ask("R")
         operation.go(Event.RESUME)
 

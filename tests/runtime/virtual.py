@@ -1,12 +1,50 @@
 """The runtime against the simulator in virtual time: no socket, no clock. A reply takes as long as the test says."""
 
-from collections.abc import Callable
+import random
+from dataclasses import dataclass
+from functools import cache
 
+import numpy as np
+from programs import compiled
+from scipy.spatial import cKDTree
+from simulator.machines import EXAMPLES, robot_machine
+
+from yarclang.pipeline.jobs import items_of, job_of_text
+from yarclang.pipeline.parts import approach
+from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.runtime.actions import Connect, Connected, Unreachable, Wait
-from yarclang.runtime.messages import Late
+from yarclang.runtime.messages import Ask, AskControl, Control, Late, Request, Violation, Write, Written
+from yarclang.runtime.notices import Abort, Changed, Remark
 from yarclang.runtime.operation import Operation
-from yarclang.runtime.protocol import Connection
+from yarclang.runtime.performance import connect, look, perform
+from yarclang.runtime.protocol import GREETING, Connection
+from yarclang.runtime.state import State
 from yarclang.simulator.ethernet import PacketReader, Station
+from yarclang.simulator.faults import Troubles, parse_fault
+
+REPLY_TIME = 1.0
+SPY = 9
+"""A port of the machine that nobody else uses."""
+
+SHORT = """P0010 MOVEJ_LSPB 20 -10 10 0 20 0 [1.5] (deg,s)
+P0020 MOVEJ_LSPB 10 5 -10 10 0 -20 [1.5] (deg,s)
+P0030 MOVEJ_POLY5 0 0 0 0 0 0 [1.5] (deg,s)
+"""
+"""Three motions of INDUSTRIAL6, back to where they begin."""
+
+
+@dataclass(frozen=True)
+class Sent:
+    """One request: when it went out, when its event came, and how the world was then.
+
+    `moving` and `stores` (a rotary is open on the port) aren't looked at where the request is one that never matters.
+    """
+
+    time: float
+    request: Request
+    state: State
+    moving: bool
+    stores: bool
 
 
 class World:
@@ -14,27 +52,49 @@ class World:
 
     Args:
         machine: the simulator.
-        delay: seconds that each exchange takes; called for each.
-        reachable: whether a new connection can be made, called with the time.
+        delay: seconds that each exchange takes; called for each. Or the largest, with all below as likely.
+        seed: of what is random.
+        faults: as `yarc sim --fault` takes them; their times count from now on.
+
+    Attributes:
+        operation: the run's.
+        at: (time, function): what shall happen.
+        told: all notices.
+        sent: all requests.
+        spoil: a function of request and reply that gives another reply.
+        reachable: whether a connection can be made and lasts, called with the time.
+        stall_at: when the host stands still, and for how long [s].
     """
 
-    def __init__(self, machine, delay: Callable[[], float] = lambda: 0.0005, reachable=lambda now: True):
+    def __init__(self, machine, delay=0.0005, seed=0, faults=()):
         self.machine = machine
         self.operation = Operation()
-        self.delay = delay
-        self.reachable = reachable
+        self.random = random.Random(seed)
+        self.delay = delay if callable(delay) else lambda: self.random.uniform(0.0, delay)
         self.now = machine.now
-        self.at = []  # (time, function), what shall happen
+        self.at = []
         self.told = []
-        self.requests = 0
-        self.drop_until = -1.0
+        self.sent = []
+        self.spoil = lambda request, reply: reply
+        self.reachable = lambda now: True
+        self.stall_at = []
+        self.troubles = Troubles(machine)
+        self.spoil_by(*faults)
         self._station = self._connection = self._reader = None
 
-    def perform(self, script, until=1e9):
+    def spoil_by(self, *faults):
+        """From now on, these troubles; `@` counts from now."""
+        self.troubles = Troubles(self.machine, [parse_fault(_later(text, self.now)) for text in faults])
+
+    # what a test does
+
+    def perform(self, script, within=600.0):
         """Carry a script out."""
-        outcome = None
+        outcome, until = None, self.now + within
         while True:
             assert self.now < until, "it takes too long"
+            while self.stall_at and self.stall_at[0][0] <= self.now:
+                self._pass(self.now + self.stall_at.pop(0)[1])
             self.operation.now = self.now
             try:
                 action = script.send(outcome)
@@ -53,6 +113,66 @@ class World:
                 case _:
                     outcome = self._exchange(action)
 
+    def order(self, order, after):
+        """Give an order in so many seconds."""
+        self.at.append((self.now + after, lambda: self.operation.orders.append(order)))
+
+    def do(self, function, after):
+        """Call a function in so many seconds."""
+        self.at.append((self.now + after, function))
+
+    def say(self, line):
+        """A line from another terminal; it must be taken."""
+        reply = self.machine.command(line, SPY)
+        assert reply.error is None, (line, reply)
+        return reply.items
+
+    def prepare(self, robot):
+        """Connect and look; all must be well."""
+        self.perform(connect(self.operation))
+        found = self.perform(look(self.operation, robot, items_of(robot)))
+        assert not found.errors, found.errors
+        return found
+
+    def approach(self, robot, there):
+        """Move to where a program begins."""
+        made = approach(robot, from_counts(robot, self.stands(robot)), there)
+        job = job_of_text(made.value.text, robot, "approach").value
+        return self.perform(perform(self.operation, job))
+
+    # what a test looks at
+
+    def stands(self, robot):
+        """Commanded positions (n,) [counts]."""
+        return self.machine.positions(motors=robot.controller.motors)
+
+    @property
+    def moving(self):
+        """Whether a motor has a desired velocity."""
+        words = self.machine.control(2, SPY).items[0].split()
+        return not all(int(word, 16) >> 24 & (1 << 13 | 1 << 18) for word in words)
+
+    @property
+    def states(self):
+        """All states that were told, in order."""
+        return [notice.state for notice in self.told if isinstance(notice, Changed)]
+
+    @property
+    def words(self):
+        """All that was told in words."""
+        return "\n".join(
+            getattr(notice, "text", None) or notice.why
+            for notice in self.told
+            if isinstance(notice, Changed | Remark)
+        )
+
+    @property
+    def asked(self):
+        """All lines that were asked."""
+        return [sent.request.line for sent in self.sent if isinstance(sent.request, Ask)]
+
+    # the wire
+
     def _connect(self):
         if not self.reachable(self.now):
             return Unreachable("the cable is out")
@@ -61,25 +181,76 @@ class World:
         return Connected()
 
     def _exchange(self, request):
-        self.requests += 1
+        self._note(request)
         connection = self._connection
         if connection is None or connection.lost:
-            from yarclang.runtime.messages import Violation
-
             return Violation(request, "there is no connection")
-        data = connection.send(request, self.now, 1.0)
+        data = connection.send(request, self.now, REPLY_TIME)
         while True:
-            if self.now < self.drop_until or not self.reachable(self.now):
-                self._pass(self.now + 1.0)
-                events = connection.check(self.now)
-                assert isinstance(events[0], Late)
-                return events[0]
-            replies = b"".join(self._station.answer(packet) for packet in self._reader.receive(data))
-            self._pass(self.now + self.delay())
-            events = connection.receive(replies, self.now)
+            events = self._round_trip(request, data)
             data = connection.outgoing()
             if events:
-                return events[0]
+                break
+        event = events[0]
+        if isinstance(event, Late | Violation) and self.operation.state in (State.MOVE, State.HOLD):
+            self._last_words()
+        return event
+
+    def _round_trip(self, request, data):
+        """The events of one packet and its reply."""
+        connection, delay = self._connection, self.delay()
+        there = delay * self.random.random()
+        if self._dead() or delay >= REPLY_TIME:
+            self._pass(self.now + min(there, REPLY_TIME))
+            if not self._dead():
+                self._answers(request, data)
+            self._pass(max(connection.deadline, self.now))
+            return connection.check(self.now)
+        self._pass(self.now + there)
+        reply, late = self._answers(request, data)
+        if self.troubles.dropped():
+            return connection.close()
+        self._pass(self.now + delay - there + late)
+        if self.troubles.dropped():
+            return connection.close()
+        if self.now >= connection.deadline or self._dead():
+            self._pass(max(connection.deadline, self.now))
+            return connection.check(self.now)
+        return connection.receive(reply, self.now)
+
+    def _dead(self):
+        return self.troubles.frozen or not self.reachable(self.now)
+
+    def _answers(self, request, data):
+        packets = self._reader.receive(data)
+        if self.troubles.busy and isinstance(request, Ask):
+            return self.troubles.spoil(b"\x00")
+        reply = b"".join(self._station.answer(packet) for packet in packets)
+        reply, late = self.troubles.spoil(self.spoil(request, reply))
+        self.troubles.lines_written(self._station.take_lines())
+        return reply, late
+
+    def _last_words(self):
+        """As the session does."""
+        character = "\x01" if Abort() in self.operation.orders else "\x0f"
+        data = Connection().last_words(character)
+        if not self._dead():
+            for packet in PacketReader().receive(data):
+                self._station.answer(packet)
+
+    def _note(self, request):
+        harmless = isinstance(request, Write) or (
+            request in (Ask("PR"), AskControl("\x02"), AskControl("\x10"), AskControl("\x06"))
+        )
+        self.sent.append(
+            Sent(
+                self.now,
+                request,
+                self.operation.state,
+                not harmless and self.moving,
+                not harmless and bool(int(self.machine.command("???", SPY).items[0], 16) >> 40 & 1),
+            )
+        )
 
     def _pass(self, until, wakes=False):
         """Let time pass; what shall happen happens on its way, and an order ends a wait."""
@@ -98,5 +269,120 @@ class World:
 
     def _advance(self, until):
         if until > self.now:
-            self.machine.advance(until - self.now)
+            self.troubles.advance(until - self.now)
             self.now = until
+
+
+def _later(text, now):
+    """A fault whose time counts from `now`."""
+    head, at, rest = text.partition("@")
+    if not at or rest.startswith("line"):
+        return text
+    when, colon, values = rest.partition(":")
+    return f"{head}@{float(when) + now:.9f}{colon}{values}"
+
+
+@cache
+def prepared(text=SHORT, robot="INDUSTRIAL6", **request):
+    """The job of a program and its plan."""
+    value, found = compiled(text, robot, **request)
+    assert value is not None, found
+    return job_of_text(value.text, value.plan.robot, "test").value, value.plan
+
+
+@cache
+def example_of(robot, **request):
+    """The job of the example of a robot, and its plan."""
+    from conftest import EXAMPLES as FOLDER
+
+    return prepared((FOLDER / f"{EXAMPLES[robot]}.yarc").read_text(), robot, **request)
+
+
+def world_of(job, *, record=False, prepare=True, stand=True, **options):
+    """A world whose robot stands at a job's start, looked at; and its recorder, if it has one."""
+    robot, machine = robot_machine(job.robot.name, record)
+    world = World(machine, **options)
+    if stand:
+        place_at(world, robot, job.start)
+    if prepare:
+        world.prepare(robot)
+    return world
+
+
+def place_at(world, robot, joints):
+    """Put the robot somewhere, by jogs."""
+    for motor, counts in zip(robot.controller.motors, to_counts(robot, joints), strict=True):
+        world.say(f"#{motor}J={counts:.6f}")
+    while world.moving:
+        world.machine.advance(0.1)
+    world.now = world.machine.now
+
+
+class PlannedPath:
+    """Where a plan leads, as a fine polyline in counts."""
+
+    def __init__(self, plan, step=1e-3):
+        times = np.arange(0.0, plan.duration + step, step)
+        joints, _, _ = plan.sample(np.minimum(times, plan.duration))
+        self._points = np.stack([to_counts(plan.robot, q) for q in joints])
+        self._tree = cKDTree(self._points)
+
+    def distance(self, counts):
+        """The largest distance of points (N, n) from the path, in counts of any motor."""
+        counts = np.atleast_2d(counts)
+        _, nearest = self._tree.query(counts)
+        best = np.full(len(counts), np.inf)
+        for first in (nearest - 1, nearest):
+            begin = self._points[np.clip(first, 0, len(self._points) - 2)]
+            way = self._points[np.clip(first, 0, len(self._points) - 2) + 1] - begin
+            length = np.maximum((way**2).sum(axis=1), 1e-12)
+            share = np.clip(((counts - begin) * way).sum(axis=1) / length, 0.0, 1.0)
+            best = np.minimum(best, np.abs(counts - begin - share[:, None] * way).max(axis=1))
+        return float(best.max())
+
+
+def moved_along(world, job, plan, since, step=0.01):
+    """How far off its path the robot has been since a time [counts]."""
+    times = np.arange(since, world.machine.now, step)
+    return PlannedPath(plan).distance(world.machine.positions(times, job.robot.controller.motors))
+
+
+def well_behaved(world):
+    """What holds for every run: no line too many, nothing forbidden in motion, nothing that an open rotary would store."""
+    for sent in world.sent:
+        match sent.request:
+            case Ask(line=line):
+                asks_while_storing = line in ("PR", "R", "CLOSE", "CLOSE ALL", "CLEAR") or _is_harmless(line)
+                assert not sent.stores or asks_while_storing, sent
+                assert not sent.moving or line == "PR" or line == GREETING or _is_harmless(line), sent
+            case Control(character=character):
+                assert character in "\x01\x0f\x0c", sent
+            case AskControl(character=character):
+                assert character in "\x02\x06\x10", sent
+            case Write(lines=lines):
+                assert sum(len(line) + 1 for line in lines) <= 1024, sent
+
+
+def _is_harmless(line):
+    """Status, H, %, and which motors are reported."""
+    system = line.lstrip("&0123456789")
+    return system in ("??", "H") or line.startswith(("%", "##"))
+
+
+def refusals(world, function):
+    """Collect what a world's WRITEBUFFERs were refused with, while a function runs."""
+    found = []
+    exchange = world._exchange
+
+    def noted(request):
+        event = exchange(request)
+        if isinstance(event, Written) and event.error is not None:
+            found.append(event)
+        return event
+
+    world._exchange = noted
+    try:
+        return function(), found
+    finally:
+        world._exchange = exchange
+

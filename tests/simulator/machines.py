@@ -6,7 +6,8 @@ from programs import compiled
 
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.robot.description import load_robot
-from yarclang.simulator.machine import Machine, commissioned
+from yarclang.simulator.commissioning import commissioned
+from yarclang.simulator.machine import Machine
 from yarclang.simulator.recorder import Recorder
 
 EXAMPLES = {"INDUSTRIAL6": "01_listing4", "TRACKED_MANIPULATOR": "03_differential_wrist"}

@@ -309,9 +309,13 @@ def test_single_step():
 
 
 @pytest.mark.parametrize(
-    ("pause", "go_on"), [("H", "R"), ("%0", "%100"), ("%50", "%100")], ids=["hold", "override 0", "override 50"]
+    ("pause", "go_on"),
+    [("H", "R"), ("%0", "%100"), ("%50", "%100")],
+    ids=["hold", "override 0", "override 50"],
 )
-@pytest.mark.parametrize("move", ["RAPID X100", "LINEAR TA20 TS0 TM5000 X100", "SPLINE1 TM2000|X50|X100|X150"])
+@pytest.mark.parametrize(
+    "move", ["RAPID X100", "LINEAR TA20 TS0 TM5000 X100", "SPLINE1 TM2000|X50|X100|X150"]
+)
 def test_a_limit_stops_behind_a_pause(move, pause, go_on):
     machine = bare("1000X")
     say(machine, "I113=50000 I115=2 I116=30")
@@ -343,6 +347,45 @@ def test_a_limit_counts_from_when_it_is_set(start):
     say(machine, "I113=50000", "I113=60000")
     machine.advance(10)
     assert 60000 <= machine.positions()[0] < 61000
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_axes_may_be_defined_between_programs(held):
+    machine = bare("1000X", "1000Y")
+    program(machine, "X1Y1")
+    say(machine, "I300=1", "#3J/", "B1R")
+    machine.advance(5)
+    if held:
+        say(machine, "H")
+        machine.advance(5)
+    say(machine, "#3->10Z", "B1")
+    program(machine, "X2Y3Z4")
+    say(machine, "B1R")
+    machine.advance(5)
+    assert list(machine.positions()) == [2000, 3000, 40]
+
+
+def test_a_jog_in_a_hold_is_not_cut_off():
+    """A pause that ends in a hold waits for R before the next move begins."""
+    machine = bare("1000X")
+    say(machine, "I122=10 I119=1 I120=0 I121=0 I5195=100000")
+    program(machine, "LINEAR TA10TS0 TM100", "X1", "DWELL1000", "X5")
+    say(machine, "B1R")
+    machine.advance(0.5)
+    say(machine, "H")
+    machine.advance(0.1)
+    say(machine, "J+")
+    machine.advance(3)
+    assert machine.motors[1].place(machine.now)[1] == 10e3
+    say(machine, "J/")
+    machine.advance(1)
+    assert error(machine, "R") == 17
+    say(machine, "J=")
+    machine.advance(10)
+    assert machine.positions()[0] == 1000
+    say(machine, "R")
+    machine.advance(5)
+    assert machine.positions()[0] == 5000
 
 
 def test_jogs():

@@ -19,7 +19,7 @@ from simulator.machines import (
 
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import from_counts, to_counts
-from yarclang.simulator.machine import stand
+from yarclang.simulator.commissioning import stand
 
 
 def at_start(name, target, off=0.0, **request):
@@ -137,7 +137,7 @@ def test_guard_holds_on_the_path_when_the_host_is_silent():
     machine.advance(20)
     assert say(machine, ARMED) == ("2",)
     held = machine.positions()
-    assert machine.systems[1].held_at is not None
+    assert machine.systems[1].drive.held_at is not None
     # on the path: between two samples of the plan
     q = from_counts(robot, held)
     plan = value.plan
@@ -239,7 +239,7 @@ def test_endless_loops_do_not_hang():
     machine = run("WHILE(1=1)", "RAPID X0", "ENDWHILE", seconds=1.0)
     assert machine.systems[1].running
     machine = run("N1", "GOSUB1", seconds=1.0)
-    assert machine.systems[1].run_time_error
+    assert machine.systems[1].ahead.run_time_error
 
 
 def test_send_and_cmd():
@@ -253,6 +253,30 @@ def test_unknown_words_are_reported():
     machine = run("CC1 NORMAL K-1 TSEL1 ADIS(5) S100 CIRCLE1 X1Y1 I5 J2", 'DISPLAY"x"', "LINEAR X2")
     assert set(machine.unknown_words) == {"CC", "NORMAL", "TSEL", "ADIS", "S", "CIRCLE1", "DISPLAY"}
     assert machine.positions()[0] == pytest.approx(2000)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "X(P(P1))",
+        "P2=P(P1)",
+        "IF(P(P1)=0)X1",
+        "DWELL(P(P1))",
+        "M1==P(P1)",
+        "CALL(P(P1))",
+        "PSET X(P(P1))",
+        "P(P(P1))=1",
+    ],
+)
+@pytest.mark.parametrize("before", [(), ("X1", "X2", "X3")], ids=["at once", "later"])
+def test_a_variable_that_does_not_exist_ends_the_program(line, before):
+    machine = bare("1000X")
+    program(machine, "LINEAR TA10TS0 TM100", *before, "P1=9000", line, "X5")
+    say(machine, "B1R")
+    machine.advance(5)
+    assert machine.systems[1].ahead.run_time_error
+    assert not machine.systems[1].busy
+    assert machine.positions()[0] == pytest.approx(1000 * len(before))
 
 
 def test_codes_call_their_programs():
@@ -323,6 +347,24 @@ def test_plc_addresses_what_there_is(address):
     assert error(machine, f"ADDRESS{address}") == 3
 
 
+def test_cmd_sends_control_characters():
+    """A program stops motors with CMD^A; what isn't a control character does nothing."""
+    machine = bare("X")
+    for word in ('CMD"^"', 'CMD"^AB"', "CMD^A", 'CMD"^A"'):
+        say(machine, "I122=10 I120=0 I121=0 #1J+")
+        machine.advance(1)
+        program(machine, word)
+        plc(machine, 1, word, "DISABLE PLC 1")
+        say(machine, "I5=2")
+        machine.advance(1)
+        assert machine.motors[1].jogging == (word in ('CMD"^"', 'CMD"^AB"'))
+    machine = bare("1000X")
+    program(machine, "LINEAR TA10TS0 TM1000", "X1", "X2", "CMD^A", "X3")
+    say(machine, "B1R")
+    machine.advance(5)
+    assert machine.positions()[0] < 2000
+
+
 @pytest.mark.parametrize("order", ["$$$", "$$$***", "CLOSE ALL"])
 def test_cmd_resets(order):
     """What CMD has queued behind a reset is lost with all that ran."""
@@ -346,4 +388,4 @@ def test_an_hour_keeps_memory():
     say(machine, "B1R")
     machine.advance(3600)
     assert machine.systems[1].busy
-    assert len(machine.systems[1].steps) < 5
+    assert len(machine.systems[1].ahead.steps) < 5

@@ -10,7 +10,7 @@ from tests.simulator.serving import Client, served
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.protocol import Ask, AskControl, Control, Violation, Write, Written, fitting
-from yarclang.simulator.machine import commissioned
+from yarclang.simulator.commissioning import commissioned
 
 AWAY = "P0010 MOVEJ 10 -20 15 5 6 7 [2] (deg,s)\n"
 

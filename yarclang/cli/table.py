@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from yarclang.certify.certificate import Certificate, CommandCertificate, Load, bound_text
 from yarclang.units import DEG, MM
+
+if TYPE_CHECKING:
+    from yarclang.runtime.inspection import Checked
 
 _HEAD = (
     "command",
@@ -58,3 +62,18 @@ def _row(command: CommandCertificate) -> Iterator[str]:
 
 def _load(load: Load) -> str:
     return f"{load.name} {load.share * 100:.0f}%" if load.name else "-"
+
+
+_VERDICTS = {"ok": "ok", "warning": "warning", "error": "ERROR"}
+
+
+def checked_table(checked: Sequence[Checked]) -> str:
+    """What was looked at on a controller: what, found, wanted, and the remedy where they differ."""
+    lines = []
+    for verdict, one in ((_VERDICTS[one.verdict], one) for one in checked):
+        lines.append(f"{verdict:<8} {one.subject}: {one.found}")
+        if verdict != "ok":
+            lines.append(f"         wanted: {one.wanted}")
+            if one.remedy:
+                lines.append(f"         help: {one.remedy}")
+    return "\n".join(lines)

@@ -11,11 +11,19 @@ from yarclang import __version__
 _COMMANDS = {
     "check": "Check programs without writing anything.",
     "completion": "Print the shell's completion script.",
+    "doctor": "Look at a controller before a program is run.",
     "explain": "Explain a finding's code.",
+    "hold": "Hold a run on its path.",
+    "override": "Change a run's speed.",
     "plot": "Draw a program's motion.",
+    "replay": "Show a recorded run as it happened.",
+    "resume": "Go on behind a hold.",
     "robots": "List the robots of the standard library.",
+    "run": "Run a program on a controller, or simulated.",
     "settings": "Print the controller's settings for a robot.",
-    "sim": "Be a Turbo PMAC on a TCP port.",
+    "sim": "Simulate a Turbo PMAC on a TCP port.",
+    "status": "Say how a run is going, or a controller is.",
+    "stop": "End a run, or whatever a controller does.",
 }
 
 

@@ -19,6 +19,7 @@ FAMILIES = {
     "11": "controller and certificate",
     "12": "style",
     "13": "robot and settings files",
+    "14": "logs of runs",
 }
 """The families of the codes by their two digits."""
 

@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
 from yarclang.runtime.job import Job
 from yarclang.runtime.packets import fitting
+
+IntArray: TypeAlias = npt.NDArray[np.intp]
 
 AHEAD = 2
 """Moves that are calculated before they are executed (TUM 339)."""
@@ -16,7 +23,7 @@ class Feed:
     """The way of a job's lines into the rotary.
 
     What lies in the buffer is known from `PR` alone, and only for the moment of its reply. Between two of them there are two
-    bounds: at most what was there and what was sent since; at least that, less what can have been executed.
+    bounds: at most what was there and what was sent since; at least that, less what can have been executed, at 100 %.
 
     Attributes:
         sent: lines that the controller has taken.
@@ -29,9 +36,12 @@ class Feed:
         self._sent_then = 0
         self._then = 0.0
         self._asked_then = 0.0
+        self._moves = _moves(job)
         margin = max(2, round(_LATE / job.segment))
         self.low = min(job.low + margin, max(job.low + 1, (job.low + job.full) // 2))
         """Fewer lines ahead than these are too few: sooner than the guard PLC finds."""
+        self.plenty = (job.full + job.capacity) // 2
+        """With fewer lines ahead than these, nothing else is as important as more."""
 
     @property
     def left(self) -> int:
@@ -48,10 +58,18 @@ class Feed:
         """Lines ahead, if nothing was executed since `PR`."""
         return self._ahead + self.sent - self._sent_then
 
-    def at_least(self, now: float, rate: float = 1.0) -> int:
-        """Lines ahead, if the controller executed all it can since `PR`; `rate` is 1 at 100 % override, 0 in a hold."""
-        executed = (now - self._asked_then) * rate / self.job.segment
-        return max(0, self.at_most - int(executed) - 1) if executed > 0.0 else self.at_most
+    def at_least(self, now: float) -> int:
+        """Lines ahead, if the controller executed all it can since `PR`.
+
+        Each segment takes one more move; two may have been taken ahead at once. What stands between moves takes no time.
+        """
+        if now <= self._asked_then:
+            return self.at_most
+        taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
+        behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
+        if behind > len(self._moves):
+            return 0
+        return max(0, self.sent - int(self._moves[behind - 1]) - 1)
 
     @property
     def heard_at(self) -> float:
@@ -80,14 +98,24 @@ class Feed:
         """The controller has taken so many more."""
         self.sent += count
 
-    def worthwhile(self, now: float, rate: float = 1.0) -> bool:
+    def worthwhile(self, now: float) -> bool:
         """Whether to send a packet now: a full one fits, or the rest of the program does, or few lines are ahead."""
         packet = self.packet()
         if not packet:
             return False
         whole = len(packet) == self.left or len(packet) < self.room
-        return whole or self.at_least(now, rate) < self.job.full
+        return whole or self.at_least(now) < self.job.full
 
-    def runs_low(self, now: float, rate: float = 1.0) -> bool:
+    def hungry(self, now: float) -> bool:
+        """Whether to find out what fits, before anything else."""
+        return self.left > 0 and self.at_least(now) < self.plenty
+
+    def runs_low(self, now: float) -> bool:
         """Whether too few lines are ahead, with more to come, for a program that has begun."""
-        return self.left > 0 and self.at_least(now, rate) < self.low
+        return self.left > 0 and self.at_least(now) < self.low
+
+
+def _moves(job: Job) -> IntArray:
+    """Which lines take time: the last of those that wait for the same instant, but for those before the first motion."""
+    lasts = np.diff(np.append(job.times, job.duration)) > 0.0
+    return np.flatnonzero(lasts & (job.times > 0.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,9 @@ from yarclang.robot.model import Array, Robot
 
 GROUP = 8
 """Motors that one ^P, ^F or ^B reports: which eight, `##n` says (TSRM 259)."""
+
+_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)")
+_HEXADECIMAL = re.compile(r"[0-9A-Fa-f]+")
 
 
 class ReportError(ValueError):
@@ -37,6 +41,11 @@ class MotorStatus:
         """No desired velocity, no move of its own. An open loop has no desired velocity: it isn't moved."""
         still = self.has("desired velocity zero") or self.has("open loop")
         return still and not self.has("abort deceleration") and not self.has("home search in progress")
+
+    @property
+    def faulted(self) -> bool:
+        """Whether the motor itself has failed, or met a limit."""
+        return any(self.has(name) for name in ("amplifier fault", "fatal following error", "stopped on limit"))
 
     @property
     def trouble(self) -> str:
@@ -113,10 +122,9 @@ def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
         ReportError: it isn't eight numbers (a controller with fewer motors: as many as there are).
     """
     values = _items(text, group, motors)
-    try:
-        return {motor: float(values[motor - group]) for motor in motors if group <= motor < group + GROUP}
-    except ValueError:
-        raise ReportError(f"{text!r} isn't a list of positions") from None
+    if not all(_DECIMAL.fullmatch(value) for value in values):
+        raise ReportError(f"{text!r} isn't a list of positions")
+    return {motor: float(values[motor - group]) for motor in motors if group <= motor < group + GROUP}
 
 
 def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, MotorStatus]:
@@ -158,12 +166,9 @@ def _items(text: str, group: int, motors: Sequence[int]) -> list[str]:
 
 
 def _hexadecimal(text: str, digits: int) -> int:
-    if len(text) != digits:
+    if len(text) != digits or not _HEXADECIMAL.fullmatch(text):
         raise ReportError(f"{text!r} isn't a status of {digits} digits")
-    try:
-        return int(text, 16)
-    except ValueError:
-        raise ReportError(f"{text!r} isn't a status of {digits} digits") from None
+    return int(text, 16)
 
 
 def in_order(values: dict[int, float], motors: Sequence[int]) -> Array:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from yarclang.pmac.variables import ARMED, GUARD_PLC
+from yarclang.pmac.variables import ARMED, GUARD_PLC, ROTARY_FULL
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Script, Wait
 from yarclang.runtime.feedback import MotorStatus
@@ -23,8 +24,12 @@ TURBO = ("602404", "602413", "603382")
 _LONGEST_QUESTION = 200
 _GUARD_TIME = 0.5
 _CLOSE_ENOUGH = 1e-6
+_EXACT = 1e-7
+"""Of the counts a unit: over a whole turn it is less than a count."""
+
 _BIT = re.compile(r"(?<=,\d\d),1$|(?<=,\d),1$")
 _NUMBER = re.compile(r"\$[0-9A-F]+|\d+\.?\d*|\.\d+")
+_TERM = re.compile(r"([+-]?)(\d+\.?\d*|\.\d+|(?=[A-Z]))([A-CU-Z]?)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +76,9 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
     Nothing moves. The guard is tried only where all motors are closed-loop and at rest, and no program runs.
     """
+    with contextlib.suppress(Refused):
+        # a buffer that somebody left open on this port would store the questions
+        yield from operation.ask("CLOSE")
     checked = [(yield from _kind(operation))]
     running = yield from _idle(operation, robot)
     checked.append(running)
@@ -164,6 +172,10 @@ def _same_number(found: str, wanted: str) -> bool:
         one, other = number_in(found), number_in(wanted)
     except ValueError:
         return False
+    return _close(one, other)
+
+
+def _close(one: float, other: float) -> bool:
     return abs(one - other) <= _CLOSE_ENOUGH * max(1.0, abs(other))
 
 
@@ -182,25 +194,30 @@ def _same_text(found: str, wanted: str) -> bool:
         return False
     return all(
         a == b
-        or (isinstance(a, float) and isinstance(b, float) and abs(a - b) <= _CLOSE_ENOUGH * max(1.0, abs(b)))
+        or (isinstance(a, float) and isinstance(b, float) and _close(a, b))
         for a, b in zip(one, other, strict=True)
     )
 
 
 def _same_definition(found: str, wanted: str) -> bool:
     """Axis definitions, with the terms in any order, and 1 for a factor that isn't written."""
-    return _terms(found) == _terms(wanted)
+    one, other = _terms(found), _terms(wanted)
+    return one.keys() == other.keys() and all(
+        abs(one[axis] - other[axis]) <= _EXACT * max(1.0, abs(other[axis])) for axis in one
+    )
 
 
 def _terms(text: str) -> dict[str, float]:
+    """Counts by axis, the offset by ''; what isn't a term by itself, so that it is like nothing else."""
     terms: dict[str, float] = {}
-    for sign, number, axis in re.findall(
-        r"([+-]?)(\d+\.?\d*|\.\d+)?([A-CU-Z]?)", re.sub(r"\s", "", text.upper())
-    ):
-        if number or axis:
-            value = float(number or 1.0) * (-1.0 if sign == "-" else 1.0)
-            terms[axis] = float(f"{value:.7g}")
-    return {axis: value for axis, value in terms.items() if axis or value}
+    text = re.sub(r"\s", "", text.upper())
+    for term in re.findall(r"[+-]?[^+-]+", text):
+        if shape := _TERM.fullmatch(term):
+            value = float(shape[2] or 1.0) * (-1.0 if shape[1] == "-" else 1.0)
+            terms[shape[3]] = terms.get(shape[3], 0.0) + value
+        else:
+            terms[term] = 0.0
+    return {axis: value for axis, value in terms.items() if value or axis}
 
 
 def _same_address(found: str, wanted: str) -> bool:
@@ -257,14 +274,18 @@ def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
 
 def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     """Arm the guard PLC while the rotary is empty: it must hold at once. The abort behind it lifts the hold;
-    motors that are closed-loop and at rest don't notice.
+    motors that are closed-loop and at rest don't notice. Lines of a program that nobody runs any more are deleted.
     """
+    system = robot.controller.coordinate_system
     subject = f"guard PLC {GUARD_PLC}"
     wanted = "holds when the rotary runs low"
     remedy = (
         f"without it nobody stops the robot when this computer fails: download `yarc settings {robot.name}`"
     )
     yield from operation.ask("CLOSE ALL")
+    (full,) = yield from operation.numbers(ROTARY_FULL, 1)
+    if full:
+        yield from operation.ask(f"&{system}DELETE ROT")
     yield from operation.ask(f"{ARMED}=1")
     since = operation.now
     value = 1.0
@@ -272,7 +293,7 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
         yield Wait(operation.now + 0.01)
         (value,) = yield from operation.numbers(ARMED, 1)
     yield from operation.ask(f"{ARMED}=0")
-    yield from operation.ask(f"&{robot.controller.coordinate_system}A")
+    yield from operation.ask(f"&{system}A")
     if value == 2.0:
         return Checked(
             subject, f"it held within {max(operation.now - since, 1e-3) * 1e3:.0f} ms", wanted, "ok"

@@ -42,12 +42,13 @@ class Link:
 
 
 def measure(operation: Operation, axes: int) -> Script[Link]:
-    """Measure the link with no buffer open. Writes only to variables P8180 on, which mean nothing.
+    """Measure the link, with no buffer open on this port. Writes only to variables P8180 on, which mean nothing.
 
     Args:
         operation: the run.
         axes: numbers of a move line.
     """
+    yield from operation.ask("CLOSE")
     times = []
     for _ in range(_ASKED):
         begun = operation.now

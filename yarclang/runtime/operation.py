@@ -5,6 +5,8 @@ Whoever drives a script sets `now` before each step. Orders wait here until the 
 
 from __future__ import annotations
 
+import math
+import re
 from collections import deque
 
 from yarclang.pmac.errors import ERRORS
@@ -28,11 +30,19 @@ from yarclang.runtime.state import Event, State, after
 PATIENCE = 2.0
 """How long a controller may be busy with something else [s]."""
 
+URGENT = (Hold, Stop, Abort, Fail)
+"""Orders that don't wait for anything but the reply that is on its way."""
+
 _AGAIN = 0.02
 """When a busy controller is asked again [s]."""
 
 ABORT_ALL = "\x01"
 HOLD_ALL = "\x0f"
+CLOSE_ROTARY = "\x0c"
+
+
+class Interrupted(Exception):  # noqa: N818 - an event that scripts unwind for
+    """An order that can't wait has come: nothing was asked."""
 
 
 class Refused(Trouble):
@@ -53,6 +63,10 @@ class Operation:
         state: see `yarclang.runtime.state`.
         orders: what people want, oldest first.
         notices: what is to be told, oldest first; whoever tells it takes it away.
+        watch: orders that interrupt a script at its next request, so that a stop never waits for more than one reply.
+        patience: how long a controller may be busy [s].
+        override: the pace that people want, 1 at 100 %; it stays from one job to the next.
+        settled: no motor's rest before counts [s]: the time base may still be on its way to 0.
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -60,6 +74,10 @@ class Operation:
         self.state = State.DISCONNECTED
         self.orders: deque[Order] = deque()
         self.notices: deque[Notice] = deque()
+        self.watch: tuple[type[Order], ...] = ()
+        self.patience = PATIENCE
+        self.override = 1.0
+        self.settled = -math.inf
 
     def go(self, event: Event, why: str = "") -> None:
         """Change the state as the table says, and tell it."""
@@ -75,13 +93,14 @@ class Operation:
         """The items of a reply; a busy controller is asked again.
 
         Raises:
+            Interrupted: somebody has ordered what is watched for; the line isn't executed.
             Refused: the controller refuses the line.
             Trouble: it stays busy.
             Lost: the connection is of no use any more.
         """
         since = self.now
-        told = False
         while True:
+            self._give_way()
             event = yield Ask(line)
             match event:
                 case Answer(items=items, error=None):
@@ -89,17 +108,11 @@ class Operation:
                 case Answer(error=int(number)):
                     raise Refused(line, number)
                 case Busy():
-                    if self.now - since > PATIENCE:
+                    if self.now - since > self.patience:
                         raise Trouble(
-                            f"the controller has been busy for {PATIENCE:g} s and doesn't answer {line!r}",
+                            f"the controller has been busy for {self.patience:g} s and doesn't answer {line!r}",
                             "wait for its SAVE or download to end, or look at what else uses it",
                         )
-                    if not told and any(
-                        isinstance(order, Hold | Stop | Abort | Fail) for order in self.orders
-                    ):
-                        # control characters are taken at any time
-                        told = True
-                        yield from self.control(ABORT_ALL if Abort() in self.orders else HOLD_ALL)
                     yield Wait(self.now + _AGAIN)
                 case _:
                     raise Lost(_reason(event))
@@ -126,6 +139,7 @@ class Operation:
 
     def report(self, character: str) -> Script[str]:
         """The line that ^B, ^F or ^P gives."""
+        self._give_way()
         event = yield AskControl(character)
         match event:
             case Answer(items=(text,)):
@@ -141,14 +155,45 @@ class Operation:
 
     def write(self, lines: tuple[str, ...]) -> Script[Written]:
         """Lines by WRITEBUFFER; the event says whether all are in."""
+        self._give_way()
         event = yield Write(lines)
         if not isinstance(event, Written):
             raise Lost(_reason(event))
         return event
 
-    def urgent(self) -> bool:
-        """Whether somebody wants the motion to end."""
-        return any(isinstance(order, Stop | Abort | Fail) for order in self.orders)
+    # stops: they don't give way
+
+    def hold(self, system: int, within: float) -> Script[None]:
+        """H in a coordinate system: its time base goes to 0 on the path, `within` [s]. Where H isn't taken: all hold."""
+        event = yield Ask(f"&{system}H")
+        match event:
+            case Answer(error=None):
+                self.settled = self.now + within
+            case Answer() | Busy():
+                # control characters are taken at any time
+                yield from self.hold_all(within)
+            case _:
+                raise Lost(_reason(event))
+
+    def hold_all(self, within: float) -> Script[None]:
+        """^O, or ^A if somebody wants an abort."""
+        if Abort() in self.orders:
+            yield from self.abort()
+            return
+        yield from self.control(HOLD_ALL)
+        self.settled = self.now + within
+
+    def abort(self) -> Script[None]:
+        """^A: all motors, each by itself."""
+        yield from self.control(ABORT_ALL)
+        self.settled = -math.inf
+
+    def _give_way(self) -> None:
+        if any(isinstance(order, self.watch) for order in self.orders):
+            raise Interrupted
+
+
+_NUMBER = re.compile(r"\$[0-9A-Fa-f]+|[+-]?(?:\d+\.?\d*|\.\d+)")
 
 
 def number_in(text: str) -> float:
@@ -157,6 +202,8 @@ def number_in(text: str) -> float:
     Raises:
         ValueError: it is none.
     """
+    if not _NUMBER.fullmatch(text):
+        raise ValueError(f"{text!r} isn't a number")
     return float(int(text[1:], 16)) if text.startswith("$") else float(text)
 
 

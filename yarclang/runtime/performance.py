@@ -12,8 +12,9 @@ from yarclang.runtime.actions import Connect, Connected, Lost, Script, Stopped, 
 from yarclang.runtime.inspection import Inspection, Item, inspect
 from yarclang.runtime.job import Job
 from yarclang.runtime.link import Link, measure
+from yarclang.runtime.messages import Control
 from yarclang.runtime.notices import Abort
-from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, Operation
+from yarclang.runtime.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIENCE, Interrupted, Operation
 from yarclang.runtime.protocol import GREETING
 from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
 from yarclang.runtime.state import Event, State
@@ -23,6 +24,9 @@ AGAIN_FOR = 10.0
 """How long a lost connection is tried to be made again [s]."""
 
 _AGAIN_EACH = 0.5
+
+_PATIENCE_AT_REST = 10.0
+"""How long a controller may be busy where it is only asked where the robot stands [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +57,7 @@ def connect(operation: Operation) -> Script[None]:
         raise Trouble(outcome.reason, "check the address, the cable, and that the controller is on")
     assert isinstance(outcome, Connected)
     try:
-        yield from operation.ask(GREETING)
+        yield from _greet(operation)
     except Lost as lost:
         raise Trouble(
             f"there is something at that address, but it doesn't answer as a PMAC: {lost}",
@@ -63,16 +67,25 @@ def connect(operation: Operation) -> Script[None]:
         operation.go(Event.CONNECTED)
 
 
+def _greet(operation: Operation) -> Script[None]:
+    """The form of replies; an open rotary, of a run that has died, would store the line instead."""
+    yield from operation.control(CLOSE_ROTARY)
+    yield from operation.ask(GREETING)
+
+
 def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
-    """Look at the controller before anything moves.
+    """Look at the controller before anything moves. Where all is well, a fault is forgotten.
 
     Raises:
         Trouble: it can't be looked at.
     """
     try:
-        return (yield from inspect(operation, robot, items))
+        found = yield from inspect(operation, robot, items)
     except Lost as lost:
         raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
+    if operation.state is State.FAULT and not found.errors:
+        operation.go(Event.CLEAR, "the controller was looked at: all is as it must be")
+    return found
 
 
 def measured(operation: Operation, robot: Robot) -> Script[Link]:
@@ -91,18 +104,25 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
     """Run a job on a controller that was looked at. Whatever happens, the robot is at rest in the end, or it is said that this
     isn't known.
     """
+    if operation.state is not State.STOP:
+        what = f"nothing is begun in state {operation.state.value}"
+        return Ended(False, what, "look at the controller first: `yarc doctor`")
     stream = Stream(operation, job)
     try:
         yield from away_from_start(operation, job)
         yield from stream.run()
     except Stopped as stopped:
         what = "aborted: off its path" if stopped.abort else "stopped on its path"
-        return (yield from _settle(operation, stream, Event.STOP, what, ""))
+        ended = yield from _settle(operation, stream, Event.STOP, what, "")
     except Trouble as trouble:
-        return (yield from _settle(operation, stream, Event.FAULT, trouble.what, trouble.remedy))
+        ended = yield from _settle(operation, stream, Event.FAULT, trouble.what, trouble.remedy)
     except Lost as lost:
-        return (yield from _recover(operation, stream, str(lost)))
-    return Ended(True, joints=job.end, done=job.offset + job.duration)
+        ended = yield from _recover(operation, stream, str(lost))
+    else:
+        return Ended(True, joints=job.end, done=job.offset + job.duration)
+    operation.watch, operation.patience = (), PATIENCE
+    operation.orders.clear()
+    return ended
 
 
 def away_from_start(operation: Operation, job: Job) -> Script[None]:
@@ -136,6 +156,9 @@ def _settle(operation: Operation, stream: Stream, event: Event, what: str, remed
     """Come to rest, and leave the controller in a state that is known."""
     robot = stream.job.robot
     try:
+        if event is Event.FAULT and operation.state is State.MOVE:
+            # better on the path than dry, some lines later
+            yield from operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
         joints = yield from _end_at_rest(operation, robot)
     except Trouble as trouble:
         operation.go(event, what)
@@ -147,14 +170,16 @@ def _settle(operation: Operation, stream: Stream, event: Event, what: str, remed
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array]:
-    """Wait for rest, whatever is ordered meanwhile; end the program; where the robot stands."""
+    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands."""
+    operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
     while True:
         try:
             yield from come_to_rest(operation, robot)
-        except Stopped:
-            continue
-        break
-    operation.orders.clear()
+            break
+        except Interrupted:
+            operation.orders.clear()
+            yield from operation.abort()
+    operation.watch = ()
     yield from leave(operation, robot)
     return (yield from stands_at(operation, robot))
 
@@ -162,15 +187,18 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array]:
 def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
     """The connection is lost: the guard PLC holds the motion when the buffer runs low. Make another connection, hold, and look."""
     operation.go(Event.LOST, why)
+    operation.watch = ()
     robot = stream.job.robot
     until = operation.now + AGAIN_FOR
     what = f"the connection was lost: {why}"
+    # a connection that only told nonsense may still carry it
+    yield Control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
     while True:
         outcome = yield Connect()
         if isinstance(outcome, Connected):
             try:
-                yield from operation.control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
-                yield from operation.ask(GREETING)
+                yield from operation.hold_all(robot.controller.hold_time)
+                yield from _greet(operation)
                 joints = yield from _end_at_rest(operation, robot)
             except Lost as lost:
                 outcome = Unreachable(str(lost))
@@ -219,11 +247,10 @@ def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[
     Returns:
         Where the robot stands (n,) [rad or m].
     """
-    system = robot.controller.coordinate_system
     if abort:
-        yield from operation.control(ABORT_ALL)
+        yield from operation.abort()
     else:
-        yield from operation.ask(f"&{system}H")
+        yield from operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
     joints = yield from _end_at_rest(operation, robot)
     operation.remark(f"the robot stands at {described(robot, joints)}")
     return joints

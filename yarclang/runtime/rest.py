@@ -9,7 +9,7 @@ import numpy as np
 from yarclang.pmac.variables import ARMED, commanded_position, motor_variable
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
+from yarclang.runtime.actions import Lost, Script, Trouble, Wait
 from yarclang.runtime.feedback import (
     MotorStatus,
     ReportError,
@@ -18,8 +18,7 @@ from yarclang.runtime.feedback import (
     statuses_in,
     system_status,
 )
-from yarclang.runtime.notices import Abort
-from yarclang.runtime.operation import ABORT_ALL, Operation
+from yarclang.runtime.operation import Operation
 
 LONGEST = 15.0
 """A robot that hasn't come to rest by then won't [s]."""
@@ -63,21 +62,17 @@ def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
 def come_to_rest(
     operation: Operation, robot: Robot, longest: float = LONGEST
 ) -> Script[tuple[MotorStatus, ...]]:
-    """Wait until no motor has a desired velocity, seen twice.
+    """Wait until no motor has a desired velocity, seen twice, and no hold can still be on its way.
 
     Raises:
         Trouble: one still moves after `longest` [s].
-        Stopped: an abort was ordered meanwhile; it is sent.
     """
     since = operation.now
     seen = 0
     while True:
-        if Abort() in operation.orders:
-            operation.orders.clear()
-            yield from operation.control(ABORT_ALL)
-            raise Stopped(abort=True)
         motors = yield from motor_statuses(operation, robot)
-        seen = seen + 1 if all(motor.at_rest for motor in motors) else 0
+        counts = all(motor.at_rest for motor in motors) and operation.now >= operation.settled
+        seen = seen + 1 if counts else 0
         if seen == 2:
             return motors
         if operation.now - since > longest:
@@ -94,15 +89,19 @@ def come_to_rest(
 
 
 def leave(operation: Operation, robot: Robot) -> Script[None]:
-    """At rest: close all buffers, disarm the guard, end what runs (a starved or held rotary does), 100 % again.
+    """At rest: close all buffers, disarm the guard, end what runs (a starved or held rotary does) and lift a hold, forget the
+    lines that are left, 100 % again.
 
-    A is sent only where a program runs: it would close the loops of motors that were killed.
+    A ends and lifts. It would close the loops of motors that were killed, so that it is left out where one is open and nothing runs.
     """
     system = robot.controller.coordinate_system
     yield from operation.ask("CLOSE ALL")
     yield from operation.ask(f"{ARMED}=0")
-    if (yield from system_words(operation, robot)).running:
+    motors = yield from motor_statuses(operation, robot)
+    words = yield from system_words(operation, robot)
+    if words.running or not any(motor.has("open loop") for motor in motors):
         yield from operation.ask(f"&{system}A")
+    yield from operation.ask(f"&{system}DELETE ROT")
     yield from operation.ask(f"&{system}%100")
 
 

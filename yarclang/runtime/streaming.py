@@ -6,6 +6,8 @@ The rotary is open on our port all the time, so that only what is never stored m
 
 from __future__ import annotations
 
+import contextlib
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +21,7 @@ from yarclang.runtime.feedback import MotorStatus, ReportError, Sample, counts_i
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.messages import Written
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
-from yarclang.runtime.operation import ABORT_ALL, Operation
+from yarclang.runtime.operation import URGENT, Interrupted, Operation
 from yarclang.runtime.rest import come_to_rest, described, leave, motor_statuses, stands_at, system_words
 from yarclang.runtime.state import Event, State
 
@@ -29,13 +31,24 @@ POSITIONS_EACH = 0.04
 STATUS_EACH = 0.1
 """Time between two looks at the status words [s]."""
 
+_STATUS_LATE = 0.4
+"""How late that may be for the sake of the feed [s]."""
+
 _LINES_EACH = 0.05
 _PROGRESS_EACH = 0.25
 _SHARE = 0.7
 """Of the link's capacity that a program may need."""
 
-_SLOWEST_REST = 1.0
-"""At a starved rotary's rest, how long it may take until its end is seen [s]."""
+_SHORTEST_BUFFER = 1.0
+"""Of a program, that a rotary holds at least [s]."""
+
+_STILL = 0.5
+"""How long nothing may move with lines ahead, besides what segments take [s]."""
+
+_LOOK = 0.01
+
+_HELD = 2.0
+"""What the guard PLC puts into its flag when it has held."""
 
 _END = 1.0
 """How far from its end a program may end [counts]."""
@@ -54,9 +67,10 @@ class _Due:
 class Stream:
     """One job on its way through the rotary.
 
+    Orders that can't wait interrupt whatever is being asked (`Operation.watch`): each step can be begun again.
+
     Attributes:
         feed: how far the lines are.
-        rate: the override, 1 at 100 %.
         begun: whether anything has moved.
     """
 
@@ -64,9 +78,12 @@ class Stream:
         self.operation = operation
         self.job = job
         self.feed = Feed(job)
-        self.rate = 1.0
         self.begun = False
+        self._open = False
+        self._refilling = False
+        self._stands: tuple[float, int] | None = None
         self._due = _Due()
+        self._longest = float(np.diff(job.times).max(initial=job.segment))
 
     @property
     def done(self) -> float:
@@ -90,20 +107,42 @@ class Stream:
         operation.go(Event.LOAD, f"loading {self.job.name}")
         yield from self._initialise()
         yield from self._prefill()
-        self.begun = True
-        yield from operation.ask("R")
-        operation.go(Event.BEGIN)
-        yield from self._stream()
-        yield from self._end()
+        operation.watch = URGENT
+        for step in (self._begin, self._stream, self._end):
+            ended = False
+            while not ended:
+                with contextlib.suppress(Interrupted):
+                    yield from self._obey()
+                    ended = yield from step()
+        operation.watch = ()
+        yield from leave(operation, self.job.robot)
+        operation.notices.append(Progress(operation.now, self.job.offset + self.job.duration, 0.0, "", 0))
+        operation.go(Event.END, f"at the end of {self.job.name}, to a count")
 
     # before
 
     def _initialise(self) -> Script[None]:
         """The paper's Listing 3, line by line."""
-        for line in self.job.setup:
+        job = self.job
+        held = job.words // len(job.robot.controller.axes) * job.segment
+        if not job.fits and held < _SHORTEST_BUFFER:
+            raise Trouble(
+                f"the rotary buffer of {job.words} words holds {held:.2f} s of the program: "
+                f"at least {_SHORTEST_BUFFER:g} s are wanted",
+                "compile the program again: yarcc chooses the size",
+            )
+        for line in job.setup:
             yield from self.operation.ask(line)
-        for line in ("OPEN ROT", "CLEAR"):
-            yield from self.operation.ask(line)
+        yield from self._pace()
+        yield from self._open_rotary()
+        yield from self.operation.ask("CLEAR")
+
+    def _pace(self) -> Script[None]:
+        """The override that people want: that of the job before, too."""
+        percent = 100.0 * self.operation.override
+        yield from self.operation.ask(f"%{percent:g}")
+        if percent != 100.0:
+            self.operation.remark(f"override {percent:g} %")
 
     def _prefill(self) -> Script[None]:
         """Fill the buffer; whoever can't fill it fast enough can't keep it filled either."""
@@ -114,6 +153,11 @@ class Stream:
             yield from self._write()
         spent = operation.now - begun
         yield from self._ask_lines()
+        if feed.at_most != feed.sent:
+            raise Trouble(
+                f"the controller counts {feed.at_most} lines in its buffer, of {feed.sent} that were sent",
+                "somebody else may use this controller; run `yarc doctor`",
+            )
         if self.job.fits or spent <= 0.0:
             return
         rate = feed.sent / spent
@@ -123,69 +167,93 @@ class Stream:
                 "compile with longer segments (--tm), or find out what slows the link (`yarc doctor`)",
             )
 
+    def _begin(self) -> Script[bool]:
+        self.begun = True
+        try:
+            yield from self.operation.ask("R")
+        except Interrupted:
+            self.begun = False
+            raise
+        self.operation.settled = -math.inf
+        self.operation.go(Event.BEGIN)
+        return True
+
     # while it moves
 
-    def _stream(self) -> Script[None]:
-        """Until nothing is left to send or to execute."""
+    def _stream(self) -> Script[bool]:
+        """One step; whether nothing is left to send or to calculate."""
         operation, feed, due = self.operation, self.feed, self._due
-        while True:
-            yield from self._obey()
-            now = operation.now
-            moving = operation.state is State.MOVE
-            if moving and feed.runs_low(now, self.rate):
-                yield from self._low_water()
-            elif moving and now >= due.lines and (feed.left == 0 or not feed.worthwhile(now, self.rate)):
-                yield from self._promptly(self._ask_lines())
-                if feed.at_most == 0 and feed.left == 0:
-                    return
-            elif feed.worthwhile(now, self.rate):
-                yield from self._promptly(self._write())
-            elif now >= due.positions:
-                yield from self._promptly(self._ask_positions())
-            elif now >= due.status:
-                yield from self._promptly(self._ask_status())
-            elif now >= due.lines:
-                yield from self._promptly(self._ask_lines())
+        now = operation.now
+        moving = operation.state is State.MOVE
+        if self._refilling:
+            yield from self._go_on()
+        elif moving and feed.runs_low(now):
+            if feed.heard_at < now:
+                # what was heard last is old
+                yield from self._ask_lines()
             else:
-                yield Wait(min(due.positions, due.lines, due.status))
-
-    def _promptly(self, script: Script[None]) -> Script[None]:
-        """Carry a script out; an order is obeyed before its next request, not behind its last."""
-        outcome = None
-        while True:
-            try:
-                action = script.send(outcome)
-            except StopIteration:
-                return
-            yield from self._obey()
-            outcome = yield action
+                yield from self._low_water()
+        elif feed.worthwhile(now):
+            yield from self._write()
+        elif now < due.status + _STATUS_LATE and moving and feed.heard_at < now and feed.hungry(now):
+            yield from self._ask_lines()
+        else:
+            first = min(
+                (due.lines, self._ask_lines),
+                (due.status, self._ask_status),
+                (due.positions, self._ask_positions),
+                key=lambda each: each[0],
+            )
+            if now < first[0]:
+                yield Wait(first[0])
+                return False
+            yield from first[1]()
+        return moving and feed.at_most == 0 and feed.left == 0
 
     def _write(self) -> Script[None]:
+        yield from self._open_rotary()
         packet = self.feed.packet()
         written = yield from self.operation.write(packet)
         if written.error is None:
             self.feed.written(len(packet))
             return
+        yield from self._look_for_trouble()
         raise Trouble(
             _refusal(written, self.feed.sent),
             "the robot ends at rest; run `yarc doctor`, then the program again",
         )
 
+    def _open_rotary(self) -> Script[None]:
+        if not self._open:
+            yield from self.operation.ask("OPEN ROT")
+            self._open = True
+
+    def _close_rotary(self) -> Script[None]:
+        if self._open:
+            yield from self.operation.ask("CLOSE")
+            self._open = False
+
     def _ask_lines(self) -> Script[None]:
         operation, feed = self.operation, self.feed
         asked = operation.now
         text = yield from operation.one("PR")
-        if not text.isdigit():
-            raise Lost(f"{text!r} in reply to PR")
+        if not text.isdigit() or int(text) > feed.at_most:
+            raise Lost(f"{text!r} in reply to PR, with at most {feed.at_most} lines in the buffer")
         feed.heard(int(text), asked, operation.now)
         self._due.lines = operation.now + min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
         if operation.now >= self._due.progress:
             self._due.progress = operation.now + _PROGRESS_EACH
             self._tell_progress()
+        if self.begun and feed.at_most == 0 and feed.left:
+            yield from self._look_for_trouble()
+            raise Trouble(
+                f"underrun: the rotary ran dry with {feed.left} lines to come; the robot comes to rest off its path",
+                "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
+            )
 
     def _tell_progress(self) -> None:
         command, done = self.command, self.done
-        left = (self.job.duration - done) / max(self.rate, 0.01)
+        left = (self.job.duration - done) / max(self.operation.override, 0.01)
         title, line = (command.title, command.source_line) if command else ("", 0)
         self.operation.notices.append(Progress(self.operation.now, self.job.offset + done, left, title, line))
 
@@ -212,127 +280,185 @@ class Stream:
 
     def _ask_status(self) -> Script[None]:
         """Faults, and a program that doesn't go on though it should."""
-        operation, job = self.operation, self.job
+        operation, feed = self.operation, self.feed
         self._due.status = operation.now + STATUS_EACH
-        motors = yield from motor_statuses(operation, job.robot)
-        raise_trouble(job, motors)
+        motors = yield from self._look_for_trouble()
         if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
+            self._stands = None
             return
-        system = yield from system_words(operation, job.robot)
+        yield from self._look_at_program()
+        yield from self._ask_lines()
+        if feed.left == 0 and feed.at_most == 0:
+            return
+        if self._stands is None or self._stands[1] != feed.executed:
+            self._stands = operation.now, feed.executed
+        elif operation.now - self._stands[0] > self._patience:
+            yield from self._held_by_others()
+
+    def _look_for_trouble(self) -> Script[tuple[MotorStatus, ...]]:
+        motors = yield from motor_statuses(self.operation, self.job.robot)
+        raise_trouble(self.job, motors)
+        return motors
+
+    def _look_at_program(self) -> Script[None]:
+        """At rest: it must run, without an error."""
+        system = yield from system_words(self.operation, self.job.robot)
         if system.run_time_error:
             raise Trouble(
                 "the controller couldn't calculate a move in time", "compile with longer segments (--tm)"
             )
         if not system.running:
             raise Trouble("the controller doesn't run the program any more: somebody else has stopped it")
-        yield from self._ask_lines()
-        if self.feed.at_most == 0 and self.feed.left > 0:
-            raise Trouble(
-                f"underrun: the rotary ran dry with {self.feed.left} lines to come, and the robot stands off its path",
-                "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
-            )
+
+    @property
+    def _patience(self) -> float:
+        """How long nothing may move with lines ahead [s]: no segment takes longer."""
+        return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
 
     # orders
 
     def _obey(self) -> Script[None]:
+        """Do what people want, the most urgent first."""
         operation = self.operation
-        begun = operation.state in (State.MOVE, State.HOLD)
-        while operation.orders:
-            match operation.orders.popleft():
-                case Abort():
-                    yield from operation.control(ABORT_ALL)
-                    raise Stopped(abort=True)
-                case Stop():
-                    if begun:
-                        yield from self._hold("a stop was asked for")
+        orders = operation.orders
+        moved = operation.state in (State.MOVE, State.HOLD)
+        while orders:
+            if Abort() in orders:
+                orders.clear()
+                yield from operation.abort()
+                raise Stopped(abort=True)
+            if ending := next((order for order in orders if isinstance(order, Stop | Fail)), None):
+                orders.clear()
+                why = ending.what if isinstance(ending, Fail) else "a stop was asked for"
+                if moved:
+                    yield from self._hold(why)
+                if isinstance(ending, Fail):
+                    raise Trouble(why, ending.remedy)
+                raise Stopped(abort=False)
+            if Hold() in orders:
+                if not moved:
+                    orders.clear()
                     raise Stopped(abort=False)
-                case Fail(what=what, remedy=remedy):
-                    if begun:
-                        yield from self._hold(what)
-                    raise Trouble(what, remedy)
-                case Hold():
-                    if not begun:
-                        raise Stopped(abort=False)
-                    if operation.state is State.MOVE:
-                        yield from self._hold("a hold was asked for")
-                case Resume():
-                    if operation.state is State.HOLD:
-                        yield from self._go_on()
+                yield from self._hold_for_person()
+                continue
+            match orders[0]:
+                case Resume() if operation.state is State.HOLD:
+                    yield from self._go_on()
                 case Override(percent=percent):
                     yield from operation.ask(f"%{percent:g}")
-                    self.rate = percent / 100.0
+                    operation.override = percent / 100.0
                     operation.remark(f"override {percent:g} %")
+                case _:
+                    pass
+            orders.popleft()
 
     def _hold(self, why: str) -> Script[None]:
-        yield from self.operation.ask(f"&{self.job.robot.controller.coordinate_system}H")
+        robot = self.job.robot
+        yield from self.operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, why)
 
+    def _hold_for_person(self) -> Script[None]:
+        """Hold until a person wants it otherwise; what was ordered before the hold is overtaken by it."""
+        orders = self.operation.orders
+        last = max(place for place, order in enumerate(orders) if order == Hold())
+        kept = [
+            order
+            for place, order in enumerate(orders)
+            if not (isinstance(order, Hold) or (isinstance(order, Resume) and place < last))
+        ]
+        orders.clear()
+        orders.extend(kept)
+        if self.operation.state is State.MOVE or self._refilling:
+            self._refilling = False
+            yield from self._hold("a hold was asked for")
+
     def _low_water(self) -> Script[None]:
-        """Hold, refill, go on. If the guard PLC was faster, the same."""
+        """Hold; refill and go on as the next step. If the guard PLC was faster, the same."""
         operation, feed = self.operation, self.feed
-        ahead = feed.at_least(operation.now, self.rate)
-        yield from self._hold(f"low water: {ahead} lines ahead or fewer, at least {feed.low} are wanted")
+        ahead = feed.at_least(operation.now)
+        yield from self._hold(f"low water: {ahead} lines ahead or few more, at least {feed.low} are wanted")
         operation.remark("the buffer ran low: holding to refill it", warning=True)
+        self._refilling = True
+
+    def _held_by_others(self) -> Script[None]:
+        """Nothing moves though lines are ahead. If it was the guard PLC, refill and go on; else somebody else must say."""
+        operation = self.operation
+        self._stands = None
+        operation.go(Event.HOLD, "the motion is held, and not by this run")
+        yield from come_to_rest(operation, self.job.robot)
+        yield from self._close_rotary()
+        (armed,) = yield from operation.numbers(ARMED, 1)
+        if armed == _HELD:
+            self._refilling = True
+        else:
+            operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
+
+    def _go_on(self) -> Script[None]:
+        """At rest: refill, look after the guard, R."""
+        operation, feed = self.operation, self.feed
         motors = yield from come_to_rest(operation, self.job.robot)
         raise_trouble(self.job, motors)
         yield from self._ask_lines()
         while feed.packet():
-            if operation.urgent():
-                return
             yield from self._write()
-        yield from self._go_on()
-
-    def _go_on(self) -> Script[None]:
-        """R, at rest. A guard that has held is armed again first."""
-        operation = self.operation
-        yield from come_to_rest(operation, self.job.robot)
-        yield from operation.ask("CLOSE")
+        yield from self._close_rotary()
         (armed,) = yield from operation.numbers(ARMED, 1)
-        if armed == 2.0:
+        if armed == _HELD:
             operation.remark("the guard PLC had held the motion: the buffer had run low", warning=True)
+        if feed.left == 0 and armed:
+            # all lines are in: fewer than the guard wants, and no more to come
+            yield from operation.ask(f"{ARMED}=0")
+        elif armed == _HELD:
             yield from operation.ask(f"{ARMED}=1")
-        yield from operation.ask("OPEN ROT")
-        if operation.urgent():
-            return
+        if feed.left:
+            yield from self._open_rotary()
         yield from operation.ask("R")
+        operation.settled = -math.inf
+        self._refilling = False
+        self._stands = None
         operation.go(Event.RESUME)
 
     # after
 
-    def _end(self) -> Script[None]:
-        """The motion has really ended when no motor has a desired velocity, and all stand where the program ends."""
+    def _end(self) -> Script[bool]:
+        """One step; whether the motion has really ended: no motor has a desired velocity, and all stand where the program ends."""
         operation, job = self.operation, self.job
-        while True:
-            yield from self._obey()
-            motors = yield from motor_statuses(operation, job.robot)
-            raise_trouble(job, motors)
-            if operation.now >= self._due.positions:
-                yield from self._ask_positions()
-            if operation.state is State.MOVE and all(motor.at_rest for motor in motors):
-                break
-            yield Wait(operation.now + 0.01)
+        motors = yield from self._look_for_trouble()
+        if operation.now >= self._due.positions:
+            yield from self._ask_positions()
+        if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
+            self._stands = None
+            yield Wait(operation.now + _LOOK)
+            return False
+        if self._stands is None:
+            self._stands = operation.now, 0
         yield from come_to_rest(operation, job.robot)
-        yield from operation.ask("CLOSE")
+        yield from self._close_rotary()
         joints = yield from stands_at(operation, job.robot)
         off = np.abs(to_counts(job.robot, joints) - to_counts(job.robot, job.end))
-        yield from leave(operation, job.robot)
-        if off.max() > _END:
+        if off.max() <= _END:
+            return True
+        yield from self._look_at_program()
+        if operation.now - self._stands[0] > self._patience:
             raise Trouble(
                 f"the program has ended {off.max():.0f} counts (motor "
                 f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at {described(job.robot, joints)}",
                 "run `yarc doctor`: somebody else may use this controller",
             )
-        self.operation.notices.append(Progress(operation.now, job.offset + job.duration, 0.0, "", 0))
-        operation.go(Event.END, f"at the end of {job.name}, to a count")
+        yield Wait(operation.now + _LOOK)
+        return False
 
 
 def raise_trouble(job: Job, motors: tuple[MotorStatus, ...]) -> None:
     """Raise what keeps a motor from moving.
 
+    A fault of one motor makes the controller kill others: what is told is the fault, not a loop that it has opened.
+
     Raises:
-        Trouble: the first motor's.
+        Trouble: the first motor's with a fault, else the first's that is open-loop.
     """
-    for number, motor in zip(job.robot.controller.motors, motors, strict=True):
+    pairs = list(zip(job.robot.controller.motors, motors, strict=True))
+    for number, motor in sorted(pairs, key=lambda pair: not pair[1].faulted):
         if what := motor.trouble:
             raise Trouble(f"motor {number}: {what}", f"find out why, then close its loop: `#{number}J/`")
 

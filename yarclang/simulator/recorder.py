@@ -6,7 +6,7 @@ from bisect import bisect_right
 
 import numpy as np
 
-from yarclang.simulator.pieces import Array, Motion, Standing
+from yarclang.simulator.motion.pieces import Array, Motion, Standing
 
 
 class Recorder:

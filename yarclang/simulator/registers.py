@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from yarclang.pmac.defaults import HEXADECIMAL, SYSTEMS, VARIABLES, default_variables
 from yarclang.pmac.errors import DATA
-from yarclang.simulator.expressions import bounded
+from yarclang.simulator.language.arithmetic import bounded
 from yarclang.simulator.reply import Refusal
 
 _WORD = 1 << 24
@@ -141,7 +141,8 @@ class Variables:
 
     def initialise(self) -> None:
         """As after `$$$***`."""
-        self.i = [0.0] * VARIABLES
+        # motors and coordinate systems hold this list
+        self.i[:] = [0.0] * VARIABLES
         for number, value in default_variables().items():
             self.i[number] = value
         self.p = [0.0] * VARIABLES

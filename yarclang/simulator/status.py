@@ -7,6 +7,7 @@ of the motors are left 0 where none of them is among it, because a PLC asks for 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from yarclang.pmac.status import (
     AXIS_CODES,
@@ -18,8 +19,11 @@ from yarclang.pmac.status import (
     SYSTEM_WORD_2,
     SYSTEM_WORD_3,
 )
-from yarclang.simulator.motors import Motor
+from yarclang.simulator.motion.motors import Motor
 from yarclang.simulator.system import CoordinateSystem
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
 
 WHOLE = 0xFFFFFF
 
@@ -33,10 +37,25 @@ _MOTOR_FOLLOWS = _bits(MOTOR_WORD_2, "warning following error", "in position")
 _SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
 
 
+def digits(machine: Machine, marks: int, motor: int, system: int) -> str:
+    """What ?, ?? or ??? (`marks`) answers for a motor or a coordinate system: its words in hexadecimal."""
+    words: tuple[int, ...]
+    if marks == 1:
+        found = machine.motors[motor]
+        owner = machine.system_of(found)
+        words = motor_word_1(found, owner, machine.now), motor_word_2(found, owner, machine.now)
+    elif marks == 2:
+        one = machine.systems[system]
+        words = system_word_1(one), system_word_2(one, machine.now), system_word_3(one)
+    else:
+        words = global_word(machine), 0
+    return "".join(f"{word:06X}" for word in words)
+
+
 def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
     """The first word of `#n?`."""
     bits = MOTOR_WORD_1
-    dwelling = system is not None and system.dwell_until is not None
+    dwelling = system is not None and system.dwelling
     word = (
         motor.activated << bits["activated"]
         | motor.enabled << bits["amplifier enabled"]
@@ -77,33 +96,33 @@ def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wan
 
 def system_word_1(system: CoordinateSystem) -> int:
     """The first word of `&n??`."""
-    bits, calculation = SYSTEM_WORD_1, system.calculation
+    bits, moves = SYSTEM_WORD_1, system.calculation.moves
     continuous = system.running and not system.single_step
     word = (
         continuous << bits["continuous motion request"]
-        | (not calculation.feed) << bits["move by time"]
+        | (not moves.feed) << bits["move by time"]
         | continuous << bits["continuous motion"]
         | system.single_step << bits["single step"]
         | system.running << bits["running"]
     )
     for axis, bit in INCREMENTAL_BITS.items():
-        word |= (axis in calculation.vector) << (bit + 1) | (axis in calculation.incremental) << bit
+        word |= (axis in moves.vector) << (bit + 1) | (axis in moves.incremental) << bit
     return word
 
 
 def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) -> int:
     """The second word of `&n??`."""
     bits, motors, rotary = SYSTEM_WORD_2, system.motors, system.calculation.rotary
-    mode = MODE_BITS.get(system.calculation.mode, 0)
+    mode = MODE_BITS.get(system.calculation.moves.mode, 0)
     word = (
         (mode & 4) << 2
         | mode & 3
-        | system.run_time_error << bits["run-time error"]
-        | bool(system.steps) << bits["move in stack"]
+        | system.ahead.run_time_error << bits["run-time error"]
+        | bool(system.ahead.steps) << bits["move in stack"]
         | any(motor.amplifier_fault for motor in motors) << bits["amplifier fault"]
         | any(motor.fatal_error for motor in motors) << bits["fatal following error"]
         | (rotary is not None and rotary.full) << bits["rotary full"]
-        | (system.dwell_until is not None) << bits["dwell buffered"]
+        | system.dwelling << bits["dwell buffered"]
     )
     if wanted & _SYSTEM_FOLLOWS:
         warned, in_position = _following(motors, time)
@@ -118,6 +137,12 @@ def system_word_3(system: CoordinateSystem) -> int:
     return (
         system.resume_error << bits["resume error"] | system.limit_stop << bits["desired position limit stop"]
     )
+
+
+def global_word(machine: Machine) -> int:
+    """The first word of `???`: bits 20 to 16 say which buffers are open (assumed)."""
+    kinds = {port.open for port in machine.ports.values()}
+    return ("rotary" in kinds) << 16 | ("prog" in kinds) << 17 | ("plc" in kinds) << 18
 
 
 def _following(motors: Iterable[Motor], time: float) -> tuple[bool, bool]:

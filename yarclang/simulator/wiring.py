@@ -17,7 +17,7 @@ from yarclang.pmac.status import (
     SYSTEM_STEP,
     TARGET,
 )
-from yarclang.simulator.motors import Motor
+from yarclang.simulator.motion.motors import Motor
 from yarclang.simulator.status import (
     motor_word_1,
     motor_word_2,

@@ -8,9 +8,10 @@ from typing import Any
 import click
 
 from yarclang.cli.options import file_argument, planning_options, tm_option
-from yarclang.cli.outputs import beside, refuse_collisions
+from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
 
 _FORMATS = ("png", "svg", "pdf")
+_MAGIC = b"\x89MCAP0\r\n"
 
 
 @click.command("plot")
@@ -24,17 +25,45 @@ _FORMATS = ("png", "svg", "pdf")
 @planning_options
 @tm_option
 def command(file: str, output: str | None, **planning: Any) -> None:
-    """Draw the motion of a program: joints against their limits, and the tool's path. - reads standard input."""
+    """Draw the motion of a program: joints against their limits, and the tool's path. - reads standard input.
+
+    Of a run's log (.mcap): what was planned and what became of it.
+    """
     destination = output or beside(file, ".png")
     format_ = _format(destination)
     refuse_collisions([file], [(destination, file)])
+    if _is_run_log(file):
+        if given := [f"--{name}" for name, value in planning.items() if value is not None]:
+            raise click.UsageError(f"{', '.join(given)}: the log of a run says that itself")
+        picture, what = _run_picture(file, format_)
+    else:
+        picture, what = _program_picture(file, format_, planning)
+    _write(picture, what, destination)
+
+
+def _is_run_log(file: str) -> bool:
+    """Whether a file is the log of a run: it is called so, or begins so."""
+    path = Path(file)
+    if path.suffix.lower() == ".mcap":
+        return True
+    try:
+        if file == STANDARD or not path.is_file():
+            return False
+        with path.open("rb") as stream:
+            return stream.read(len(_MAGIC)) == _MAGIC
+    except (OSError, ValueError):  # told of when the program is read
+        return False
+
+
+def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple[bytes, str]:
+    """A program's picture, and what to say of it."""
     from yarclang.cli.show import count_text, show_findings
-    from yarclang.cli.work import Progress, options_from, write_whole
+    from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import has_errors, in_order
     from yarclang.pipeline.inputs import open_program
     from yarclang.pipeline.stages import plan_module
 
-    name = "<stdin>" if file == "-" else file
+    name = "<stdin>" if file == STANDARD else file
     with Progress() as progress:
         opened = open_program(file, options_from(planning, progress))
         diagnostics, plan = opened.diagnostics, None
@@ -48,19 +77,44 @@ def command(file: str, output: str | None, **planning: Any) -> None:
             raise SystemExit(1)
         from yarclang.report.plot import draw
 
-        picture = draw(plan, format_)
-    if destination == "-":
+        return draw(plan, format_), f"{name}: {plan.duration:.3f} s"
+
+
+def _run_picture(file: str, format_: Any) -> tuple[bytes, str]:
+    """A run's picture, and what to say of it."""
+    from yarclang.cli.show import show_findings
+    from yarclang.report.run_log import read_run
+    from yarclang.report.run_planned import planned_motion
+
+    run = read_run(file)
+    show_findings(run.diagnostics)
+    if run.value is not None:
+        planned = planned_motion(run.value)
+        show_findings(planned.diagnostics)
+        if planned.value is not None:
+            from yarclang.report.run_plot import draw_run
+
+            return draw_run(run.value, planned.value, format_), f"{file}: a run of {run.value.end:.3f} s"
+    click.echo(f"{file}: nothing drawn", err=True)
+    raise SystemExit(1)
+
+
+def _write(picture: bytes, what: str, destination: str) -> None:
+    from yarclang.cli.show import show_findings
+    from yarclang.cli.work import write_whole
+
+    if destination == STANDARD:
         click.echo(picture, nl=False)
     elif faults := write_whole(Path(destination), picture):
         show_findings(faults)
         raise SystemExit(1)
-    where = "standard output" if destination == "-" else destination
-    click.echo(f"{name}: {plan.duration:.3f} s drawn to {where}", err=True)
+    where = "standard output" if destination == STANDARD else destination
+    click.echo(f"{what} drawn to {where}", err=True)
 
 
 def _format(destination: str) -> Any:
     """The format that the extension names; what isn't known is wrong usage."""
-    if destination == "-":
+    if destination == STANDARD:
         return "png"
     extension = Path(destination).suffix.removeprefix(".").lower()
     if extension not in _FORMATS:

@@ -155,7 +155,7 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
     from yarclang.backend_pmac.settings import settings_text
     from yarclang.cli.show import show_findings
     from yarclang.robot.description import load_robot
-    from yarclang.simulator.machine import commissioned
+    from yarclang.simulator.commissioning import commissioned
 
     loaded = load_robot(robot)
     show_findings(loaded.diagnostics)

@@ -1,1 +1,1 @@
-"""Ways to a controller, one file a kind of address; and the socket by which other terminals reach a run."""
+"""Ways to a controller, and the local socket by which other terminals reach a run."""

@@ -1,0 +1,150 @@
+"""Which controller, and which run: how the commands are told, and how they say that it went wrong."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import click
+
+from yarclang.pmac.requests import PORT
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+SIM = "sim"
+"""Instead of an address: a simulator of our own."""
+
+_SHAPE = re.compile(
+    r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[^\[\]:/@?#\s]*))(?::(?P<port>[^:/]*))?/?", re.ASCII
+)
+_SIX = re.compile(r"[0-9a-f:.]*:[0-9a-f:.]*(?:%[\w.-]+)?", re.ASCII | re.IGNORECASE)
+_LABEL = r"[a-z0-9_][a-z0-9_-]{0,62}"
+_HOST = re.compile(rf"(?=.{{1,253}}$){_LABEL}(?:\.{_LABEL})*\.?", re.ASCII | re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """Of a controller."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        """As it is given on a command line."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"tcp://{host}:{self.port}"
+
+
+class AddressType(click.ParamType["Address | None"]):
+    """`tcp://HOST[:PORT]`; where `sim` is allowed, that is None."""
+
+    def __init__(self, *, sim: bool = True) -> None:
+        self._sim = sim
+        self.name = f"{SIM}|tcp://HOST[:PORT]" if sim else "tcp://HOST[:PORT]"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Address | None:
+        """The text as an address; what isn't one is wrong usage."""
+        if isinstance(value, Address):
+            return value
+        text = str(value).strip()
+        if text.lower() == SIM:
+            if self._sim:
+                return None
+            self.fail(
+                "there is no simulator to talk to: give the address of one that runs, tcp://HOST:PORT",
+                param,
+                ctx,
+            )
+        if "://" not in text:
+            self.fail(f"{text!r} isn't {self.name}: is tcp:// missing?", param, ctx)
+        if not text.startswith("tcp://"):
+            self.fail(f"{text!r}: a controller is reached by tcp:// only", param, ctx)
+        found = _SHAPE.fullmatch(text)
+        if found is None:
+            hint = ": an IPv6 address stands in [ ]" if text.count(":") > 2 else ""
+            self.fail(f"{text!r} isn't tcp://HOST[:PORT]{hint}", param, ctx)
+        host = found["six"] if found["six"] is not None else found["host"]
+        if not (_SIX if found["six"] is not None else _HOST).fullmatch(host):
+            self.fail(f"{text!r}: {host!r} is no name or address of a host", param, ctx)
+        port = found["port"]
+        if port is None:
+            return Address(host, PORT)
+        if not (port.isascii() and port.isdigit() and len(port) <= 5 and 0 < int(port) < 1 << 16):
+            self.fail(f"{text!r}: the port is a number from 1 to 65535", param, ctx)
+        return Address(host, int(port))
+
+
+def run_option(function: F) -> F:
+    """--run NAME."""
+    return click.option(
+        "--run",
+        "run",
+        metavar="NAME",
+        shell_complete=_runs,
+        help="Which run, where there are several: its name, its robot, or its process.",
+    )(function)
+
+
+def controller_options(function: F) -> F:
+    """--to and --robot, for a controller without a run."""
+    from yarclang.cli.options import _robots
+
+    robot = click.option(
+        "--robot",
+        metavar="NAME|PATH",
+        shell_complete=_robots,
+        help="With --to: the robot that hangs on the controller.",
+    )
+    to = click.option(
+        "--to",
+        type=AddressType(sim=False),
+        metavar="tcp://HOST[:PORT]",
+        help="Talk to the controller itself instead of a run.",
+    )
+    return to(robot(function))
+
+
+def check_controller_options(to: Address | None, robot: str | None, run: str | None) -> None:
+    """--to and --robot belong together, and exclude --run.
+
+    Raises:
+        click.UsageError: it isn't so.
+    """
+    if (to is None) != (robot is None):
+        missing = "--robot" if robot is None else "--to"
+        raise click.UsageError(f"--to and --robot belong together: {missing} is missing")
+    if to is not None and run is not None:
+        raise click.UsageError("--to and --run exclude each other")
+
+
+@contextlib.contextmanager
+def trouble_is_said() -> Iterator[None]:
+    """Troubles inside go to standard error with their remedies, and the exit status is 1."""
+    from yarclang.runtime.actions import Lost, Trouble
+
+    what, remedy = "", ""
+    try:
+        yield
+    except Trouble as trouble:
+        what, remedy = trouble.what, trouble.remedy
+    except Lost as lost:
+        what = f"the connection was lost: {lost}"
+    if not what:
+        return
+    click.echo(f"{click.style('error', fg='red', bold=True)}: {what}", err=True)
+    if remedy:
+        click.echo(f"  help: {remedy}", err=True)
+    raise SystemExit(1)
+
+
+def _runs(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
+    """The runs whose names begin so, for completion."""
+    from yarclang.runtime.actions import Trouble
+    from yarclang.runtime.transports.local import find_runs
+
+    with contextlib.suppress(Trouble):
+        return [run.name for run in find_runs() if run.name.startswith(incomplete.lower())]
+    return []

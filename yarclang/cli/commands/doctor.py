@@ -1,0 +1,133 @@
+"""`yarc doctor`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from yarclang.cli.address import SIM, Address, AddressType
+from yarclang.cli.options import format_option
+
+if TYPE_CHECKING:
+    from yarclang.robot.model import Robot
+    from yarclang.runtime.inspection import Inspection
+    from yarclang.runtime.link import Link
+
+_SHARE = 0.7
+"""Of what the link carries, that a program may need."""
+
+
+@click.command("doctor")
+@click.option("--robot", required=True, metavar="NAME|PATH", help="The robot that hangs on the controller.")
+@click.option(
+    "--to",
+    type=AddressType(),
+    default=SIM,
+    metavar="sim|tcp://HOST[:PORT]",
+    help="The controller (default: a simulator of our own).",
+)
+@format_option
+def command(robot: str, to: Address | None, format_: str) -> None:
+    """Look at a controller: kind, settings, motors, guard PLC, and the link to it. Nothing moves.
+
+    Exit status 1 says that `yarc run` would refuse.
+    """
+    import asyncio
+
+    from yarclang.cli.controllers import controller
+    from yarclang.cli.show import show_findings
+    from yarclang.robot.description import load_robot
+    from yarclang.runtime.actions import Trouble
+
+    loaded = load_robot(robot)
+    show_findings(loaded.diagnostics)
+    if loaded.value is None:
+        raise SystemExit(1)
+    with controller(to, loaded.value, loaded.value.home) as address:
+        try:
+            inspection, link = asyncio.run(_examine(loaded.value, address))
+        except Trouble as trouble:
+            click.echo(f"{click.style('error', fg='red', bold=True)}: {trouble.what}", err=True)
+            if trouble.remedy:
+                click.echo(f"  help: {trouble.remedy}", err=True)
+            raise SystemExit(1) from None
+    _show(loaded.value, address, inspection, link, format_)
+    raise SystemExit(1 if inspection.errors else 0)
+
+
+async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Link]:
+    from yarclang.pipeline.jobs import items_of
+    from yarclang.runtime.performance import connect, look, measured
+    from yarclang.runtime.session import Session
+
+    session = Session(address.host, address.port)
+    try:
+        await session.perform(connect(session.operation))
+        inspection = await session.perform(look(session.operation, robot, items_of(robot)))
+        return inspection, await session.perform(measured(session.operation, robot))
+    finally:
+        session.close()
+
+
+def _show(robot: Robot, address: Address, inspection: Inspection, link: Link, format_: str) -> None:
+    if format_ == "json":
+        import json
+
+        click.echo(json.dumps(_json(address, inspection, link), indent=2))
+        return
+    from yarclang.cli.table import checked_table
+    from yarclang.runtime.rest import described
+
+    click.echo(checked_table(inspection.checked))
+    if inspection.joints is not None:
+        click.echo(f"\n{robot.name} is commanded to {described(robot, inspection.joints)}")
+    for line in _link_lines(link):
+        click.echo(line)
+    wrong = len(inspection.errors)
+    click.echo(
+        f"\n{wrong} of {len(inspection.checked)} things keep a program from being run"
+        if wrong
+        else f"\nall {len(inspection.checked)} things are as a program needs them"
+    )
+
+
+def _link_lines(link: Link) -> list[str]:
+    segment = 1e3 / (link.lines_per_second * _SHARE)
+    lines = [
+        (
+            f"link: a question takes {link.median * 1e3:.2f} ms (median), {link.worst * 1e3:.2f} ms at worst; "
+            f"{link.lines_per_second:.0f} program lines/s, enough for segments of {segment:.2g} ms and more"
+        )
+    ]
+    first = "it doesn't say" if link.first_line is None else f"from {link.first_line}"
+    behind = (
+        "aren't executed" if link.stops_at_error else "ARE executed: a refused line is a fault of the run"
+    )
+    lines.append(
+        f"link: the controller counts the lines of a packet {first}; lines behind a refused one {behind}"
+    )
+    return lines
+
+
+def _json(address: Address, inspection: Inspection, link: Link) -> dict[str, Any]:
+    return {
+        "controller": str(address),
+        "checked": [
+            {
+                "subject": one.subject,
+                "found": one.found,
+                "wanted": one.wanted,
+                "verdict": one.verdict,
+                "help": one.remedy or None,
+            }
+            for one in inspection.checked
+        ],
+        "link": {
+            "round_trip_median_ms": link.median * 1e3,
+            "round_trip_worst_ms": link.worst * 1e3,
+            "lines_per_s": link.lines_per_second,
+            "first_line": link.first_line,
+            "stops_at_error": link.stops_at_error,
+        },
+    }

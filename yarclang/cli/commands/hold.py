@@ -1,0 +1,31 @@
+"""`yarc hold`."""
+
+from __future__ import annotations
+
+import click
+
+from yarclang.cli.address import run_option, trouble_is_said
+
+_PATIENCE = 5.0
+"""How long a run may take to hold [s]: longer than to find that a connection is lost."""
+
+
+@click.command("hold")
+@run_option
+def command(run: str | None) -> None:
+    """Hold a run on its path. `yarc resume` goes on."""
+    with trouble_is_said():
+        from yarclang.runtime.notices import Hold
+        from yarclang.runtime.state import State
+        from yarclang.runtime.transports.local import order, the_run
+
+        chosen = the_run(run)
+        status = order(chosen, Hold(), _PATIENCE)
+        if status is None:
+            click.echo(f"{chosen.name}: has ended meanwhile")
+        elif status.state is State.HOLD:
+            click.echo(
+                f"{chosen.name}: holding on the path, {status.done:.1f} s done, {status.left:.1f} s left"
+            )
+        else:
+            click.echo(f"{chosen.name}: nothing moves ({status.state.value})")

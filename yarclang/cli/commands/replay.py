@@ -1,0 +1,124 @@
+"""`yarc replay`."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from yarclang.report.run_log import RecordedRun
+    from yarclang.report.run_text import Moment, View
+
+
+class _Speed(click.ParamType[float]):
+    """A number, or max, which is infinite."""
+
+    name = "N|max"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        if str(value).lower() == "max":
+            return math.inf
+        try:
+            speed = float(value)
+        except ValueError:
+            speed = math.nan
+        if not 0.0 < speed < math.inf:
+            self.fail(f"{value!r} is neither a positive number nor max", param, ctx)
+        return speed
+
+
+@click.command("replay")
+@click.argument("file", metavar="FILE.mcap", type=click.Path())
+@click.option(
+    "--speed",
+    type=_Speed(),
+    metavar="N|max",
+    default="1",
+    show_default=True,
+    help="How fast: as it happened, N times as fast, or at once.",
+)
+def command(file: str, speed: float) -> None:
+    """Show a recorded run as it happened: states, remarks, progress, joint positions (deg, mm)."""
+    from yarclang.cli.show import show_findings
+    from yarclang.report.run_log import read_run
+
+    result = read_run(file)
+    show_findings(result.diagnostics)
+    if result.value is None:
+        raise SystemExit(1)
+    try:
+        _show(result.value, speed)
+    except KeyboardInterrupt:
+        click.echo("\nstopped", err=True)
+
+
+def _show(run: RecordedRun, speed: float) -> None:
+    from yarclang.report.run_text import head_text, moments_of
+
+    click.echo(head_text(run))
+    # what comes all at once is read, not watched
+    screen = _Screen(live=sys.stdout.isatty() and math.isfinite(speed))
+    since = time.monotonic()
+    try:
+        for moment in moments_of(run):
+            ahead = moment.time / speed - (time.monotonic() - since)
+            if ahead > 0.0:
+                sys.stdout.flush()
+                time.sleep(ahead)
+            screen.show(moment)
+    finally:
+        screen.clear()
+
+
+class _Screen:
+    """Standard output: on a terminal with one line that changes, else with a line now and then."""
+
+    def __init__(self, *, live: bool) -> None:
+        self._live = live
+        self._shown = False
+        self._command = ""
+        self._written = -math.inf
+
+    def show(self, moment: Moment) -> None:
+        """Show what a moment brings."""
+        if moment.line:
+            self.clear()
+            click.echo(f"{moment.time:9.3f} s  {moment.line}")
+        elif self._live:
+            self._change(moment.view)
+        elif self._is_due(moment):
+            click.echo(f"{moment.time:9.3f} s  {moment.view.line}")
+
+    def clear(self) -> None:
+        """Take the line that changes away."""
+        if self._shown:
+            from yarclang.report.run_text import over
+
+            click.echo(over("", 0), nl=False)
+            self._shown = False
+
+    def _change(self, view: View) -> None:
+        import shutil
+
+        from yarclang.report.run_text import over
+
+        click.echo(over(view.line, shutil.get_terminal_size().columns), nl=False)
+        self._shown = True
+
+    def _is_due(self, moment: Moment) -> bool:
+        """Whether the progress is worth a line: another command, or a while is over."""
+        from yarclang.report.run_text import PLAIN_EACH
+
+        progress = moment.view.progress
+        if progress is None or progress.time != moment.time:
+            return False
+        if progress.command == self._command and moment.time - self._written < PLAIN_EACH:
+            return False
+        self._command, self._written = progress.command, moment.time
+        return True

@@ -1,0 +1,104 @@
+"""`yarc stop`."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from yarclang.cli.address import (
+    Address,
+    check_controller_options,
+    controller_options,
+    run_option,
+    trouble_is_said,
+)
+
+if TYPE_CHECKING:
+    from yarclang.robot.model import Array, Robot
+    from yarclang.runtime.notices import Abort, Stop
+
+_PATIENCE = 30.0
+"""How long a run may take to end [s]: coming to rest, and a connection that has to be made again."""
+
+_TELL = 0.3
+"""How long a run that drives the controller may take to answer [s]: nobody waits long for one that hangs."""
+
+_LET_END = 2.0
+"""How long a run that drives the controller may take to end before the controller is told itself [s], if it has answered."""
+
+
+@click.command("stop")
+@run_option
+@controller_options
+@click.option("--abort", is_flag=True, help="Each motor stops at once at its Ixx15, off the path.")
+def command(run: str | None, to: Address | None, robot: str | None, abort: bool) -> None:
+    """End a run: on its path, at rest.
+
+    With --to and --robot it needs no run: whatever the robot's coordinate system does is ended, as behind a run that was killed.
+    """
+    check_controller_options(to, robot, run)
+    with trouble_is_said():
+        from yarclang.runtime.notices import Abort, Stop
+
+        order = Abort() if abort else Stop()
+        if to is not None and robot is not None:
+            _stop_controller(to, robot, order)
+        else:
+            _stop_run(run, order)
+
+
+def _stop_run(name: str | None, what: Abort | Stop) -> None:
+    from yarclang.runtime.transports.local import order, the_run
+
+    chosen = the_run(name)
+    status = order(chosen, what, _PATIENCE)
+    state = "" if status is None else f" ({status.state.value})"
+    click.echo(f"{chosen.name}: ended{state}")
+
+
+def _stop_controller(to: Address, name: str, what: Abort | Stop) -> None:
+    import asyncio
+
+    from yarclang.cli.show import show_findings
+    from yarclang.robot.description import load_robot
+    from yarclang.runtime.rest import described
+
+    loaded = load_robot(name)
+    show_findings(loaded.diagnostics)
+    robot = loaded.value
+    if robot is None:
+        raise SystemExit(1)
+    _tell_run(to, what)
+    joints = asyncio.run(_end(to, robot, what))
+    click.echo(f"no program runs on {to}; {robot.name} stands at {described(robot, joints)}")
+
+
+def _tell_run(to: Address, what: Abort | Stop) -> None:
+    """Let a run that drives the controller end it: it knows more. One that hangs keeps nobody from it."""
+    from yarclang.runtime.actions import Trouble
+    from yarclang.runtime.transports.local import run_on, send
+
+    with contextlib.suppress(Trouble):
+        until = time.monotonic() + _LET_END
+        if (run := run_on(to.host, to.port)) is None:
+            return
+        click.echo(f"{run.name} drives this controller: it is told to end", err=True)
+        send(run, what, timeout=_TELL)
+        while run_on(to.host, to.port) is not None and time.monotonic() < until:
+            time.sleep(0.05)
+
+
+async def _end(to: Address, robot: Robot, what: Abort | Stop) -> Array:
+    from yarclang.runtime.notices import Abort
+    from yarclang.runtime.performance import connect, end_what_runs
+    from yarclang.runtime.session import Session
+
+    session = Session(to.host, to.port)
+    try:
+        await session.perform(connect(session.operation))
+        return await session.perform(end_what_runs(session.operation, robot, abort=isinstance(what, Abort)))
+    finally:
+        session.close()

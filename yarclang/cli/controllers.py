@@ -1,0 +1,37 @@
+"""The controller that a command talks to: one with an address, or a simulator that lives as long as the command."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+
+import click
+
+from yarclang.cli.address import Address
+from yarclang.robot.model import Array, Robot
+
+
+@contextlib.contextmanager
+def controller(
+    to: Address | None, robot: Robot, stands: Array, rate: float | None = None
+) -> Iterator[Address]:
+    """The address to talk to.
+
+    Args:
+        to: the controller that was named; None for a simulator.
+        robot: that hangs on it.
+        stands: (n,) where a simulated robot stands [rad or m].
+        rate: how fast a simulator's time passes.
+    """
+    if to is not None:
+        yield to
+        return
+    from yarclang.backend_pmac.settings import settings_text
+    from yarclang.simulator.commissioning import commissioned, stand
+    from yarclang.simulator.embedded import EmbeddedSimulator
+
+    machine = commissioned(robot, settings_text(robot))
+    stand(machine, robot, stands)
+    click.echo(f"{robot.name} is simulated", err=True)
+    with EmbeddedSimulator(machine, rate=rate or 1.0) as simulator:
+        yield Address("127.0.0.1", simulator.port)

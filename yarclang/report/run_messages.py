@@ -1,0 +1,176 @@
+"""The messages in the log of a run: what was told, the samples as rows of numbers, and the robot that they are about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from yarclang.robot.model import Array, Controller
+from yarclang.runtime.notices import Changed, Progress, Remark
+from yarclang.runtime.state import State
+from yarclang.units import DEG, MM
+
+_UNITS = {"deg": DEG, "mm": MM}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedRobot:
+    """What the log says of the robot, as it was then: `lower` and `upper` (n,) [rad or m] are the limits of its joints,
+    infinite where there is none.
+    """
+
+    name: str
+    fingerprint: str
+    joint_names: tuple[str, ...]
+    axis_unit_names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    controller: Controller
+
+    @property
+    def axis_units(self) -> Array:
+        """The axis unit of each joint in SI (n,)."""
+        return np.array([_UNITS[name] for name in self.axis_unit_names])
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """From `time` on, a job of a `duration` [s] was performed: the program or a part of it (`of_program`), or the way to its
+    start.
+    """
+
+    time: float
+    job: str
+    duration: float
+    of_program: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """How the run has ended, as `yarclang.runtime.performance.Ended` says it."""
+
+    time: float
+    well: bool
+    what: str
+    remedy: str
+    command: str
+    done: float
+
+
+Told: TypeAlias = Changed | Progress | Remark | Pass | Outcome
+
+
+@dataclass(slots=True)
+class Messages:
+    """What the messages say. `rows` has for each sample its time and program time [s], the actual and the commanded joints
+    [deg or mm], and the following errors [counts]; `passes` has its pass, -1 on the way to the start.
+    """
+
+    told: list[Told] = field(default_factory=list)
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    passes: list[int] = field(default_factory=list)
+    unread: int = 0
+
+
+def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, Any]]]) -> Messages:
+    """What topics and contents say; those that say nothing sensible are counted."""
+    found = Messages()
+    number, on_the_way = 0, False
+    begun = False
+    for topic, content in messages:
+        try:
+            if topic == "positions":
+                found.rows.append(_row(robot, content))
+                found.passes.append(-1 if on_the_way else number)
+            elif (one := _told(topic, content)) is not None:
+                found.told.append(one)
+                if isinstance(one, Pass):
+                    number += one.of_program and begun
+                    begun, on_the_way = begun or one.of_program, not one.of_program
+        except (ValueError, KeyError, TypeError):
+            found.unread += 1
+    return found
+
+
+def _row(robot: RecordedRobot, content: Mapping[str, Any]) -> tuple[float, ...]:
+    """A row of `Messages.rows`.
+
+    Raises:
+        ValueError, KeyError, TypeError: something is missing.
+    """
+    keys = [f"{name}_{unit}" for name, unit in zip(robot.joint_names, robot.axis_unit_names, strict=True)]
+    actual, commanded = content["actual_joints"], content["commanded_joints"]
+    row = (
+        content["time_s"],
+        content["program_time_s"],
+        *(actual[key] for key in keys),
+        *(commanded[key] for key in keys),
+        *content["following_error_counts"],
+    )
+    if len(row) != 2 + 3 * len(keys):
+        raise ValueError("a motor is missing")
+    return tuple(float(value) for value in row)
+
+
+def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
+    """A message as what it tells; None for one of a topic that isn't known."""
+    time = float(content["time_s"])
+    match topic:
+        case "state":
+            return Changed(time, State(content["state"]), content["why"])
+        case "progress":
+            return Progress(
+                time, content["done_s"], content["left_s"], content["command"], content["source_line"]
+            )
+        case "events":
+            text = f"ordered: {content['text']}" if content["kind"] == "order" else content["text"]
+            return Remark(time, text, content["kind"] == "warning")
+        case "jobs":
+            return Pass(time, content["job"], float(content["duration_s"]), bool(content["of_program"]))
+        case "outcome":
+            return Outcome(
+                time,
+                content["well"],
+                content["what"],
+                content["remedy"],
+                content["command"],
+                content["done_s"],
+            )
+        case _:
+            return None
+
+
+def read_robot(facts: Mapping[str, str], job: Mapping[str, Any]) -> RecordedRobot:
+    """The robot as metadata and job describe it.
+
+    Raises:
+        ValueError, KeyError, TypeError: they don't.
+    """
+    joints = job["joints"]
+    units = tuple(joint["unit"] for joint in joints)
+    pairs = [joint["limits"] for joint in joints]
+    scale = np.array([_UNITS[unit] for unit in units])
+    lower = np.array([-np.inf if low is None else low for low, _ in pairs], dtype=np.float64)
+    upper = np.array([np.inf if high is None else high for _, high in pairs], dtype=np.float64)
+    said: dict[str, Any] = job["controller"]
+    controller: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in said.items()
+    }
+    return RecordedRobot(
+        name=facts["robot"],
+        fingerprint=facts["fingerprint"],
+        joint_names=tuple(joint["name"] for joint in joints),
+        axis_unit_names=units,
+        lower=read_only(lower * scale),
+        upper=read_only(upper * scale),
+        controller=Controller(**controller),
+    )
+
+
+def read_only(values: Array) -> Array:
+    """The values, which nobody changes any more."""
+    values.setflags(write=False)
+    return values

@@ -1,0 +1,204 @@
+"""The log of a run: an MCAP file that a thread of its own writes, so that neither a slow nor a full disk delays the robot.
+
+MCAP (mcap.dev) is read by Foxglove and others; `yarclang.report.run_log` reads it back. The program's text, the controller's and the
+certificate are attached, with what is needed of the robot: a log can be read when all of them have changed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import threading
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+from itertools import count
+from pathlib import Path, PurePath
+from queue import Empty, SimpleQueue
+from typing import BinaryIO
+
+from mcap.writer import Writer
+
+from yarclang.runtime.job import Job
+from yarclang.runtime.log_record import Anchor, Begun, Item, Ordered, Record
+from yarclang.runtime.notices import Changed, Notice, Order
+from yarclang.runtime.performance import Ended
+
+FOLDER = Path("yarc-runs")
+"""Where logs go if nobody says where."""
+
+FLUSH_EACH = 0.5
+"""A process that is killed loses the messages of this time at most [s]."""
+
+_LONGEST_CLOSE = 10.0
+"""A disk that doesn't answer for so long is given up [s]."""
+
+_LONGEST_STEM = 50
+"""Characters: with four bytes each, a name may have 255."""
+
+
+class RunLog:
+    """Writes what a run tells; `take` is a listener of notices. Made by `open`.
+
+    Attributes:
+        path: of the file.
+        failure: why nothing is written any more; None while all is well.
+    """
+
+    def __init__(
+        self,
+        stream: BinaryIO,
+        path: Path,
+        job: Job,
+        address: str,
+        *,
+        version: str,
+        on_failure: Callable[[str], object] | None = None,
+        anchor: Anchor,
+    ) -> None:
+        self.path = path
+        self.failure: str | None = None
+        self._stream = stream
+        self._on_failure = on_failure
+        self._queue: SimpleQueue[Item | None] = SimpleQueue()
+        # the sum over all of it tells of any bit that turns later
+        self._writer = Writer(stream, enable_data_crcs=True)
+        self._record = Record(self._writer, job, anchor)
+        self._record.begin(
+            {
+                "controller": address,
+                "yarclang": version,
+                "started": datetime.fromtimestamp(anchor.wall / 1e9, UTC).isoformat(timespec="milliseconds"),
+                "pace": f"{anchor.pace:g}",
+            }
+        )
+        self._flush()
+        self._thread = threading.Thread(target=self._work, name="run log", daemon=True)
+        self._thread.start()
+
+    @classmethod
+    def open(
+        cls,
+        place: Path | None,
+        job: Job,
+        address: str,
+        *,
+        version: str,
+        on_failure: Callable[[str], object] | None = None,
+        pace: float = 1.0,
+        anchor: Anchor | None = None,
+    ) -> RunLog:
+        """Make a log and write what doesn't change into it.
+
+        Args:
+            place: the file; or a folder, for a new file named after the program and the time. None: `FOLDER`. A file that is there
+                is never overwritten: the new one gets -2, -3 and so on.
+            job: the whole program.
+            address: of the controller, for people.
+            version: of yarclang.
+            on_failure: called once, from another thread, with the reason, when nothing can be written any more.
+            pace: of the session.
+            anchor: when the run starts; now, if it isn't given. Its pace goes before `pace`.
+
+        Raises:
+            OSError: the file can't be made or written; none is left behind.
+        """
+        anchor = anchor or Anchor(time.monotonic() * pace, time.time_ns(), pace)
+        path, stream = _create(place, job.name, anchor.wall)
+        try:
+            return cls(stream, path, job, address, version=version, on_failure=on_failure, anchor=anchor)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                stream.close()
+            if path.is_file():
+                path.unlink()
+            raise
+
+    def take(self, notice: Notice) -> None:
+        """Log a notice. Returns at once."""
+        self._put(notice)
+
+    def begin(self, job: Job) -> None:
+        """From here on, this job is performed: the program once more, a part of it, or the way to its start."""
+        self._put(Begun(job))
+
+    def ordered(self, time: float, order: Order) -> None:
+        """Log what a person ordered, at a time of the notices' clock [s]."""
+        self._put(Ordered(time, order))
+
+    def close(self, ended: Ended | None = None) -> None:
+        """Write what is left, and how the run has ended; may be called again, and after a failure."""
+        if ended is not None:
+            self._put(ended)
+        self._queue.put(None)
+        self._thread.join(_LONGEST_CLOSE)
+        if self._thread.is_alive() and self.failure is None:
+            self.failure = f"the disk hasn't answered for {_LONGEST_CLOSE:g} s"
+
+    def __enter__(self) -> RunLog:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _put(self, item: Item) -> None:
+        if self.failure is None:
+            self._queue.put(item)
+
+    # in the thread
+
+    def _work(self) -> None:
+        """Write until the log is closed or can't be written."""
+        try:
+            self._write_all()
+            self._writer.finish()  # type: ignore[no-untyped-call]  # the library's
+            self._stream.close()
+        except OSError as error:
+            self._fail((error.strerror or str(error)).lower())
+        except Exception as error:  # a bug of ours must end the log, not the robot's motion, and be told of
+            self._fail(f"{type(error).__name__}: {error}")
+
+    def _write_all(self) -> None:
+        due: float | None = None
+        while True:
+            try:
+                item = self._queue.get(timeout=None if due is None else max(0.0, due - time.monotonic()))
+            except Empty:
+                self._flush()
+                due = None
+                continue
+            if item is None:
+                return
+            self._record.write(item)
+            due = due or time.monotonic() + FLUSH_EACH
+            if isinstance(item, Changed) or time.monotonic() >= due:
+                self._flush()
+                due = None
+
+    def _flush(self) -> None:
+        self._writer.flush()  # type: ignore[no-untyped-call]  # the library's
+
+    def _fail(self, reason: str) -> None:
+        self.failure = reason
+        with contextlib.suppress(OSError):
+            self._stream.close()
+        if self._on_failure is not None:
+            # whoever wanted to know may have ended meanwhile
+            with contextlib.suppress(RuntimeError):
+                self._on_failure(reason)
+
+
+def _create(place: Path | None, program: str, wall: int) -> tuple[Path, BinaryIO]:
+    """A new file."""
+    if place is None or place.is_dir():
+        stem = re.sub(r"[^\w.+-]+", "_", PurePath(program).stem).strip("_.")[:_LONGEST_STEM] or "program"
+        started = datetime.fromtimestamp(wall / 1e9).astimezone()
+        place = (place or FOLDER) / f"{stem}-{started:%Y%m%d-%H%M%S}.mcap"
+    if place.exists() and not place.is_file():  # a device
+        return place, place.open("wb")
+    place.parent.mkdir(parents=True, exist_ok=True)
+    for number in count(1):
+        path = place if number == 1 else place.with_name(f"{place.stem}-{number}{place.suffix}")
+        with contextlib.suppress(FileExistsError):
+            return path, path.open("xb")
+    raise AssertionError

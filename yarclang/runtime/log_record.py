@@ -1,0 +1,240 @@
+"""What stands in the log of a run: its attachments, its channels, and what of a run goes into which message. No I/O.
+
+Every name of a number ends in its unit. Times `time_s` count from the log's start, in the clock of the notices.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from mcap.writer import Writer
+
+from yarclang.robot.actuation import from_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.feedback import Sample
+from yarclang.runtime.job import Job
+from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Progress, Remark
+from yarclang.runtime.performance import Ended
+
+FORMAT = "1"
+"""Of what stands in the messages; another one can't be read as this one is."""
+
+METADATA = "yarc run"
+PROGRAM, TEXT, CERTIFICATE, JOB = "program.yarc", "program.pmc", "certificate.json", "job.json"
+"""Names of the attachments."""
+
+_DIGITS = 7
+"""Decimals of joint positions [deg or mm] and of times [s]: far below a count and an exchange."""
+
+
+@dataclass(frozen=True, slots=True)
+class Anchor:
+    """One instant on two clocks: `clock` [s] that of the notices, `wall` [ns] since 1970 in UTC.
+
+    `pace` is how many seconds of the first pass in one of the second: 1, but for a simulator.
+    """
+
+    clock: float
+    wall: int
+    pace: float = 1.0
+
+    def wall_at(self, clock: float) -> int:
+        """The wall clock [ns] at a time of the notices' clock [s]."""
+        return max(0, self.wall + round((clock - self.clock) / self.pace * 1e9))
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """From here on, this job is performed."""
+
+    job: Job
+
+
+@dataclass(frozen=True, slots=True)
+class Ordered:
+    """A person wants something, at a time of the notices' clock [s]."""
+
+    time: float
+    order: Order
+
+
+Item: TypeAlias = Notice | Begun | Ordered | Ended
+
+
+class Record:
+    """What of a run stands in which message."""
+
+    def __init__(self, writer: Writer, job: Job, anchor: Anchor) -> None:
+        self._writer = writer
+        self._job = job
+        self._anchor = anchor
+        self._channels: dict[str, int] = {}
+        self._last = anchor.clock
+
+    def begin(self, facts: dict[str, str]) -> None:
+        """The header, attachments, channels, and metadata: these facts and what is known of the job."""
+        writer, job, wall = self._writer, self._job, self._anchor.wall
+        writer.start()
+        facts = {
+            "format": FORMAT,
+            "program": job.name,
+            "robot": job.robot.name,
+            "fingerprint": job.robot.fingerprint,
+            **facts,
+        }
+        writer.add_metadata(METADATA, {key: _clean(value) for key, value in facts.items()})
+        for name, media_type, content in (
+            (JOB, "application/json", json.dumps(_described(job))),
+            (TEXT, "text/plain", job.text),
+            (PROGRAM, "text/plain", job.source),
+            (CERTIFICATE, "application/json", job.certificate),
+        ):
+            if content:
+                writer.add_attachment(wall, wall, name, media_type, _clean(content).encode())
+        motors = {"motors": " ".join(map(str, job.robot.controller.motors))}
+        for topic, properties in _schemas(job.robot).items():
+            schema = {"title": topic, "type": "object", "properties": {"time_s": _NUMBER, **properties}}
+            schema_id = writer.register_schema(f"yarc.{topic}", "jsonschema", json.dumps(schema).encode())
+            self._channels[topic] = writer.register_channel(f"/{topic}", "json", schema_id, motors)
+
+    def write(self, item: Item) -> None:
+        """One message; it isn't on the disk yet."""
+        match item:
+            case Sample():
+                self._message("positions", item.time, self._positions(item))
+            case Changed(time=when, state=state, why=why):
+                self._message("state", when, {"state": state.value, "why": why})
+            case Progress(time=when):
+                content = {"done_s": item.done, "left_s": item.left, "command": item.command}
+                self._message("progress", when, content | {"source_line": item.source_line})
+            case Remark(time=when, text=text, warning=warning):
+                self._message("events", when, {"kind": "warning" if warning else "remark", "text": text})
+            case Ordered(time=when, order=order):
+                self._message("events", when, {"kind": "order", "text": _order_text(order)})
+            case Begun(job=job):
+                self._message("jobs", self._last, self._begun(job))
+            case Ended():
+                self._message("outcome", self._last, self._outcome(item))
+
+    def _message(self, topic: str, when: float, content: dict[str, Any]) -> None:
+        self._last = when
+        wall = self._anchor.wall_at(when)
+        data = json.dumps({"time_s": round(when - self._anchor.clock, _DIGITS), **content})
+        self._writer.add_message(self._channels[topic], wall, data.encode(), wall)
+
+    def _positions(self, sample: Sample) -> dict[str, Any]:
+        robot = self._job.robot
+        return {
+            "program_time_s": sample.program_time,
+            "actual_counts": sample.actual.tolist(),
+            "following_error_counts": sample.following.tolist(),
+            "commanded_counts": np.round(sample.commanded, 4).tolist(),
+            "actual_joints": _by_joint(robot, from_counts(robot, sample.actual)),
+            "commanded_joints": _by_joint(robot, from_counts(robot, sample.commanded)),
+        }
+
+    def _begun(self, job: Job) -> dict[str, Any]:
+        # an approach has a text of its own; a part has that of the program
+        belongs = (job.name, job.source) == (self._job.name, self._job.source)
+        return {
+            "job": job.name,
+            "offset_s": job.offset,
+            "duration_s": job.duration,
+            "of_program": belongs,
+        }
+
+    def _outcome(self, ended: Ended) -> dict[str, Any]:
+        joints = None if ended.joints is None else _by_joint(self._job.robot, ended.joints)
+        return {
+            "well": ended.well,
+            "what": ended.what,
+            "remedy": ended.remedy,
+            "command": ended.command,
+            "done_s": ended.done,
+            "joints": joints,
+        }
+
+
+_NUMBER, _TEXT, _TRUTH = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
+_COUNTS = {"type": "array", "items": _NUMBER}
+
+
+def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
+    """The properties of the messages of each topic."""
+    joints = {"type": "object", "properties": dict.fromkeys(_joint_keys(robot), _NUMBER)}
+    return {
+        "positions": {
+            "program_time_s": _NUMBER,
+            "actual_counts": _COUNTS,
+            "following_error_counts": _COUNTS,
+            "commanded_counts": _COUNTS,
+            "actual_joints": joints,
+            "commanded_joints": joints,
+        },
+        "state": {"state": _TEXT, "why": _TEXT},
+        "progress": {"done_s": _NUMBER, "left_s": _NUMBER, "command": _TEXT, "source_line": _NUMBER},
+        "events": {"kind": {"enum": ["remark", "warning", "order"]}, "text": _TEXT},
+        "jobs": {"job": _TEXT, "offset_s": _NUMBER, "duration_s": _NUMBER, "of_program": _TRUTH},
+        "outcome": {
+            "well": _TRUTH,
+            "what": _TEXT,
+            "remedy": _TEXT,
+            "command": _TEXT,
+            "done_s": _NUMBER,
+            "joints": joints | {"type": ["object", "null"]},
+        },
+    }
+
+
+def _joint_keys(robot: Robot) -> list[str]:
+    return [f"{name}_{unit}" for name, unit in zip(robot.joint_names, robot.axis_unit_names, strict=True)]
+
+
+def _by_joint(robot: Robot, joints: Array) -> dict[str, float]:
+    """Joint positions (n,) [rad or m] by `J1_deg` and so on."""
+    values = np.round(joints / robot.axis_units, _DIGITS).tolist()
+    return dict(zip(_joint_keys(robot), values, strict=True))
+
+
+def _described(job: Job) -> dict[str, Any]:
+    """What a reader has to know of the job and its robot."""
+    robot = job.robot
+    limits = np.column_stack((robot.limits.lower, robot.limits.upper)) / robot.axis_units[:, None]
+    return {
+        "duration_s": job.duration,
+        "commands": [
+            {
+                "index": command.index,
+                "name": command.name,
+                "source_line": command.source_line,
+                "begins_s": command.begins,
+                "ends_s": command.ends,
+            }
+            for command in job.commands
+        ],
+        "joints": [
+            {"name": name, "unit": unit, "limits": [bound if np.isfinite(bound) else None for bound in pair]}
+            for name, unit, pair in zip(
+                robot.joint_names, robot.axis_unit_names, limits.tolist(), strict=True
+            )
+        ],
+        "controller": asdict(robot.controller),
+    }
+
+
+def _order_text(order: Order) -> str:
+    match order:
+        case Override(percent=percent):
+            return f"override {percent:g} %"
+        case Fail(what=what):
+            return f"fail: {what}"
+        case _:
+            return type(order).__name__.lower()
+
+
+def _clean(text: str) -> str:
+    """Without halves of characters, which names of files may have and UTF-8 can't."""
+    return text.encode("utf-8", "replace").decode()

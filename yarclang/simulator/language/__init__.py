@@ -1,0 +1,1 @@
+"""The controller's language: expressions, and the statements that a buffer can hold."""

@@ -1,0 +1,101 @@
+"""Axis definitions: motors as sums of axes (TSRM 269, PSRM 179-180)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.pmac.errors import DATA
+from yarclang.simulator.language.statements import AXES
+from yarclang.simulator.motion.pieces import Array
+from yarclang.simulator.registers import printed
+from yarclang.simulator.reply import Refusal
+
+_TERM = re.compile(r"([+-]?)(\d+\.?\d*|\.\d+)?([A-CU-Z])?")
+_GROUPS = ("XYZ", "UVW")
+
+
+@dataclass(frozen=True, slots=True)
+class AxisDefinition:
+    """Counts of a motor: the sum of `terms` (axis, counts per axis unit), and `offset` [counts]."""
+
+    terms: tuple[tuple[str, float], ...]
+    offset: float
+
+    @property
+    def text(self) -> str:
+        """As the controller reports it."""
+        parts = [f"{'' if scale == 1.0 else printed(scale)}{axis}" for axis, scale in self.terms]
+        if self.offset:
+            parts.append(printed(self.offset))
+        return "+".join(parts).replace("+-", "-").replace("-1X", "-X")
+
+
+def axis_definition(text: str) -> AxisDefinition | None:
+    """Read what stands behind `#1->`; None for 0, which takes a definition away.
+
+    Raises:
+        Refusal: ERR003 for more than three axes, or axes that may not be summed.
+    """
+    if text == "0":
+        return None
+    terms: list[tuple[str, float]] = []
+    offset, at = 0.0, 0
+    while at < len(text):
+        found = _TERM.match(text, at)
+        if not found or found.end() == at or (at and not found[1]):
+            raise Refusal(DATA)
+        sign, number, axis = found.groups()
+        scale = (-1.0 if sign == "-" else 1.0) * float(number or 1.0)
+        if axis:
+            terms.append((axis, scale))
+        elif number:
+            offset += scale
+        else:
+            raise Refusal(DATA)
+        at = found.end()
+    letters = {axis for axis, _ in terms}
+    summed = len(terms) < 2 or any(letters <= set(group) for group in _GROUPS)
+    if not terms or len(letters) < len(terms) or not summed:
+        raise Refusal(DATA)
+    return AxisDefinition(tuple(terms), offset)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Axes:
+    """All definitions of a coordinate system: counts (n,) = `matrix` (n, 9) of axis positions + `offset` (n,)."""
+
+    motors: tuple[int, ...]
+    matrix: Array
+    offset: Array
+
+    def counts(self, axes: Array) -> Array:
+        """Motor positions [counts] of axis positions (9,)."""
+        counts: Array = self.matrix @ axes + self.offset
+        return counts
+
+    def matched(self, counts: Array, axes: Array) -> Array:
+        """Axis positions (9,) of motor positions (PMATCH); axes without a motor keep what they have."""
+        used = np.flatnonzero(np.any(self.matrix != 0.0, axis=0))
+        result = axes.copy()
+        if len(used):
+            matrix = self.matrix[:, used]
+            if len(matrix) == len(used) and np.linalg.matrix_rank(matrix) == len(used):
+                result[used] = np.linalg.solve(matrix, counts - self.offset)
+            else:
+                result[used] = np.linalg.lstsq(matrix, counts - self.offset, rcond=None)[0]
+        return result
+
+
+def axes_of(definitions: Sequence[tuple[int, AxisDefinition]]) -> Axes:
+    """The matrix of the definitions (motor, definition), in the order given."""
+    matrix = np.zeros((len(definitions), len(AXES)))
+    offset = np.zeros(len(definitions))
+    for row, (_, item) in enumerate(definitions):
+        for axis, scale in item.terms:
+            matrix[row, AXES.index(axis)] = scale
+        offset[row] = item.offset
+    return Axes(tuple(motor for motor, _ in definitions), matrix, offset)

@@ -1,0 +1,269 @@
+"""Motion as cubics: a piece for all motors of a move, and motions made of pieces, evaluated at any instant.
+
+Nothing is integrated step by step: a position is the value of a polynomial.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.simulator.motion.timebase import TimeMap
+
+Array = NDArray[np.float64]
+
+
+class Piece:
+    """A cubic of `motors` positions [counts] over `duration` [s] of its own time: rows of
+    `coefficients` (4, n) are the powers 0 to 3.
+    """
+
+    __slots__ = ("_coefficients", "_control", "duration")
+
+    def __init__(self, duration: float, coefficients: Array) -> None:
+        self.duration = duration
+        self._coefficients: Array | None = coefficients
+        self._control: tuple[Array, ...] = ()
+
+    @classmethod
+    def spline(cls, duration: float, control: tuple[Array, Array, Array, Array]) -> Piece:
+        """A segment of a uniform cubic B-spline with four control points (n,) (TUM 290).
+
+        The polynomial is worked out when somebody looks at it.
+        """
+        piece = cls.__new__(cls)
+        piece.duration = duration
+        piece._coefficients = None
+        piece._control = control
+        return piece
+
+    @property
+    def coefficients(self) -> Array:
+        """(4, n), in counts and s."""
+        if self._coefficients is None:
+            c0, c1, c2, c3 = self._control
+            h = self.duration
+            self._coefficients = np.array(
+                [
+                    (c0 + 4.0 * c1 + c2) / 6.0,
+                    (c2 - c0) / (2.0 * h),
+                    (c0 - 2.0 * c1 + c2) / (2.0 * h**2),
+                    (c3 - 3.0 * c2 + 3.0 * c1 - c0) / (6.0 * h**3),
+                ]
+            )
+            self._control = ()
+        return self._coefficients
+
+    def position(self, u: float) -> Array:
+        """Positions (n,) [counts] at time `u` [s] of the piece."""
+        c = self.coefficients
+        position: Array = c[0] + u * (c[1] + u * (c[2] + u * c[3]))
+        return position
+
+    def velocity(self, u: float) -> Array:
+        """Velocities (n,) [counts/s] at time `u` [s] of the piece, in its own time."""
+        c = self.coefficients
+        velocity: Array = c[1] + u * (2.0 * c[2] + u * 3.0 * c[3])
+        return velocity
+
+    def shifted(self, u: float, duration: float) -> Piece:
+        """The part of the piece from `u` on."""
+        c = self.coefficients
+        return Piece(
+            duration,
+            np.array(
+                [
+                    self.position(u),
+                    self.velocity(u),
+                    c[2] + 3.0 * u * c[3],
+                    c[3],
+                ]
+            ),
+        )
+
+    def reach(self) -> tuple[Array, Array, Array]:
+        """Bounds of position [counts] and speed [counts/s] of each motor (n,): least, most, fastest.
+
+        For a spline segment only what its last control point adds to the segments before it: whoever asks
+        looks at three more segments where this is too much.
+        """
+        if self._coefficients is None:
+            last, newest = self._control[2], self._control[3]
+            return newest, newest, np.abs(newest - last) / self.duration
+        h = self.duration
+        c0, c1, c2, c3 = self._coefficients * np.array([[1.0], [h], [h**2], [h**3]])
+        # the control points of Bernstein's form
+        points = np.array([c0, c0 + c1 / 3.0, c0 + (2.0 * c1 + c2) / 3.0, c0 + c1 + c2 + c3])
+        speed = np.abs(np.diff(points, axis=0)).max(axis=0) * 3.0 / h if h else np.zeros(len(c0))
+        return points.min(axis=0), points.max(axis=0), speed
+
+
+def standing(duration: float, position: Array) -> Piece:
+    """No motion for a while."""
+    return Piece(duration, np.array([position, *np.zeros((3, len(position)))]))
+
+
+def ramp(position: Array, before: Array, after: Array, time: float, s_time: float) -> list[Piece]:
+    """From one velocity [counts/s] to another within `time` [s], with S-curves of `s_time` at both ends.
+
+    The distance is the mean of both velocities times `time`, for any S (TSRM 189: TA is the whole, TS each half).
+    """
+    if time <= 0.0:
+        return []
+    s_time = min(s_time, time / 2.0)
+    peak = (after - before) / (time - s_time)
+    pieces = []
+    velocity = before
+    for duration, start, end in (
+        (s_time, 0.0, 1.0),
+        (time - 2.0 * s_time, 1.0, 1.0),
+        (s_time, 1.0, 0.0),
+    ):
+        if duration <= 1e-12:
+            continue
+        jerk = peak * (end - start) / duration
+        piece = Piece(duration, np.array([position, velocity, peak * start / 2.0, jerk / 6.0]))
+        pieces.append(piece)
+        position, velocity = piece.position(duration), piece.velocity(duration)
+    return pieces
+
+
+def steady(position: Array, velocity: Array, duration: float) -> Piece:
+    """Constant velocity."""
+    zero = np.zeros(len(position))
+    return Piece(duration, np.array([position, velocity, zero, zero]))
+
+
+def trapezoid(
+    start: float, end: float, speed: float, acceleration: float, time: float, s_time: float
+) -> list[Piece]:
+    """A jog of one motor from rest to rest: `speed` [counts/s] unless the way is too short for it.
+
+    Accelerating takes `time` or twice `s_time` [s], whichever is more, and longer where `acceleration`
+    [counts/s^2] asks for it (TSRM 73: Ixx19 limits Ixx20 and Ixx21).
+    """
+    way = end - start
+    if way == 0.0:
+        return []
+    speed = reached(abs(way), speed, acceleration, time, s_time)
+    if speed <= 0.0:
+        return []
+    accelerating = ramp_time(speed, acceleration, time, s_time)
+    velocity = np.array([math.copysign(speed, way)])
+    rest = np.zeros(1)
+    pieces = ramp(np.array([start]), rest, velocity, accelerating, s_time)
+    middle = start + float(velocity[0]) * accelerating / 2.0
+    cruise = max(0.0, abs(way) / speed - accelerating)
+    if cruise > 1e-12:
+        pieces.append(steady(np.array([middle]), velocity, cruise))
+    stop = end - float(velocity[0]) * accelerating / 2.0
+    return pieces + ramp(np.array([stop]), velocity, rest, accelerating, s_time)
+
+
+def ramp_time(change: float, acceleration: float, time: float, s_time: float) -> float:
+    """How long a change of velocity [counts/s] takes [s]."""
+    return max(time, 2.0 * s_time, change / acceleration + s_time if acceleration > 0.0 else 0.0, 1e-6)
+
+
+def reached(way: float, speed: float, acceleration: float, time: float, s_time: float) -> float:
+    """The speed that is reached on a way [counts] from rest to rest."""
+    if speed * ramp_time(speed, acceleration, time, s_time) <= way:
+        return speed
+    fixed = max(time, 2.0 * s_time, 1e-6)
+    if acceleration <= 0.0 or (way / fixed) / acceleration + s_time <= fixed:
+        return way / fixed
+    # speed^2 / acceleration + speed s_time = way
+    return acceleration * (math.sqrt(s_time**2 + 4.0 * way / acceleration) - s_time) / 2.0
+
+
+def together(parts: Sequence[list[Piece]], stands: Array) -> list[Piece]:
+    """Motions of single motors as pieces of all of them; a motor that has arrived stands."""
+    ends = sorted({0.0, *(t for part in parts for t in _ends(part))})
+    pieces = []
+    for begin, end in itertools.pairwise(ends):
+        if end - begin < 1e-12:
+            continue
+        columns = []
+        for part, stand in zip(parts, stands, strict=True):
+            columns.append(_from(part, begin, stand, end - begin))
+        pieces.append(Piece(end - begin, np.concatenate(columns, axis=1)))
+    return pieces
+
+
+def _ends(part: list[Piece]) -> list[float]:
+    return list(np.cumsum([piece.duration for piece in part]))
+
+
+def _from(part: list[Piece], begin: float, stand: float, duration: float) -> Array:
+    since = 0.0
+    for piece in part:
+        if begin < since + piece.duration - 1e-12:
+            return piece.shifted(begin - since, duration).coefficients
+        since += piece.duration
+    end = float(part[-1].position(part[-1].duration)[0]) if part else stand
+    return np.array([[end], [0.0], [0.0], [0.0]])
+
+
+class Motion(Protocol):
+    """Something that moves, or stands, from some instant on; it never changes."""
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """Positions (n,) [counts] and velocities [counts/s] at an instant [s]."""
+        ...
+
+
+class Standing:
+    """Nothing moves."""
+
+    __slots__ = ("_position", "_velocity")
+
+    def __init__(self, position: Array) -> None:
+        self._position = position
+        self._velocity = np.zeros(len(position))
+
+    def at(self, time: float) -> tuple[Array, Array]:  # noqa: ARG002 - it is the same always
+        """See `Motion`."""
+        return self._position, self._velocity
+
+
+class Travel:
+    """A piece of a program, at the pace of the time base; `begin` [s] is its place in program time."""
+
+    __slots__ = ("begin", "map", "piece")
+
+    def __init__(self, piece: Piece, begin: float, time_map: TimeMap) -> None:
+        self.piece = piece
+        self.begin = begin
+        self.map = time_map
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """See `Motion`."""
+        u = min(max(self.map.program_time(time) - self.begin, 0.0), self.piece.duration)
+        return self.piece.position(u), self.piece.velocity(u) * self.map.rate(time)
+
+
+class Profile:
+    """Motion of one motor in real time from `begin` [s] on: jog, home, abort. The last piece may have no end."""
+
+    __slots__ = ("begin", "end", "pieces", "target")
+
+    def __init__(self, begin: float, pieces: list[Piece], target: float) -> None:
+        self.begin = begin
+        self.pieces = pieces
+        self.end = begin + sum(piece.duration for piece in pieces)
+        self.target = target
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """See `Motion`."""
+        since = self.begin
+        for piece in self.pieces:
+            if time < since + piece.duration:
+                u = max(time - since, 0.0)
+                return piece.position(u), piece.velocity(u)
+            since += piece.duration
+        return np.array([self.target]), np.zeros(1)

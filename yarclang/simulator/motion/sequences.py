@@ -1,0 +1,170 @@
+"""Moves as pieces: SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend, RAPID (TSRM 98) doesn't."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from yarclang.simulator.motion.motors import Motor
+from yarclang.simulator.motion.pieces import Array, Piece, ramp, standing, steady, together, trapezoid
+from yarclang.simulator.motion.steps import Step
+
+Events = tuple[Callable[[], None], ...]
+
+
+class Sequence(Protocol):
+    """Blended moves of one mode, from rest to rest.
+
+    `stop` lets it take no more moves, and come to rest as it would without any.
+    """
+
+    stop: bool
+    end: Array
+
+    def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
+        """The next piece and what happens as it begins, or None behind the last; moves that it needs are taken."""
+        ...
+
+
+class SplineSequence:
+    """SPLINE1: N moves of equal time take N + 2 times it.
+
+    The control points are S, S, S, P1 ... PN, PN, PN, with S where the motors stand: segment k needs
+    move k + 1 as it begins. If that isn't there, or has another time, the end piece is begun.
+    """
+
+    def __init__(self, stand: Array, first: Step) -> None:
+        self.stop = False
+        self.end = stand
+        self._time = first.time
+        self._window = (stand, stand, stand)
+        self._trailing = 0
+        self._events: Events = ()
+
+    def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
+        """See `Sequence`."""
+        due = self._events
+        if not self._trailing and not self.stop and _is(steps, "SPLINE1") and steps[0].time == self._time:
+            step = steps.popleft()
+            point, self._events = step.target, step.events
+        else:
+            self._trailing += 1
+            if self._trailing > 2:
+                return None
+            point, self._events = self._window[2], ()
+        before, middle, last = self._window
+        self._window = (middle, last, point)
+        self.end = point
+        return Piece.spline(self._time, (before, middle, last, point)), due
+
+
+class LinearSequence:
+    """LINEAR: constant velocities with a ramp of TA around each corner; a lone move takes TM + TA.
+
+    A move is decided on as the one before it leaves its ramp.
+    """
+
+    def __init__(self, stand: Array, first: Step) -> None:
+        del first
+        self.stop = False
+        self.end = stand
+        self._position = stand
+        self._velocity = np.zeros(len(stand))
+        self._move: Step | None = None
+        self._corner = stand
+        self._pieces: deque[tuple[Piece, Events]] = deque()
+        self._done = False
+
+    def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
+        """See `Sequence`."""
+        if not self._pieces and not self._done:
+            self._go_on(steps)
+        if not self._pieces:
+            return None
+        return self._pieces.popleft()
+
+    def _go_on(self, steps: deque[Step]) -> None:
+        follower = steps[0] if not self.stop and _is(steps, "LINEAR") else None
+        if self._move is None:
+            if follower is None:
+                self._done = True
+                return
+            corner_time, coast = follower.ramp, 0.0
+        else:
+            move = self._move
+            # a ramp longer than both of its moves allow is shortened (assumed)
+            corner_time = min(follower.ramp, 2.0 * move.time - move.ramp) if follower else move.ramp
+            coast = max(move.time - (move.ramp + corner_time) / 2.0, 0.0)
+        if coast > 0.0:
+            self._add(steady(self._position, self._velocity, coast), ())
+        velocity = (
+            (follower.target - self._corner) / follower.time if follower else np.zeros(len(self._velocity))
+        )
+        s_time = follower.s_ramp if follower else self._move.s_ramp if self._move else 0.0
+        events: Events = follower.events if follower else ()
+        pieces = ramp(self._position, self._velocity, velocity, corner_time, s_time)
+        if not pieces and events:
+            pieces = [standing(0.0, self._position)]
+        for piece in pieces:
+            self._add(piece, events)
+            events = ()
+        self._velocity = velocity
+        if follower:
+            self._move, self._corner, self.end = steps.popleft(), follower.target, follower.target
+            self._move.ramp = corner_time
+            if not self._pieces:
+                self._go_on(steps)
+        else:
+            self._done = True
+
+    def _add(self, piece: Piece, events: Events) -> None:
+        self._pieces.append((piece, events))
+        self._position = piece.position(piece.duration)
+
+
+class PvtSequence:
+    """PVT: cubic from position and velocity to position and velocity."""
+
+    def __init__(self, stand: Array, first: Step) -> None:
+        del first
+        self.stop = False
+        self.end = stand
+        self._velocity = np.zeros(len(stand))
+
+    def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
+        """See `Sequence`."""
+        if self.stop or not _is(steps, "PVT"):
+            return None
+        step = steps.popleft()
+        h, p0, p1, v0 = step.time, self.end, step.target, self._velocity
+        v1 = step.velocity if step.velocity is not None else np.zeros(len(p1))
+        slope = (p1 - p0) / h
+        coefficients = np.array([p0, v0, (3.0 * slope - 2.0 * v0 - v1) / h, (v0 + v1 - 2.0 * slope) / h**2])
+        self.end, self._velocity = p1, v1
+        return Piece(h, coefficients), step.events
+
+
+SEQUENCES: dict[str, Callable[[Array, Step], Sequence]] = {
+    "SPLINE1": SplineSequence,
+    "LINEAR": LinearSequence,
+    "PVT": PvtSequence,
+}
+
+
+def rapid(motors: list[Motor], begin: Array, target: Array) -> list[Piece]:
+    """RAPID, which doesn't blend: each motor by itself, at its own speed (Ixx22, or Ixx16 with Ixx90 = 1; TSRM 98).
+
+    Both are places (n,) [counts]; no pieces where they are the same.
+    """
+    parts = [
+        trapezoid(float(start), float(end), motor.rapid_speed(), *motor.jog_ramp())
+        for motor, start, end in zip(motors, begin, target, strict=True)
+    ]
+    return together(parts, begin)
+
+
+def _is(steps: deque[Step], mode: str) -> bool:
+    return bool(steps) and steps[0].kind == "move" and steps[0].mode == mode

@@ -1,0 +1,47 @@
+"""The background interpreter: lines that programs give to it (CMD)."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from yarclang.simulator.ports import Port
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
+
+PORT = -1
+_LONGEST_QUEUE = 64
+
+
+class Background:
+    """Executes lines on a port of its own. What it answers goes nowhere; an error neither (I6 = 2 and 0 hush it)."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self._queue: deque[tuple[str, int, int]] = deque()
+
+    def put(self, text: str, system: int, motor: int) -> None:
+        """A line, and what it addresses."""
+        if len(self._queue) < _LONGEST_QUEUE:
+            self._queue.append((text, system, motor))
+
+    def clear(self) -> None:
+        """Forget what waits."""
+        self._queue.clear()
+
+    def handle(self) -> None:
+        """Execute what waits."""
+        if not self._queue:
+            return
+        due, self._queue = self._queue, deque()
+        for text, system, motor in due:
+            port = self.machine.ports[PORT] = Port(motor, system)
+            if text[:1] == "^" and len(text) == 2:
+                self.machine.control(ord(text[1]) - 64, PORT)
+            else:
+                self.machine.command(text, PORT)
+            if PORT not in self.machine.ports:
+                # a reset: nothing that waited behind it is left
+                return
+            self.machine.buffers.release(port)

@@ -1,0 +1,88 @@
+"""On-line commands to buffers: OPEN, CLOSE, CLEAR, DEFINE, DELETE, LIST."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from yarclang.pmac.errors import DATA, NEEDS_BUFFER
+from yarclang.simulator.language.reader import Reader
+from yarclang.simulator.language.statements import LAST_PLC
+from yarclang.simulator.online.line import Line
+from yarclang.simulator.programs import program
+from yarclang.simulator.reply import Refusal
+
+_KINDS = {"PRO": "prog", "PLC": "plc", "ROT": "rotary"}
+
+
+def open_buffer(line: Line, found: re.Match[str]) -> None:
+    """OPEN PROG n, OPEN PLC n, OPEN ROT."""
+    kind = _KINDS[found[1][:3]]
+    number = 0 if kind == "rotary" else line.reader.whole()
+    line.machine.buffers.open(line.port, kind, number)
+
+
+def close(line: Line, found: re.Match[str]) -> None:
+    """CLOSE, or CLOSE ALL."""
+    line.machine.buffers.close(None if found[1] else line.port)
+
+
+def clear(line: Line, found: re.Match[str]) -> None:
+    """CLEAR the open buffer; CLEAR ALL and CLEAR PLC n."""
+    if found[1]:
+        line.machine.buffers.clear_plcs(line.reader.numbers(LAST_PLC) if found[1] != "ALL" else None)
+    elif not line.port.open:
+        raise Refusal(NEEDS_BUFFER)
+    else:
+        line.machine.buffers.clear(line.port)
+
+
+def define(line: Line, found: re.Match[str]) -> None:
+    """DEFINE ROT n; other buffers are sizes that mean nothing here."""
+    reader, machine = line.reader, line.machine
+    if found[1].startswith("ROT"):
+        machine.buffers.define_rotary(line.port.system, reader.whole())
+        return
+    while reader.has_data() or reader.takes(","):
+        if reader.has_data():
+            reader.constant()
+    machine.gathering = machine.gathering or found[1].startswith("GAT")
+
+
+def delete(line: Line, found: re.Match[str]) -> None:
+    """DELETE ROT, and of other buffers, which is nothing here."""
+    if found[1].startswith("ROT"):
+        line.machine.buffers.delete_rotary(line.port.system)
+    elif found[1].startswith("GAT"):
+        line.machine.gathering = False
+
+
+def listing(line: Line, found: re.Match[str]) -> None:
+    """LIST PROG n with the first line and their number, LIST PLC n, LIST ROT."""
+    reader, machine = line.reader, line.machine
+    lines: Sequence[program.Line]
+    first, count = 0, None
+    match found[1]:
+        case "PLC":
+            number = reader.whole()
+            if number not in machine.plcs.by_number:
+                raise Refusal(DATA)
+            lines = machine.plcs.by_number[number].program.lines
+        case "PROG" | "PRO":
+            number = reader.whole()
+            if number not in machine.programs:
+                raise Refusal(DATA)
+            lines = machine.programs[number].lines
+            first, count = _argument(reader) or 0, _argument(reader)
+        case _:
+            rotary = line.system.calculation.rotary
+            if rotary is None:
+                raise Refusal(DATA)
+            lines = list(rotary.lines)
+    listed = lines[first : None if count is None else first + count]
+    line.items += [*(each.text for each in listed), "RETURN"]
+
+
+def _argument(reader: Reader) -> int | None:
+    """A number behind a comma."""
+    return reader.whole() if reader.takes(",") and reader.has_data() else None

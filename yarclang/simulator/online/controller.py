@@ -1,0 +1,69 @@
+"""On-line commands to the controller as a whole: status, versions, PLCs, SAVE and reset."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.simulator import status
+from yarclang.simulator.language.statements import LAST_PLC
+from yarclang.simulator.online.line import Line
+
+_ANSWERS = {
+    "VERSION": "1.945",
+    "VER": "1.945",
+    "TYPE": "TURBO2, X4",
+    "CID": "602413",
+    "VID": "1",
+    "SID": "0",
+    "CPU": "DSP56311",
+    "DATE": "07/17/2008",
+    "CHKS": "0",
+    "CHECKSUM": "0",
+}
+
+
+def status_words(line: Line, found: re.Match[str]) -> None:
+    """?, ?? and ???."""
+    line.items.append(status.digits(line.machine, len(found[0]), line.port.motor, line.port.system))
+
+
+def fixed(line: Line, found: re.Match[str]) -> None:
+    """VER, TYPE, CID, VID, SID, DATE, CHKS: always the same."""
+    line.items.append(_ANSWERS[found[0]])
+
+
+def time(line: Line, _: re.Match[str]) -> None:
+    """TIME: since it was switched on."""
+    seconds = int(line.machine.now) % 86400
+    line.items.append(f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}")
+
+
+def plcs(line: Line, found: re.Match[str]) -> None:
+    """ENABLE, DISABLE, PAUSE, RESUME of PLCs; compiled ones (PLCC) there are none."""
+    name = {"ENA": "ENABLE", "DIS": "DISABLE"}.get(found[1], found[1])
+    numbers = line.reader.numbers(LAST_PLC)
+    if not found[2]:
+        line.machine.switch_plcs(name, numbers)
+
+
+def message(line: Line, found: re.Match[str]) -> None:
+    """SEND and CMD as on-line commands."""
+    if found[1] == "SEND":
+        line.items.append(found[2])
+
+
+def reset(line: Line, found: re.Match[str]) -> None:
+    """$$$ and $$$***."""
+    if found[1]:
+        line.machine.initialise()
+    else:
+        line.machine.reset()
+
+
+def save(line: Line, _: re.Match[str]) -> None:
+    """SAVE."""
+    line.machine.save()
+
+
+def nothing(_line: Line, _found: re.Match[str]) -> None:
+    """A command without an effect here."""

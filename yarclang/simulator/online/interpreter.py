@@ -1,0 +1,77 @@
+"""On-line commands: what a line asks of the machine, one command after the other (TSRM 259-424).
+
+A line may hold several commands without anything between them. While a buffer is open on the port, what can
+be stored there is stored. The first error ends the line; what was done before it stays done.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from yarclang.pmac.errors import DATA, NEEDS_BUFFER
+from yarclang.simulator.language.statements import Statement
+from yarclang.simulator.language.words import cleaned, read_statement, simple_move
+from yarclang.simulator.online.commands import command_at
+from yarclang.simulator.online.line import LEGAL, LONGEST, Line
+from yarclang.simulator.ports import Port
+from yarclang.simulator.reply import Refusal, Reply
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
+
+_ILLEGAL = 4
+_CLOSING = re.compile(r"CLOSE|CLEAR|CLR|CLS")
+
+
+def execute(machine: Machine, port: Port, text: str) -> Reply:
+    """Execute a line, or store it in the buffer that is open on the port."""
+    if len(text) > LONGEST:
+        return Reply((), DATA)
+    if not LEGAL(text):
+        return Reply((), _ILLEGAL)
+    line = Line(machine, port, cleaned(text))
+    try:
+        _execute(line)
+    except Refusal as refusal:
+        return Reply(tuple(line.items), refusal.number)
+    return Reply(tuple(line.items))
+
+
+def _execute(line: Line) -> None:
+    reader = line.reader
+    if line.port.open in ("rotary", "prog") and (move := simple_move(reader.text)):
+        line.machine.buffers.store(line.port, reader.text, (move,))
+        return
+    while not reader.ended:
+        if not (line.port.open and _stored(line)):
+            _command(line)
+
+
+def _stored(line: Line) -> bool:
+    """Store what comes next in the open buffer; False where nothing that comes next belongs there."""
+    reader, port = line.reader, line.port
+    at = reader.at
+    statements: list[Statement] = []
+    while not reader.ended and not (reader.text[reader.at] == "C" and _CLOSING.match(reader.text, reader.at)):
+        statement = read_statement(reader, port.open == "plc")
+        if statement is None:
+            break
+        statements.append(statement)
+    if not statements:
+        return False
+    if not reader.ended and not command_at(reader.text, reader.at):
+        raise Refusal(DATA)
+    line.machine.buffers.store(port, reader.text[at : reader.at], tuple(statements))
+    return True
+
+
+def _command(line: Line) -> None:
+    reader = line.reader
+    if command := command_at(reader.text, reader.at):
+        action, found = command
+        reader.at = found.end()
+        action(line, found)
+        return
+    statement = read_statement(reader, False)
+    raise Refusal(DATA if statement is None or line.port.open else NEEDS_BUFFER)

@@ -1,0 +1,110 @@
+"""On-line commands to the addressed motor: reports, jogs, home, K and O."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.pmac.defaults import MOTORS
+from yarclang.pmac.errors import BUSY_PROGRAM, DATA, OPEN_LOOP
+from yarclang.simulator.language.arithmetic import value_of
+from yarclang.simulator.motion.motors import Motor
+from yarclang.simulator.online.line import Line
+from yarclang.simulator.online.questions import REPORTS
+from yarclang.simulator.reply import Refusal
+
+
+def address(line: Line, found: re.Match[str]) -> None:
+    """#n, ##n, or # alone."""
+    if not found[1]:
+        line.items.append(str(line.port.motor))
+        return
+    if not 1 <= int(found[1]) <= MOTORS:
+        raise Refusal(DATA)
+    line.port.motor = int(found[1])
+
+
+def report(line: Line, found: re.Match[str]) -> None:
+    """P (counts), V (counts per servo cycle), F (counts)."""
+    if text := REPORTS[found[0]](line.machine, line.port):
+        line.items.append(text)
+
+
+def jog(line: Line, found: re.Match[str]) -> None:
+    """J and what follows it."""
+    machine, now = line.machine, line.machine.now
+    motor = _free(line)
+    if not motor.activated:
+        raise Refusal(DATA)
+    kind = found[1]
+    if kind == "/":
+        if motor.amplifier_fault:
+            raise Refusal(OPEN_LOOP)
+        if motor.closed:
+            motor.jog_stop(now)
+        else:
+            motor.close(now)
+        machine.changed([motor])
+        return
+    target = _target(line, motor, kind)
+    if not motor.closed:
+        raise Refusal(OPEN_LOOP)
+    if not motor.jogging:
+        motor.before_jog = motor.place(now)[0]
+    if kind in "+-":
+        motor.jog(now, 1 if kind == "+" else -1)
+    else:
+        motor.jog_to(now, target)
+    machine.changed([motor])
+
+
+def _free(line: Line) -> Motor:
+    """The addressed motor, if no program runs in its coordinate system (a hold lets it be jogged)."""
+    motor = line.motor
+    system = line.machine.system_of(motor)
+    if system is not None and system.busy and system.drive.held_at is None:
+        raise Refusal(BUSY_PROGRAM)
+    return motor
+
+
+def _target(line: Line, motor: Motor, kind: str) -> float:
+    if kind in "+-":
+        return 0.0
+    now = line.machine.now
+    if line.reader.has_data():
+        value = value_of(line.reader.data(), line.scope)
+    elif kind == "=":
+        return motor.before_jog
+    else:
+        raise Refusal(DATA)
+    base = {"=": 0.0, "^": motor.actual(now), ":": motor.place(now)[0]}[kind]
+    return base + value
+
+
+def home(line: Line, found: re.Match[str]) -> None:
+    """HM and HMZ."""
+    motor, now = _free(line), line.machine.now
+    if not motor.activated:
+        raise Refusal(DATA)
+    if found[0].endswith("Z"):
+        motor.zero(now)
+    else:
+        if not motor.closed:
+            raise Refusal(OPEN_LOOP)
+        motor.home(now)
+    line.machine.changed([motor])
+
+
+def kill(line: Line, _: re.Match[str]) -> None:
+    """K."""
+    motor = _free(line)
+    motor.kill(line.machine.now)
+    line.machine.changed([motor])
+
+
+def open_loop(line: Line, _: re.Match[str]) -> None:
+    """O: output in percent, open loop; the motor stands all the same (assumed)."""
+    motor = _free(line)
+    line.reader.constant()
+    motor.kill(line.machine.now)
+    motor.enabled = True
+    line.machine.changed([motor])

@@ -1,0 +1,112 @@
+"""Lines that only ask: `P1`, `#1P#2P`, `&1?`. Clients ask the same again and again, so each is read once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from yarclang.pmac.defaults import MOTORS, SYSTEMS, VARIABLES
+from yarclang.simulator import status
+from yarclang.simulator.language.words import cleaned
+from yarclang.simulator.online.line import LEGAL, LONGEST
+from yarclang.simulator.ports import Port
+from yarclang.simulator.registers import printed
+from yarclang.simulator.reply import Reply
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
+
+Question = Callable[["Machine", "Port"], str | None]
+"""Gives what is answered; None where it only addresses."""
+
+_REMEMBERED = 1024
+_PART = re.compile(
+    r"#(?P<motor>[0-9]{1,2})(?![0-9])|&(?P<system>[0-9]{1,2})(?![0-9])"
+    r"|([IPQM])(?P<variable>[0-9]{1,4})(?![0-9])|(?P<report>[PVF])(?=[PVF]*(?:[#&?]|\Z))|(?P<status>\?{1,3})"
+)
+
+
+@lru_cache(_REMEMBERED)
+def questions(line: str) -> tuple[Question, ...]:
+    """What a line asks, in order; empty where it does anything else, or is refused."""
+    if len(line) > LONGEST or not LEGAL(line):
+        return ()
+    text = cleaned(line)
+    found: list[Question] = []
+    at = 0
+    while at < len(text):
+        part = _PART.match(text, at)
+        question = _question(part) if part else None
+        if part is None or question is None:
+            return ()
+        found.append(question)
+        at = part.end()
+    return tuple(found)
+
+
+def answered(machine: Machine, port: Port, asked: tuple[Question, ...]) -> Reply:
+    """What a line that only asks is told; none of its questions can be refused."""
+    items: tuple[str, ...] = ()
+    for question in asked:
+        if (item := question(machine, port)) is not None:
+            items += (item,)
+    return Reply(items)
+
+
+def _question(part: re.Match[str]) -> Question | None:
+    """One part of a line; None for a number that doesn't exist."""
+    match part.lastgroup:
+        case "motor":
+            return _motor(int(part[1])) if 1 <= int(part[1]) <= MOTORS else None
+        case "system":
+            return _system(int(part[2])) if 1 <= int(part[2]) <= SYSTEMS else None
+        case "variable":
+            return _variable(part[3], int(part[4])) if int(part[4]) < VARIABLES else None
+        case "report":
+            return REPORTS[part[0]]
+        case _:
+            marks = len(part[0])
+            return lambda machine, port: status.digits(machine, marks, port.motor, port.system)
+
+
+def _motor(number: int) -> Question:
+    def address(_: Machine, port: Port) -> None:
+        port.motor = number
+
+    return address
+
+
+def _system(number: int) -> Question:
+    def address(_: Machine, port: Port) -> None:
+        port.system = number
+
+    return address
+
+
+def _variable(letter: str, index: int) -> Question:
+    name = f"{letter}{index}="
+
+    def value(machine: Machine, port: Port) -> str:
+        variables = machine.variables
+        text = variables.shown(letter, index, variables.read(letter, index, port.system))
+        return name + text if int(variables.i[9]) & 1 else text
+
+    return value
+
+
+def _position(machine: Machine, port: Port) -> str:
+    return printed(machine.motors[port.motor].actual(machine.now), 1)
+
+
+def _velocity(machine: Machine, port: Port) -> str:
+    return printed(machine.motors[port.motor].place(machine.now)[1] * machine.servo_period, 3)
+
+
+def _following_error(machine: Machine, port: Port) -> str:
+    return printed(machine.motors[port.motor].following_error(machine.now), 1)
+
+
+REPORTS: dict[str, Question] = {"P": _position, "V": _velocity, "F": _following_error}
+"""P (counts), V (counts per servo cycle), F (counts)."""

@@ -1,0 +1,122 @@
+"""On-line commands to the addressed coordinate system: axis definitions, programs, the override."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.pmac.defaults import MOTORS, SYSTEMS
+from yarclang.pmac.errors import BUSY_PROGRAM, DATA, MOVE_IN_PROGRESS
+from yarclang.simulator.motion.axes import axis_definition
+from yarclang.simulator.online.line import Line
+from yarclang.simulator.registers import printed
+from yarclang.simulator.reply import Refusal
+
+_LAST_PROGRAM = 32767
+_MOST_PERCENT = 225.88
+
+
+def address(line: Line, found: re.Match[str]) -> None:
+    """&n, or & alone."""
+    if not found[1]:
+        line.items.append(str(line.port.system))
+        return
+    if not 1 <= int(found[1]) <= SYSTEMS:
+        raise Refusal(DATA)
+    line.port.system = int(found[1])
+
+
+def axes(line: Line, found: re.Match[str]) -> None:
+    """#n->: define, take away with 0, or report."""
+    number = int(found[1])
+    if not 1 <= number <= MOTORS:
+        raise Refusal(DATA)
+    motor = line.machine.motors[number]
+    owner = line.machine.system_of(motor)
+    if not found[2]:
+        line.items.append(owner.definitions[number].text if owner else "0")
+        return
+    wanted = axis_definition(found[2])
+    if wanted is None:
+        if owner is not None:
+            owner.define(motor, None)
+        return
+    if owner is not None and owner is not line.system:
+        raise Refusal(DATA)
+    if motor.jogging:
+        raise Refusal(MOVE_IN_PROGRESS)
+    line.system.define(motor, wanted)
+
+
+def undefine(line: Line, found: re.Match[str]) -> None:
+    """UNDEFINE of this coordinate system, or of ALL."""
+    for system in line.machine.systems.values() if found[1] else [line.system]:
+        for motor in list(system.motors):
+            system.define(motor, None)
+
+
+def point(line: Line, found: re.Match[str]) -> None:
+    """B: point to a program and a label."""
+    number, _, label = found[1].partition(".")
+    system = line.system
+    if system.busy:
+        raise Refusal(BUSY_PROGRAM)
+    if int(number or 0) > _LAST_PROGRAM:
+        raise Refusal(DATA)
+    system.ahead.steps.clear()
+    system.calculation.point_to(int(number or 0), int((label or "0").ljust(5, "0")[:5]))
+
+
+def run(line: Line, found: re.Match[str]) -> None:
+    """R and S."""
+    line.machine.run(line.port.system, single_step=found[0] == "S")
+
+
+def order(line: Line, found: re.Match[str]) -> None:
+    r"""Q, H, A, / and \\."""
+    system = line.system
+    match found[0]:
+        case "Q":
+            system.quit()
+        case "A":
+            system.abort()
+        case "/":
+            system.end_of_move()
+        case _:
+            system.drive.hold()
+
+
+def override(line: Line, _: re.Match[str]) -> None:
+    """%: set or report the override."""
+    drive = line.system.drive
+    if not line.reader.has_data():
+        line.items.append(printed(drive.map.rate(line.machine.now) * 100.0))
+        return
+    percent = line.reader.constant()
+    if not 0.0 <= percent <= _MOST_PERCENT:
+        raise Refusal(DATA)
+    drive.override(percent)
+
+
+def match_positions(line: Line, _: re.Match[str]) -> None:
+    """PMATCH."""
+    if line.system.busy:
+        raise Refusal(BUSY_PROGRAM)
+    line.system.pmatch()
+
+
+def lines_ahead(line: Line, _: re.Match[str]) -> None:
+    """PR."""
+    line.items.append(str(line.system.calculation.lines_ahead))
+
+
+def queued(line: Line, _: re.Match[str]) -> None:
+    """PQ: moves that are calculated and not begun (assumed)."""
+    line.items.append(str(len(line.system.ahead.steps)))
+
+
+def program_counter(line: Line, _: re.Match[str]) -> None:
+    """PC and PE: program and line that come next (the format is assumed)."""
+    calculation = line.system.calculation
+    program, at = calculation.place
+    text = program.lines[at].text if program and at < len(program.lines) else ""
+    line.items.append(f"P{calculation.number or 0}:{at}:{text}")

@@ -1,0 +1,1 @@
+"""Motion programs, rotaries and PLCs: how they are stored, linked, and executed."""

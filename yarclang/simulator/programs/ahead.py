@@ -1,0 +1,86 @@
+"""Moves that are calculated ahead of the motion (TUM 339-341)."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Protocol
+
+from yarclang.simulator.motion.steps import Step
+from yarclang.simulator.programs.calculation import Calculation
+
+_AHEAD = 2
+"""Moves that are calculated before they are needed (TUM 339: two in SPLINE, and in LINEAR without segmentation)."""
+
+
+class Clock(Protocol):
+    """What is to be known of time."""
+
+    @property
+    def now(self) -> float:
+        """[s]."""
+        ...
+
+    @property
+    def interrupt(self) -> float:
+        """The time between real-time interrupts [s]."""
+        ...
+
+
+class Ahead:
+    """The steps that are calculated and not begun.
+
+    Attributes:
+        steps: in the order of the program.
+        calculating: whether more may be calculated.
+        retry_at: when the calculation is asked again that had nothing yet [s]; infinite if it isn't.
+        run_time_error: whether the calculation has failed since the last R.
+    """
+
+    def __init__(self, calculation: Calculation, clock: Clock) -> None:
+        self._calculation = calculation
+        self._clock = clock
+        self.clear()
+
+    def clear(self) -> None:
+        """As at power-up."""
+        self.run_time_error = False
+        self.steps: deque[Step] = deque()
+        self._left: float = 0
+        self.stop()
+
+    def leave(self) -> None:
+        """Forget what was calculated."""
+        self.steps.clear()
+        self.stop()
+
+    def begin(self, single_step: bool) -> None:
+        """R, or S: calculate on, a move at the most where it is a `single_step`."""
+        self.calculating, self.run_time_error = True, False
+        self._left = 1 if single_step else math.inf
+
+    def stop(self) -> None:
+        """Calculate no more; what is calculated stays."""
+        self.calculating = False
+        self.retry_at = math.inf
+
+    def fill(self) -> None:
+        """Calculate until enough is ahead, or nothing more is to be had for now."""
+        steps = self.steps
+        while self.calculating and len(steps) < _AHEAD and not (steps and steps[-1].breaks):
+            if not self._left:
+                self.calculating = False
+                return
+            step = self._calculation.step()
+            if self._calculation.failed:
+                self._calculation.failed = False
+                self.run_time_error = True
+                self.calculating = False
+                return
+            if step is None:
+                if self._calculation.waiting:
+                    grid = self._clock.interrupt
+                    self.retry_at = (math.floor(self._clock.now / grid + 1e-9) + 1) * grid
+                return
+            steps.append(step)
+            self._left -= 1

@@ -1,0 +1,151 @@
+"""The buffers of the machine: which port has which open, and what is stored where (TSRM 295, 381; TUM 337)."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from yarclang.pmac.errors import BUFFER_IN_USE, BUSY_PROGRAM, DATA, NO_ROOM, STRUCTURE
+from yarclang.simulator.language.statements import LAST_PLC, Statement
+from yarclang.simulator.ports import Port
+from yarclang.simulator.programs.plc import Plc
+from yarclang.simulator.programs.program import LARGEST_PROGRAM, Program, Rotary, line_of
+from yarclang.simulator.reply import Refusal
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
+
+_MOST_PROGRAMS = 224
+
+
+class Buffers:
+    """PROG, PLC and rotary buffers of a machine."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+
+    def open(self, port: Port, kind: str, number: int) -> None:
+        """OPEN: ERR007 while another is open, ERR001 for a PROG while a program runs (TSRM 381)."""
+        if any(other.open for other in self.machine.ports.values()):
+            raise Refusal(BUFFER_IN_USE)
+        match kind:
+            case "prog":
+                if any(system.busy for system in self.machine.systems.values()):
+                    raise Refusal(BUSY_PROGRAM)
+                if not 1 <= number <= 32767:
+                    raise Refusal(DATA)
+                if number not in self.machine.programs and len(self.machine.programs) >= _MOST_PROGRAMS:
+                    raise Refusal(NO_ROOM)
+                self.machine.programs.setdefault(number, Program())
+            case "plc":
+                if number > LAST_PLC:
+                    raise Refusal(DATA)
+                self.machine.plcs.by_number.setdefault(number, Plc(number)).disable()
+                self.machine.plcs.changed()
+            case _:
+                if not any(system.calculation.rotary for system in self.machine.systems.values()):
+                    raise Refusal(DATA)
+        port.open, port.number = kind, number
+
+    def close(self, port: Port | None) -> None:
+        """CLOSE of one port, or of all (None).
+
+        Raises:
+            Refusal: ERR009 where an IF or a WHILE of what is closed has no end.
+        """
+        unfinished = False
+        for each in [port] if port is not None else list(self.machine.ports.values()):
+            if program := self._open_program(each):
+                unfinished = unfinished or bool(program.open_blocks)
+            each.open = ""
+        self.machine.plcs.changed()
+        if unfinished:
+            raise Refusal(STRUCTURE)
+
+    def release(self, port: Port) -> None:
+        """Close what a port has open, whatever is in it."""
+        with contextlib.suppress(Refusal):
+            self.close(port)
+
+    def clear(self, port: Port) -> None:
+        """CLEAR."""
+        if program := self._open_program(port):
+            program.clear()
+            for system in self.machine.systems.values():
+                if port.open == "prog" and system.calculation.number == port.number:
+                    system.calculation.point_to(port.number)
+        elif rotary := self.machine.systems[port.system].calculation.rotary:
+            rotary.clear()
+            self.machine.systems[port.system].calculation.rotary_gone()
+
+    def clear_plcs(self, numbers: Sequence[int] | None) -> None:
+        """CLEAR PLC n, or CLEAR ALL: with all PROGs."""
+        if numbers is None:
+            if any(system.busy for system in self.machine.systems.values()):
+                raise Refusal(BUSY_PROGRAM)
+            self.machine.programs.clear()
+        for number in list(self.machine.plcs.by_number) if numbers is None else numbers:
+            self.machine.plcs.by_number.pop(number, None)
+        for port in self.machine.ports.values():
+            port.open = "" if port.open in ("prog", "plc") else port.open
+        self.machine.plcs.changed()
+
+    def store(self, port: Port, text: str, statements: tuple[Statement, ...]) -> None:
+        """Store a line in the open buffer.
+
+        Raises:
+            Refusal: ERR006 without room, ERR009 for its structure, ERR003 where it doesn't belong.
+        """
+        line = line_of(text, statements)
+        if port.open == "rotary":
+            system = self.machine.systems[port.system]
+            if system.calculation.rotary is None:
+                raise Refusal(DATA)
+            system.calculation.rotary.append(line)
+            system.wake()
+            return
+        program = self._open_program(port)
+        if program is None:
+            raise Refusal(DATA)
+        if line.words + self._words() > LARGEST_PROGRAM:
+            raise Refusal(NO_ROOM)
+        program.append(line)
+
+    def _words(self) -> int:
+        return sum(program.words + len(program.lines) for program in self.machine.programs.values()) + sum(
+            plc.program.words for plc in self.machine.plcs.by_number.values()
+        )
+
+    def _open_program(self, port: Port) -> Program | None:
+        if port.open == "prog":
+            return self.machine.programs.get(port.number)
+        if port.open == "plc" and port.number in self.machine.plcs.by_number:
+            return self.machine.plcs.by_number[port.number].program
+        return None
+
+    def define_rotary(self, number: int, words: int) -> None:
+        """DEFINE ROT: ERR003 while one of a lower coordinate system or a gather buffer exists (assumed)."""
+        if self.machine.gathering or any(
+            system.calculation.rotary for n, system in self.machine.systems.items() if n < number
+        ):
+            raise Refusal(DATA)
+        system = self.machine.systems[number]
+        if system.busy:
+            raise Refusal(BUSY_PROGRAM)
+        if words < 1:
+            raise Refusal(DATA)
+        if words > LARGEST_PROGRAM // 10:
+            raise Refusal(NO_ROOM)
+        system.calculation.rotary = Rotary(words, self.machine.variables.i)
+        system.calculation.rotary_gone()
+
+    def delete_rotary(self, number: int) -> None:
+        """DELETE ROT: ERR001 while the program runs."""
+        system = self.machine.systems[number]
+        if system.busy:
+            raise Refusal(BUSY_PROGRAM)
+        if any(port.open == "rotary" for port in self.machine.ports.values()):
+            raise Refusal(BUFFER_IN_USE)
+        system.calculation.rotary = None
+        system.calculation.rotary_gone()

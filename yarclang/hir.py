@@ -33,6 +33,13 @@ class Origin:
     """Where the motion time stands in the source, for a fix that writes another one."""
     time_unit: str = "s"
     """The unit in which it stands there."""
+    place: str = ""
+    """Of a command in a loop or a SUB, what led to it, from outside in, and itself: P0020(I=2)>P0010."""
+
+    @property
+    def label(self) -> str:
+        """How messages call it: its place, else its index; empty where it has neither."""
+        return self.place or self.index
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,10 +58,14 @@ class JointDelta:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseGoal:
-    """The moving frame shall stand at `base_from_moving`."""
+    """The moving frame shall stand at `base_from_moving`.
+
+    Of several joint positions, the nearest to `near` (n,) is taken; to where the robot stands, where that is None.
+    """
 
     base_from_moving: Array
     flange_from_moving: Array
+    near: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,19 +86,29 @@ class PoseDelta:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How long a motion takes: `duration` [s], or the shortest that the limits allow (None)."""
+    """How long a motion takes: `duration` [s], or the shortest that the limits allow (None).
+
+    `share` is how much of the limits of velocity, acceleration and jerk the shortest may use (`[50%]`), `ramp`
+    how much of those of acceleration and jerk any motion may use (`ACC 30%`).
+    """
 
     duration: float | None
+    share: float = 1.0
+    ramp: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointMove:
-    """Straight in joint space."""
+    """Straight in joint space.
+
+    `tolerance` [m], here and below, is how far the moving frame may be from the path; None: what the robot says.
+    """
 
     origin: Origin
     goal: JointGoal | JointDelta | PoseGoal
     profile: str
     timing: Timing
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +119,7 @@ class LineMove:
     goal: PoseGoal | PoseDelta
     profile: str
     timing: Timing
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +132,81 @@ class SplineMove:
     waypoints: tuple[JointGoal | PoseGoal, ...]
     profile: str
     timing: Timing
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """An input or output: its name in the program, and the controller's variable, such as M11."""
+
+    name: str
+    variable: str
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """The robot stands still for `duration` [s]."""
+
+    origin: Origin
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
+class SetOutput:
+    """An output takes a value when the motion before has ended."""
+
+    origin: Origin
+    output: Signal
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class WaitInput:
+    """The robot stands until an input has a value; an error after `timeout` [s] (None: never)."""
+
+    origin: Origin
+    input: Signal
+    value: float
+    timeout: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """The robot stands until the operator goes on."""
+
+    origin: Origin
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """The steps up to the next Else or EndWhen of the same depth are done if an input has a value."""
+
+    origin: Origin
+    input: Signal
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Else:
+    """The steps from here on are done if the input of the When hasn't that value."""
+
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class EndWhen:
+    """Both ways meet here, at the same joint positions."""
+
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A declared output, and the value that it takes at any stop, hold or fault (None: it stays as it is)."""
+
+    signal: Signal
+    safe: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +222,8 @@ class Gap:
 
 
 Motion = JointMove | LineMove | SplineMove
-Step = Motion | Stop | Gap
+Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
+Step = Motion | Action | Stop | Gap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,6 +237,7 @@ class Program:
     source: SourceFile
     start: Array
     steps: tuple[Step, ...]
+    outputs: tuple[Output, ...] = ()
 
 
 def fingerprint(program: Program) -> str:
@@ -149,6 +248,7 @@ def fingerprint(program: Program) -> str:
     """
     digest = hashlib.sha256()
     _feed(digest, program.start)
+    _feed(digest, program.outputs)
     for step in program.steps:
         _feed(digest, step)
     return digest.hexdigest()
@@ -156,7 +256,7 @@ def fingerprint(program: Program) -> str:
 
 def _feed(digest: Any, value: object) -> None:
     if isinstance(value, Origin):
-        digest.update(f"{value.index};".encode())
+        digest.update(f"{value.label};".encode())
     elif isinstance(value, np.ndarray):
         digest.update(str(value.shape).encode() + (value + 0.0).tobytes())
     elif isinstance(value, tuple):

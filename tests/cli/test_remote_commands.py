@@ -363,6 +363,8 @@ def test_somebody_else_at_the_address(simulator):
     async def serve(reader, writer):
         await reader.read(100)
         writer.write(b"HTTP/1.1 400 Bad Request\r\n\r\n")
+        await reader.read()
+        writer.close()
 
     ready, ports, loops = threading.Event(), [], []
 

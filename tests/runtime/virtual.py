@@ -1,27 +1,34 @@
 """The runtime against the simulator in virtual time: no socket, no clock. A reply takes as long as the test says."""
 
 import random
+import shutil
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from programs import compiled
 from scipy.spatial import cKDTree
 from simulator.machines import EXAMPLES, robot_machine
 
+from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline.jobs import items_of, job_of_text
 from yarclang.pipeline.parts import approach
 from yarclang.robot.actuation import from_counts, to_counts
+from yarclang.robot.description import load_robot
 from yarclang.runtime.actions import Connect, Connected, Unreachable, Wait
 from yarclang.runtime.messages import Ask, AskControl, Control, Late, Request, Violation, Write, Written
-from yarclang.runtime.notices import Abort, Changed, Remark
+from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Remark, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.performance import connect, look, perform
 from yarclang.runtime.protocol import GREETING, Connection
 from yarclang.runtime.state import State
+from yarclang.simulator.commissioning import commissioned
 from yarclang.simulator.ethernet import PacketReader, Station
 from yarclang.simulator.faults import Troubles, parse_fault
+from yarclang.simulator.recorder import Recorder
 
+ROOT = Path(__file__).resolve().parents[2]
 REPLY_TIME = 1.0
 SPY = 9
 """A port of the machine that nobody else uses."""
@@ -61,6 +68,8 @@ class World:
         at: (time, function): what shall happen.
         told: all notices.
         sent: all requests.
+        given: all orders, and how many requests were sent before each.
+        refused: what WRITEBUFFERs were refused with.
         spoil: a function of request and reply that gives another reply.
         reachable: whether a connection can be made and lasts, called with the time.
         stall_at: when the host stands still, and for how long [s].
@@ -75,6 +84,8 @@ class World:
         self.at = []
         self.told = []
         self.sent = []
+        self.given = []
+        self.refused = []
         self.spoil = lambda request, reply: reply
         self.reachable = lambda now: True
         self.stall_at = []
@@ -115,7 +126,12 @@ class World:
 
     def order(self, order, after):
         """Give an order in so many seconds."""
-        self.at.append((self.now + after, lambda: self.operation.orders.append(order)))
+
+        def give():
+            self.given.append((len(self.sent), order))
+            self.operation.orders.append(order)
+
+        self.at.append((self.now + after, give))
 
     def do(self, function, after):
         """Call a function in so many seconds."""
@@ -192,6 +208,8 @@ class World:
             if events:
                 break
         event = events[0]
+        if isinstance(event, Written) and event.error is not None:
+            self.refused.append(event)
         if isinstance(event, Late | Violation) and self.operation.state in (State.MOVE, State.HOLD):
             self._last_words()
         return event
@@ -309,6 +327,16 @@ def world_of(job, *, record=False, prepare=True, stand=True, **options):
     return world
 
 
+def robot_with(folder, motors):
+    """INDUSTRIAL6 on other motors of its controller, and a world with it."""
+    source = ROOT / "stdlib" / "robots" / "industrial6"
+    shutil.copytree(source, folder / "robot")
+    file = folder / "robot" / "robot.toml"
+    file.write_text(file.read_text().replace("numbers = [1, 2, 3, 4, 5, 6]", f"numbers = {list(motors)}"))
+    robot = load_robot(str(file)).value
+    return robot, World(commissioned(robot, settings_text(robot), record=Recorder()))
+
+
 def place_at(world, robot, joints):
     """Put the robot somewhere, by jogs."""
     for motor, counts in zip(robot.controller.motors, to_counts(robot, joints), strict=True):
@@ -324,7 +352,7 @@ class PlannedPath:
     def __init__(self, plan, step=1e-3):
         times = np.arange(0.0, plan.duration + step, step)
         joints, _, _ = plan.sample(np.minimum(times, plan.duration))
-        self._points = np.stack([to_counts(plan.robot, q) for q in joints])
+        self._points = to_counts(plan.robot, joints)
         self._tree = cKDTree(self._points)
 
     def distance(self, counts):
@@ -344,7 +372,17 @@ class PlannedPath:
 def moved_along(world, job, plan, since, step=0.01):
     """How far off its path the robot has been since a time [counts]."""
     times = np.arange(since, world.machine.now, step)
-    return PlannedPath(plan).distance(world.machine.positions(times, job.robot.controller.motors))
+    return path_of(plan).distance(world.machine.positions(times, job.robot.controller.motors))
+
+
+def path_of(plan):
+    """The path of a plan, made once."""
+    if id(plan) not in _PATHS:
+        _PATHS[id(plan)] = plan, PlannedPath(plan)
+    return _PATHS[id(plan)][1]
+
+
+_PATHS = {}
 
 
 def well_behaved(world):
@@ -354,7 +392,7 @@ def well_behaved(world):
             case Ask(line=line):
                 asks_while_storing = line in ("PR", "R", "CLOSE", "CLOSE ALL", "CLEAR") or _is_harmless(line)
                 assert not sent.stores or asks_while_storing, sent
-                assert not sent.moving or line == "PR" or line == GREETING or _is_harmless(line), sent
+                assert not sent.moving or line in ("PR", GREETING) or _is_harmless(line), sent
             case Control(character=character):
                 assert character in "\x01\x0f\x0c", sent
             case AskControl(character=character):
@@ -369,20 +407,24 @@ def _is_harmless(line):
     return system in ("??", "H") or line.startswith(("%", "##"))
 
 
-def refusals(world, function):
-    """Collect what a world's WRITEBUFFERs were refused with, while a function runs."""
-    found = []
-    exchange = world._exchange
+def stopped_at_once(world):
+    """Each order to stop was on the wire with the very next request, if a program was under way."""
+    urgent = [(place, order) for place, order in world.given if isinstance(order, Hold | Stop | Fail | Abort)]
+    for place, order in urgent:
+        before = [sent.request for sent in world.sent[:place]]
+        ends = max((n for n, request in enumerate(before) if _ends(request)), default=-1)
+        goes = max((n for n, request in enumerate(before) if request == Ask("R")), default=-1)
+        if goes <= ends or place == len(world.sent):
+            continue
+        request = world.sent[place].request
+        assert request == Control("\x01") if order == Abort() else _holds(request), (order, request)
 
-    def noted(request):
-        event = exchange(request)
-        if isinstance(event, Written) and event.error is not None:
-            found.append(event)
-        return event
 
-    world._exchange = noted
-    try:
-        return function(), found
-    finally:
-        world._exchange = exchange
+def _holds(request):
+    return request in (Control("\x01"), Control("\x0f")) or (
+        isinstance(request, Ask) and request.line.endswith("H")
+    )
 
+
+def _ends(request):
+    return _holds(request) or request == Ask("CLOSE ALL")

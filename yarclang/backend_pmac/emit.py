@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.pmac.program import Assignment, Command, Moves, PmacProgram, SegmentTime
-from yarclang.pmac.variables import ASTRAY, commanded_position
+from yarclang.backend_pmac.barriers import barrier_lines, printable
+from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
+from yarclang.pmac.variables import ARMED, ASTRAY, OUTPUTS_PLC, commanded_position
 
 _ROWS_AT_ONCE = 1000
 # the zeros first, then the point: half the time of one expression for both
@@ -23,17 +24,18 @@ class Emitted:
     """The text of a program without its header.
 
     `opening` is everything up to the first move of the motion, `body` the rest. `places` has the first and the last
-    move line of each step, counted from the first line of the body.
+    move line of each step, `barriers` the line of each barrier, counted from the first line of the body.
     """
 
     commands: tuple[Command, ...]
     opening: tuple[str, ...]
     body: str
     places: Mapping[int, tuple[int, int]]
+    barriers: tuple[tuple[int, Barrier], ...]
 
     def text(self, header: tuple[str, ...]) -> str:
-        """The whole text: header lines and the map of commands as comments, then what the controller reads."""
-        before = len(header) + len(self.commands) + len(self.opening)
+        """The whole text: header lines and the map of commands and barriers as comments, then what the controller reads."""
+        before = len(header) + len(self.commands) + len(self.barriers) + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
             place = self.places.get(command.step)
@@ -41,13 +43,23 @@ class Emitted:
             head.append(
                 f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}"
             )
+        for line, barrier in self.barriers:
+            head.append(f"; barrier {before + line} {_told(barrier)}")
         return "\n".join((*head, *self.opening, "")) + self.body
+
+
+def _told(barrier: Barrier) -> str:
+    """What the map says of a barrier: kind, step, what is waited for, how long, and its name or text."""
+    condition = f"{barrier.variable}={_number(barrier.value)}" if barrier.variable else "-"
+    timeout = "-" if barrier.timeout is None else f"{barrier.timeout:.9g}"
+    return f"{barrier.kind} {barrier.step} {condition} {timeout} {printable(barrier.name) or '-'}"
 
 
 def emit(program: PmacProgram) -> Emitted:
     """The text of a program. It loads a buffer and moves nothing: whoever runs it sends R."""
     pieces: list[str] = []
     places: dict[int, tuple[int, int]] = {}
+    barriers: list[tuple[int, Barrier]] = []
     line = 1
     for item in program.body:
         if isinstance(item, Moves):
@@ -55,10 +67,28 @@ def emit(program: PmacProgram) -> Emitted:
             end = line + len(item.values)
             places[item.step] = (places.get(item.step, (line, 0))[0], end - 1)
             line = end
-        else:
-            pieces.append(_word(item) + "\n")
-            line += 1
-    return Emitted(program.commands, tuple(_opening(program)), "".join(pieces) + "CLOSE\n", places)
+            continue
+        if isinstance(item, Barrier):
+            barriers.append((line, item))
+        words = _words(program, item)
+        pieces.append("".join(f"{word}\n" for word in words))
+        line += len(words)
+    body = "".join(pieces) + "CLOSE\n"
+    return Emitted(program.commands, tuple(_opening(program)), body, places, tuple(barriers))
+
+
+def _words(program: PmacProgram, item: SegmentTime | Assignment | Rest | Stand | Barrier) -> tuple[str, ...]:
+    match item:
+        case SegmentTime(milliseconds=milliseconds):
+            return (f"TM{segment_time(milliseconds)}",)
+        case Assignment(variable=variable, value=value):
+            return (f"{variable}={_number(value)}",)
+        case Rest(milliseconds=milliseconds):
+            return (f"DWELL{_number(milliseconds)}",)
+        case Stand(point=point):
+            return ("RAPID", "ABS", _moves(program, point[None]).rstrip("\n"), "DWELL0", "SPLINE1")
+        case Barrier():
+            return barrier_lines(item, program.target, program.coordinate_system)
 
 
 def segment_time(milliseconds: float) -> str:
@@ -66,10 +96,9 @@ def segment_time(milliseconds: float) -> str:
     return f"{milliseconds:.12f}".rstrip("0").rstrip(".")
 
 
-def _word(item: SegmentTime | Assignment) -> str:
-    if isinstance(item, SegmentTime):
-        return f"TM{segment_time(item.milliseconds)}"
-    return f"{item.variable}={item.value}"
+def _number(value: float) -> str:
+    """Without an exponent, as short as it goes."""
+    return f"{value:.9f}".rstrip("0").rstrip(".")
 
 
 def _moves(program: PmacProgram, values: NDArray[np.float64]) -> str:
@@ -87,12 +116,26 @@ def _opening(program: PmacProgram) -> Iterator[str]:
     yield "CLOSE ALL"
     yield "END GATHER"
     yield "DELETE GATHER"
+    yield from _safe_outputs(program)
     yield f"&{program.coordinate_system}"
     if program.target == "rotary":
         yield from _open_rotary(program)
     else:
         yield from _open_prog(program)
     yield "SPLINE1"
+
+
+def _safe_outputs(program: PmacProgram) -> Iterator[str]:
+    """A PLC that gives the outputs their safe values when the guard has held the motion."""
+    if not program.safe_outputs:
+        return
+    yield f"OPEN PLC {OUTPUTS_PLC} CLEAR"
+    yield f"IF({ARMED}=2)"
+    for variable, value in program.safe_outputs:
+        yield f"{variable}={_number(value)}"
+    yield "ENDIF"
+    yield "CLOSE"
+    yield f"ENABLE PLC {OUTPUTS_PLC}"
 
 
 def _open_rotary(program: PmacProgram) -> Iterator[str]:

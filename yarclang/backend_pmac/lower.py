@@ -8,9 +8,20 @@ import numpy as np
 
 from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.guard import Watermarks, watermarks
-from yarclang.hir import Array, Gap, Stop
-from yarclang.motion.plan import MotionPlan, PlannedMotion
-from yarclang.pmac.program import Assignment, Command, Moves, PmacProgram, SegmentTime, Target
+from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, SetOutput, Stop, WaitInput, When
+from yarclang.motion.plan import MotionPlan
+from yarclang.pmac.program import (
+    Assignment,
+    Barrier,
+    Command,
+    Item,
+    Moves,
+    PmacProgram,
+    Rest,
+    SegmentTime,
+    Stand,
+    Target,
+)
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import counts_per_joint, to_counts
 from yarclang.robot.model import Robot, Tolerance
@@ -27,7 +38,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
     decimals = max((decimals_for(robot, segment, tolerance) for segment in set(segments)), default=4)
-    body = tuple(_body(plan.motions, robot.axis_units, decimals))
+    body = tuple(_body(plan, decimals))
     if target == "rotary":
         body = _guarded(body, marks)
     first = segments[0] if segments else shortest
@@ -49,6 +60,11 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
         low_lines=marks.low,
         body=body,
         commands=tuple(_commands(plan)),
+        safe_outputs=tuple(
+            (output.signal.variable, output.safe)
+            for output in plan.program.outputs
+            if output.safe is not None
+        ),
     )
 
 
@@ -57,29 +73,75 @@ def _commands(plan: MotionPlan) -> Iterator[Command]:
         if isinstance(step, Gap):
             raise ValueError("a program with errors can't be lowered")
         origin = step.origin
-        yield Command(number, origin.index or "-", origin.name, origin.span.line)
+        yield Command(number, origin.label or "-", origin.name, origin.span.line)
         if isinstance(step, Stop):
             return
 
 
-def _body(
-    motions: tuple[PlannedMotion, ...], axis_units: Array, decimals: int
-) -> Iterator[SegmentTime | Assignment | Moves]:
-    """The moves of all motions.
+def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
+    """What the program does behind its opening, which leaves the robot at the start, in SPLINE1.
 
-    A sequence ends with the program, or where the segment time changes: there the controller adds the end
+    A sequence ends with the program, at a dwell, or where the segment time changes: there the controller adds the end
     piece, and a start piece to the next sequence, and the last two of the three equal points of a stop
     aren't written. Inside a sequence they are.
     """
+    steps, units = plan.program.steps, plan.robot.axis_units
+    motions = {motion.step: motion for motion in plan.motions}
     written: float | None = None
-    for number, motion in enumerate(motions):
-        curve = motion.curve
-        if curve.segment != written:
-            written = curve.segment
-            yield SegmentTime(curve.segment / MS)
-        ends = number + 1 == len(motions) or motions[number + 1].curve.segment != curve.segment
-        points = curve.points[3:-2] if ends else curve.points[3:]
-        yield Moves(motion.step, _printed(points / axis_units, decimals))
+    rests = True  # nothing was moved since the last dwell
+    stands = plan.program.start
+    before: list[Array] = []
+    for number, step in enumerate(steps):
+        match step:
+            case Stop():
+                break
+            case Dwell(duration=duration):
+                yield Rest(duration / MS)
+                rests, written = True, None
+            case SetOutput(output=output, value=value):
+                if not rests:
+                    yield Rest(0.0)
+                rests, written = True, None
+                yield Assignment(output.variable, value)
+            case WaitInput() | Hold() | When() | Else() | EndWhen():
+                if not rests:
+                    yield Rest(0.0)
+                yield _barrier(number, step)
+                match step:
+                    case When():
+                        before.append(stands)
+                    case Else():
+                        stands = before[-1]
+                    case EndWhen():
+                        before.pop()
+                yield Stand(_printed(stands / units, decimals))
+                rests, written = True, None
+            case _:
+                motion = motions[number]
+                curve = motion.curve
+                if curve.segment != written:
+                    written = curve.segment
+                    yield SegmentTime(curve.segment / MS)
+                following = motions.get(number + 1)
+                ends = following is None or following.curve.segment != curve.segment
+                points = curve.points[3:-2] if ends else curve.points[3:]
+                yield Moves(number, _printed(points / units, decimals))
+                rests, stands = False, curve.points[-1]
+
+
+def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen) -> Barrier:
+    label = step.origin.label or f"line {step.origin.span.line}"
+    match step:
+        case WaitInput(input=signal, value=value, timeout=timeout):
+            return Barrier(number, "wait", signal.variable, value, timeout, signal.name, label)
+        case When(input=signal, value=value):
+            return Barrier(number, "when", signal.variable, value, None, signal.name, label)
+        case Hold(text=text):
+            return Barrier(number, "hold", name=text, label=label)
+        case Else():
+            return Barrier(number, "else", label=label)
+        case EndWhen():
+            return Barrier(number, "end", label=label)
 
 
 def _printed(values: Array, decimals: int) -> Array:
@@ -88,17 +150,27 @@ def _printed(values: Array, decimals: int) -> Array:
     return printed
 
 
-def _guarded(
-    body: tuple[SegmentTime | Assignment | Moves, ...], marks: Watermarks
-) -> tuple[SegmentTime | Assignment | Moves, ...]:
-    """The body with the guard armed before the first move, and disarmed while the last lines, fewer than would
-    count as low, are still ahead. A program that fits between the marks needs no guard: it is loaded as a whole.
+def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
+    """The body with each stretch between two barriers guarded for itself: at a barrier the buffer runs dry by intention."""
+    guarded: list[Item] = []
+    stretch: list[Item] = []
+    for item in body:
+        stretch.append(item)
+        if isinstance(item, Barrier):
+            guarded += _guarded_stretch(stretch, marks)
+            stretch = []
+    return (*guarded, *_guarded_stretch(stretch, marks))
+
+
+def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
+    """A stretch with the guard armed before the first move, and disarmed while the last lines, fewer than would
+    count as low, are still ahead. A stretch that fits between the marks needs no guard: it is loaded as a whole.
     """
     lines = sum(len(item.values) for item in body if isinstance(item, Moves))
     before_disarming = lines - (marks.low + 2)
     if lines <= marks.full + 2:
         return body
-    guarded: list[SegmentTime | Assignment | Moves] = []
+    guarded: list[Item] = []
     armed = False
     for item in body:
         if not isinstance(item, Moves):
@@ -116,7 +188,7 @@ def _guarded(
         else:
             guarded.append(item)
         before_disarming -= rows
-    return tuple(guarded)
+    return guarded
 
 
 def _start_slack(robot: Robot, segment: float) -> Array:

@@ -13,6 +13,7 @@ from yarclang import hir
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation, Kind
 from yarclang.certify.deviations import Paths, find_deviations
+from yarclang.certify.flow import check_flow
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, lay_out, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, Loads, check_limits
@@ -71,6 +72,7 @@ def certify(
         step, reason = layout
         judge.find("Y1153", reason, step)
         return Result(None, tuple(judge.findings))
+    judge.flow(content, start)
     judge.segment_times(content, layout)
     judge.rest(layout)
     loads = judge.limits(layout)
@@ -197,6 +199,11 @@ class _Judge:
                 first,
             )
 
+    def flow(self, content: ControllerText, start: Array) -> None:
+        """What happens between the motions."""
+        for step, reason in check_flow(content, self.program, start, self.robot.axis_units):
+            self.find("Y1165", reason, step)
+
     def segment_times(self, content: ControllerText, layout: Layout) -> None:
         """Each motion takes its programmed time, and the controller can calculate that fast."""
         for run in content.runs:
@@ -254,7 +261,7 @@ class _Judge:
         kinds: dict[type, Kind] = {hir.JointMove: "joint", hir.LineMove: "line", hir.SplineMove: "spline"}
         return CommandCertificate(
             step=place.step,
-            index=step.origin.index,
+            index=step.origin.label,
             name=step.origin.name,
             kind=kinds[type(step)],
             source_line=step.origin.span.line,
@@ -274,7 +281,7 @@ class _Judge:
 
 
 def _title(origin: hir.Origin) -> str:
-    return f"{origin.index} {origin.name}".strip()
+    return f"{origin.label} {origin.name}".strip()
 
 
 def _duration(layout: Layout, place: Place) -> float:

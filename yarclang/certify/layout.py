@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang import hir
-from yarclang.certify.read import ControllerText, Entry
+from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -89,7 +89,11 @@ def lay_out(
     moving = [entry for entry in text.entries if entry.first is not None]
     control, at, time, ends, lines = [], [], [], [0], []
     stand, base, total = start, 0, 0
-    for run in text.runs:
+    ways: list[Array] = []
+    for run in text.course:
+        if not isinstance(run, Run):
+            stand = _flow(run, stand, ways, axis_units)
+            continue
         points = run.points * axis_units
         sequence = np.concatenate([np.tile(stand, (3, 1)), points, np.tile(points[-1], (2, 1))])
         count = len(points) + 2
@@ -112,6 +116,21 @@ def lay_out(
     return _with_places(everything, text.entries, program, spans, start)
 
 
+def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], axis_units: Array) -> Array:
+    """Where the robot stands behind something that isn't a sequence: elsewhere only where a second way begins."""
+    match item:
+        case Barred(kind="when"):
+            ways.append(stand)
+        case Barred(kind="else") if ways:
+            return ways[-1]
+        case Barred(kind="end") if ways:
+            ways.pop()
+        case Stood(point=point):
+            printed: Array = point * axis_units
+            return printed
+    return stand
+
+
 def _compare(entries: tuple[Entry, ...], program: hir.Program) -> tuple[int | None, str] | None:
     """Where the map names other steps than the program has."""
     for step, entry in zip(range(len(program.steps)), entries, strict=False):
@@ -120,14 +139,14 @@ def _compare(entries: tuple[Entry, ...], program: hir.Program) -> tuple[int | No
             return None, "the program has a command with errors"
         origin = meant_step.origin
         said = (entry.step, entry.index, entry.name, entry.source_line)
-        meant = (step, origin.index, origin.name, origin.span.line)
+        meant = (step, origin.label, origin.name, origin.span.line)
         if said != meant:
             words = [
                 " ".join(str(part or "-") if part != 0 else "0" for part in pair) for pair in (said, meant)
             ]
             return step, f"the map says command {words[0]} where the program has {words[1]} (line {entry.at})"
-        if entry.first is not None and isinstance(meant_step, hir.Stop):
-            return step, f"the map gives a STOP move lines (line {entry.at})"
+        if entry.first is not None and not isinstance(meant_step, hir.Motion):
+            return step, f"the map gives a {origin.name} move lines (line {entry.at})"
     if len(entries) != len(program.steps):
         return None, f"the map has {len(entries)} commands, the program {len(program.steps)}"
     return None
@@ -175,7 +194,7 @@ def _with_places(
     places, stands = [], [start]
     behind = 0
     for entry, step in zip(entries, program.steps, strict=True):
-        if isinstance(step, hir.Stop | hir.Gap):
+        if not isinstance(step, hir.Motion):
             continue
         first, last = spans.get(entry.step, (behind, behind))
         lines = (entry.first, entry.last) if entry.first is not None and entry.last is not None else None

@@ -27,6 +27,9 @@ _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 _TARGET = re.compile(r"; target (rotary|prog)")
 _ENTRY = re.compile(r"; command ([0-9]+) (\S+) (\S+) ([0-9]+) (?:([0-9]+) ([0-9]+)|- -)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
+_BARRIER = re.compile(r"; barrier ([0-9]+) (wait|hold|when|else|end) ([0-9]+) (\S+) (\S+) (.*)")
+_CONDITION = re.compile(r"([IPQM][0-9]{1,4})=(-?[0-9]+(?:\.[0-9]{1,9})?)")
+_DWELL = re.compile(r"DWELL([0-9]{1,7}(?:\.[0-9]{1,9})?)")
 _PLAIN = r"([0-9]{1,15}(?:\.[0-9]{1,12})?)"
 _COMPARE = re.compile(rf"IF\(ABS\(M([0-9]+)61([-+])(\(-)?{_PLAIN}(\))?\)>{_PLAIN}\)")
 
@@ -70,6 +73,44 @@ class Run:
     lines: NDArray[np.int64]
 
 
+@dataclass(frozen=True, slots=True)
+class Dwelt:
+    """DWELL: the sequence ends, and the robot stands for `milliseconds` more."""
+
+    line: int
+    milliseconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Put:
+    """A variable gets a value."""
+
+    line: int
+    variable: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Barred:
+    """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
+    (`condition`, such as M11=1, or -), how long [s] (None: for ever).
+    """
+
+    line: int
+    kind: str
+    step: int
+    condition: str
+    timeout: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stood:
+    """A slow RAPID to where the robot stands: `point` (n,) [deg or mm]."""
+
+    line: int
+    point: Array
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
     """Where the motion starts.
@@ -89,13 +130,21 @@ class Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ControllerText:
-    """What the text makes the controller do. `decimals` is the most that a move line prints."""
+    """What the text makes the controller do, in order (`course`). `outputs` are variables and the values that they take when the
+    guard has held the motion; `decimals` is the most that a move line prints.
+    """
 
     target: Target
     entries: tuple[Entry, ...]
     start: Start
-    runs: tuple[Run, ...]
+    course: tuple[Run | Dwelt | Put | Barred | Stood, ...]
+    outputs: tuple[tuple[str, float], ...]
     decimals: int
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """The sequences of moves."""
+        return tuple(item for item in self.course if isinstance(item, Run))
 
 
 def read(text: str, controller: Controller) -> ControllerText | Unreadable:
@@ -156,7 +205,7 @@ class _Cursor:
     def skip_remarks(self) -> None:
         """Go over comments; those that the header gives a meaning belong there."""
         while self.peek().startswith(";"):
-            if re.match(r"; *(command|target)\b", self.peek()):
+            if re.match(r"; *(command|target|barrier)\b", self.peek()):
                 self.refuse("is a line of the header behind the header")
             self.skip()
 
@@ -192,21 +241,24 @@ def _shown(line: str) -> str:
 
 
 def _read(cursor: _Cursor, controller: Controller) -> ControllerText:
-    target, entries = _read_header(cursor)
+    target, entries, barriers = _read_header(cursor)
     system = f"&{controller.coordinate_system}"
-    cursor.expect("CLOSE ALL", "END GATHER", "DELETE GATHER", system)
+    cursor.expect("CLOSE ALL", "END GATHER", "DELETE GATHER")
+    outputs = _read_outputs(cursor)
+    cursor.expect(system)
     start = (_read_rotary_start if target == "rotary" else _read_prog_start)(cursor, controller)
     cursor.expect("SPLINE1")
-    runs = _read_runs(cursor)
+    course = _read_course(cursor, barriers, target, controller.coordinate_system)
     cursor.skip_remarks()
     if not cursor.at_end:
         cursor.refuse(f"is {_shown(cursor.peek())} behind CLOSE" + _why(cursor.peek()))
-    return ControllerText(target, entries, start, runs, cursor.decimals)
+    return ControllerText(target, entries, start, course, outputs, cursor.decimals)
 
 
-def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...]]:
+def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, Barred]]:
     target: Target | None = None
     entries: list[Entry] = []
+    barriers: dict[int, Barred] = {}
     while (line := cursor.peek()).startswith(";"):
         if found := _TARGET.fullmatch(line):
             if target is not None:
@@ -216,12 +268,29 @@ def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...]]:
             index = "" if found[2] == "-" else found[2]
             first, last = (int(found[5]), int(found[6])) if found[5] else (None, None)
             entries.append(Entry(cursor.line, int(found[1]), index, found[3], int(found[4]), first, last))
-        elif re.match(r"; *(command|target)\b", line):
+        elif found := _BARRIER.fullmatch(line):
+            timeout = None if found[5] == "-" else float(found[5])
+            barriers[int(found[1])] = Barred(int(found[1]), found[2], int(found[3]), found[4], timeout)
+        elif re.match(r"; *(command|target|barrier)\b", line):
             cursor.refuse(f"is no line of the map: {_shown(line)}")
         cursor.skip()
     if target is None:
         cursor.refuse("the header names no target")
-    return target, tuple(entries)
+    return target, tuple(entries), barriers
+
+
+def _read_outputs(cursor: _Cursor) -> tuple[tuple[str, float], ...]:
+    """A PLC that does nothing but give outputs their safe values when the guard has held the motion."""
+    cursor.skip_remarks()
+    if cursor.peek() != "OPEN PLC 28 CLEAR":
+        return ()
+    cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")
+    outputs: list[tuple[str, float]] = []
+    while found := _CONDITION.fullmatch(cursor.peek()):
+        outputs.append((found[1], float(found[2])))
+        cursor.skip()
+    cursor.expect("ENDIF", "CLOSE", "ENABLE PLC 28")
+    return tuple(outputs)
 
 
 def _read_rotary_start(cursor: _Cursor, controller: Controller) -> Start:
@@ -264,42 +333,132 @@ def _read_prog_start(cursor: _Cursor, controller: Controller) -> Start:
     return Start(line, guard=np.array(places), guard_width=np.array(widths), guard_step=np.array(steps))
 
 
-def _read_runs(cursor: _Cursor) -> tuple[Run, ...]:
+def _read_course(
+    cursor: _Cursor, barriers: dict[int, Barred], target: Target, system: int
+) -> tuple[Run | Dwelt | Put | Barred | Stood, ...]:
     """Everything from the first TM up to CLOSE."""
-    runs: list[Run] = []
-    segment: float | None = None
-    tm_line = 0
-    blocks: list[tuple[int, Array]] = []
-
-    def finish() -> None:
-        if segment is not None and not blocks:
-            raise _Refusal(tm_line, "is a TM without move lines", "Y1151")
-        if segment is not None:
-            lines = np.concatenate([np.arange(line, line + len(block)) for line, block in blocks])
-            runs.append(Run(segment, tm_line, np.concatenate([block for _, block in blocks]), lines))
-        blocks.clear()
-
+    course = _Course()
     while True:
         cursor.skip_remarks()
         line = cursor.line
         points = cursor.block()
         if points is not None:
-            if segment is None:
-                raise _Refusal(line, "is a move line before the first TM", "Y1151")
-            blocks.append((line, points))
+            course.moves(line, points)
+            continue
+        if line in barriers:
+            course.finish()
+            _expect_barrier(cursor, barriers[line], target, system)
+            course.items.append(barriers.pop(line))
             continue
         content = cursor.take()
         if content == "CLOSE":
-            finish()
-            return tuple(runs)
+            break
         if found := _TM.fullmatch(content):
-            finish()
-            new = _segment_ms(found[1], cursor)
-            if new == segment:
-                cursor.refuse(f"repeats TM{found[1]}: not known to end a sequence", back=1)
-            segment, tm_line = new, cursor.line - 1
-        elif content not in ("P8100=1", "P8100=0"):
+            course.segment(_segment_ms(found[1], cursor), line, found[1])
+        elif found := _DWELL.fullmatch(content):
+            course.finish()
+            course.items.append(Dwelt(line, float(found[1])))
+        elif content == "RAPID":
+            course.finish()
+            course.items.append(_read_stand(cursor, line))
+        elif content in ("P8100=1", "P8100=0"):
+            continue
+        elif (found := _CONDITION.fullmatch(content)) and course.rests:
+            course.items.append(Put(line, found[1], float(found[2])))
+        else:
             cursor.refuse(f"is {_shown(content)}: no move line, TM, P8100 or CLOSE" + _why(content), back=1)
+    course.finish()
+    if barriers:
+        cursor.refuse(f"the map names a barrier in line {min(barriers)}, and none is there")
+    return tuple(course.items)
+
+
+class _Course:
+    """What was read so far, and the sequence that isn't finished."""
+
+    def __init__(self) -> None:
+        self.items: list[Run | Dwelt | Put | Barred | Stood] = []
+        self._ms: float | None = None
+        self._tm_line = 0
+        self._blocks: list[tuple[int, Array]] = []
+
+    @property
+    def rests(self) -> bool:
+        """Whether the robot stands, and what comes next is calculated only then."""
+        return self._ms is None
+
+    def segment(self, ms: float, line: int, printed: str) -> None:
+        """A new segment time ends a sequence; the same one isn't known to."""
+        if ms == self._ms:
+            raise _Refusal(line, f"repeats TM{printed}: not known to end a sequence", "Y1151")
+        self.finish()
+        self._ms, self._tm_line = ms, line
+
+    def moves(self, line: int, points: Array) -> None:
+        """Move lines of the sequence."""
+        if self._ms is None:
+            raise _Refusal(line, "is a move line before the first TM", "Y1151")
+        self._blocks.append((line, points))
+
+    def finish(self) -> None:
+        """The sequence ends here."""
+        if self._ms is None:
+            return
+        if not self._blocks:
+            raise _Refusal(self._tm_line, "is a TM without move lines", "Y1151")
+        lines = np.concatenate([np.arange(line, line + len(block)) for line, block in self._blocks])
+        points = np.concatenate([block for _, block in self._blocks])
+        self.items.append(Run(self._ms, self._tm_line, points, lines))
+        self._ms = None
+        self._blocks.clear()
+
+
+def _read_stand(cursor: _Cursor, line: int) -> Stood:
+    """The rest of RAPID, ABS, a point, DWELL0, SPLINE1."""
+    cursor.expect("ABS")
+    point = cursor.block()
+    if point is None or len(point) != 1:
+        cursor.refuse("one move to where the robot stands belongs here")
+    cursor.expect("DWELL0", "SPLINE1")
+    return Stood(line, point[0])
+
+
+def _expect_barrier(cursor: _Cursor, barrier: Barred, target: Target, system: int) -> None:
+    """The lines that keep the program from going on."""
+    if target == "rotary":
+        cursor.expect("STOP")
+        return
+    condition = _CONDITION.fullmatch(barrier.condition)
+    if barrier.kind in ("wait", "when") and condition is None:
+        cursor.refuse("the map doesn't say for what this barrier waits")
+    match barrier.kind, condition:
+        case "when", _:
+            cursor.expect(f"IF({barrier.condition})")
+        case "else", _:
+            cursor.expect("ELSE")
+        case "end", _:
+            cursor.expect("ENDIF")
+        case "wait", found if found is not None:
+            missing = f"{found[1]}!={found[2]}"
+            if barrier.timeout is None:
+                cursor.expect(f"WHILE({missing})WAIT")
+                return
+            timer = f"I{5011 + 100 * system}"
+            cursor.expect("P8102=1", "WHILE(P8102=1)")
+            started = re.fullmatch(rf"{timer}=INT\(([0-9.]+)\*8388608/I10\)", cursor.take())
+            if started is None or abs(float(started[1]) - barrier.timeout * 1e3) > 1e-3:
+                cursor.refuse(f"{timer} for {barrier.timeout:g} s belongs here", back=1)
+            cursor.expect(f"WHILE({missing} AND {timer}>0)WAIT", "P8102=0", f"IF({missing})", "P8102=1")
+            _expect_text(cursor)
+            cursor.expect("STOP", "ENDIF", "ENDWHILE")
+        case _:
+            _expect_text(cursor)
+            cursor.expect("STOP")
+
+
+def _expect_text(cursor: _Cursor) -> None:
+    if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
+        cursor.refuse("SEND with a text belongs here", back=1)
 
 
 def _segment_ms(printed: str, cursor: _Cursor) -> float:

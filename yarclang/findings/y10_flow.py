@@ -12,4 +12,14 @@ FINDINGS = (
         "P0010 STOP\nP0020 MOVEJ HOME [5] (s)",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
     ),
+    Finding(
+        "Y1002",
+        "ways-end-apart",
+        "error",
+        "the ways of a WHEN end at different joint positions",
+        "Which way is taken is known only when the program runs. What follows is planned once, from one place: both "
+        "ways, or the one way and where the robot stood before, must end there.",
+        "",
+        "",
+    ),
 )

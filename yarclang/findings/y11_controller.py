@@ -116,4 +116,12 @@ FINDINGS: tuple[Finding, ...] = (
         "yarc run --from goes on at a command, named by its index. Only motions can be gone on at: elsewhere the "
         "robot's place isn't known.",
     ),
+    Finding(
+        "Y1165",
+        "other-flow",
+        "error",
+        "what the text does between the motions isn't what the program says",
+        "Dwells, outputs, waits, and the ways of a WHEN must stand in the text as in the program, each at rest. An output "
+        "that is set while the robot moves, or a wait that is run past, does harm that no path shows.",
+    ),
 )

@@ -47,6 +47,18 @@ class Bounds:
     counts: Array
     motor_velocity: Array
 
+    def reduced(self, share: float, ramp: float) -> Bounds:
+        """A share of all limits, and a further one of acceleration and jerk."""
+        if share == ramp == 1.0:
+            return self
+        return Bounds(
+            self.velocity * share,
+            self.acceleration * (share * ramp),
+            self.jerk * (share * ramp),
+            self.counts,
+            self.motor_velocity * share,
+        )
+
     def demands(self, points: Array) -> tuple[Demand, ...]:
         """What each kind of limit asks for control points (N, n), by the convex hull property."""
         first = np.diff(points, axis=0)

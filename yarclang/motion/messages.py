@@ -112,6 +112,23 @@ def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: 
     return "Y0505", message, origin.span, "a way-point between holds it back", None
 
 
+def ways_part(robot: Robot, one: Array, other: Array, origin: Origin) -> Message:
+    """A WHEN whose ways end at different joint positions."""
+    off = np.abs(one - other) / robot.axis_units
+    joint = int(np.argmax(off))
+    message = (
+        f"the ways of this WHEN end apart: {robot.joint_names[joint]} by {off[joint]:.4g} "
+        f"{robot.axis_unit_names[joint]}"
+    )
+    return (
+        "Y1002",
+        message,
+        origin.span,
+        "end both at the same joint positions, with MOVEJ to a JOINTS name",
+        None,
+    )
+
+
 def no_motion(origin: Origin) -> Message:
     """A motion to where the robot stands."""
     message = "the robot stands at the target already: nothing moves"
@@ -144,6 +161,7 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message
     if demand.kind == "motor speed":
         limit = robot.actuation.velocity[row] * MS
         what, unit, whose = "speed", "counts/ms", f"motor {robot.controller.motors[row]}"
+        share = 1.0
     else:
         table = {"velocity": limits.velocity, "acceleration": limits.acceleration, "jerk": limits.jerk}
         limit = table[demand.kind][row] / robot.axis_units[row]
@@ -151,10 +169,13 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message
         unit = (
             robot.axis_unit_names[row] + {"velocity": "/s", "acceleration": "/s²", "jerk": "/s³"}[demand.kind]
         )
+        share = step.timing.ramp if demand.kind in ("acceleration", "jerk") else 1.0
+    limit *= share
     used = limit * fitted.share
+    reduced = f" (ACC {share * 100:.4g}%)" if share != 1.0 else ""
     message = (
         f"the {what} of {whose} would be {used:,.4g} {unit}, {_percent(fitted.share - 1)} above its limit of "
-        f"{limit:,.4g} {unit}, {fitted.time:.3g} s after the start ({fitted.s * 100:.3g} % of the way)"
+        f"{limit:,.4g} {unit}{reduced}, {fitted.time:.3g} s after the start ({fitted.s * 100:.3g} % of the way)"
     )
     return "Y0601", message, span, help_, fix
 

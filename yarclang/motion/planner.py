@@ -9,7 +9,10 @@ import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import (
+    Action,
     Array,
+    Else,
+    EndWhen,
     Gap,
     JointDelta,
     JointGoal,
@@ -21,6 +24,7 @@ from yarclang.hir import (
     Program,
     SplineMove,
     Stop,
+    When,
 )
 from yarclang.motion import messages
 from yarclang.motion.curve import Curve
@@ -62,6 +66,7 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
     diagnostics: list[Diagnostic] = []
     complete = True
     stands: Array | None = program.start
+    ways: list[_Ways] = []
     for number, step in enumerate(program.steps):
         if settings.progress is not None:
             settings.progress(number)
@@ -71,6 +76,11 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
             complete, stands = False, None
             continue
         findings = Collector(step.origin.source)
+        if not isinstance(step, Motion):
+            stands = planner.flow(step, stands, ways, findings)
+            diagnostics += findings.found
+            complete &= not findings.found
+            continue
         planned, stands = planner.motion(number, step, stands, findings)
         diagnostics += findings.found
         complete &= planned is not None
@@ -80,10 +90,43 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
 
 
 @dataclass(slots=True)
+class _Ways:
+    """A WHEN that isn't ended: where the robot stood before it, and where its first way ends, once there is a second."""
+
+    before: Array | None
+    first: Array | None = None
+    parted: bool = False
+
+
+@dataclass(slots=True)
 class _Planner:
     robot: Robot
     settings: Settings
     bounds: Bounds
+
+    def flow(
+        self, step: Action, stands: Array | None, ways: list[_Ways], findings: Collector
+    ) -> Array | None:
+        """Where the robot stands behind a step that doesn't move it: elsewhere only at the ways of a WHEN."""
+        match step:
+            case When():
+                ways.append(_Ways(stands))
+            case Else():
+                ways[-1].first, ways[-1].parted = stands, True
+                return ways[-1].before
+            case EndWhen():
+                ended = ways.pop()
+                other = ended.first if ended.parted else ended.before
+                if stands is None or other is None:
+                    return None
+                if not self._same(stands, other):
+                    findings.add(*messages.ways_part(self.robot, stands, other, step.origin))
+                    return None
+        return stands
+
+    def _same(self, one: Array, other: Array) -> bool:
+        """Whether two joint positions are one for the controller: far below a count."""
+        return bool((np.abs(one - other) <= 1e-9 * self.robot.axis_units).all())
 
     def motion(
         self, number: int, step: Motion, stands: Array | None, findings: Collector
@@ -137,6 +180,7 @@ class _Planner:
     ) -> Array | None:
         """The joint position nearest to `near` that takes the moving frame to its goal."""
         flange = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
+        near = near if goal.near is None else goal.near
         solved = nearest_solutions(self.robot.chain, self.robot.limits, flange, near)
         if isinstance(solved, Unreachable):
             findings.add(*messages.unreachable(self.robot, solved, step.origin, which))
@@ -220,13 +264,16 @@ class _Planner:
         """The path in the time that the command asks for."""
         if isinstance(path, JointPath) and np.array_equal(path.start, path.end):
             findings.add(*messages.no_motion(step.origin))
+        timing, tolerance = step.timing, self.settings.tolerance
+        if step.tolerance is not None:
+            tolerance = Tolerance(step.tolerance, tolerance.angle)
         fitted = fit(
             path,
             load_profile(step.profile),
-            step.timing.duration,
-            self.bounds,
+            timing.duration,
+            self.bounds.reduced(timing.share, timing.ramp),
             self.settings.grid,
-            self.settings.tolerance,
+            tolerance,
         )
         if isinstance(fitted, TooFast):
             findings.add(*messages.too_fast(self.robot, fitted, self.settings.grid, step))

@@ -23,7 +23,41 @@ class Assignment:
     """A variable takes a value when the controller gets there; the motion doesn't mind."""
 
     variable: str
-    value: int
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """DWELL: the sequence ends, and the robot stands for so long [ms]; what follows is calculated behind it."""
+
+    milliseconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """The robot stands at `point` (axes,) [axis units]: a slow RAPID there, which is no motion if it does, and SPLINE1."""
+
+    point: NDArray[np.float64]
+
+
+BarrierKind = Literal["wait", "hold", "when", "else", "end"]
+
+
+@dataclass(frozen=True, slots=True)
+class Barrier:
+    """Where the program may not go on by itself: it waits for an input or the operator, or its ways part or meet.
+
+    `wait` and `when` compare `variable` with `value`; `name` is the input's, or the operator's text. `timeout` is in s
+    (None: for ever).
+    """
+
+    step: int
+    kind: BarrierKind
+    variable: str = ""
+    value: float = 0.0
+    timeout: float | None = None
+    name: str = ""
+    label: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +66,9 @@ class Moves:
 
     step: int
     values: NDArray[np.float64]
+
+
+Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +88,8 @@ class PmacProgram:
     `start` (axes,) is where the motion begins, in axis units; `start_counts` and `start_slack` are the
     motors' positions there and how far each may be off [1/(Ixx08 32) count].
     `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
-    and as low below so many. `rotary_words` is the size to define.
+    and as low below so many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs, and
+    what they become when the guard has held the motion.
     """
 
     target: Target
@@ -66,5 +104,6 @@ class PmacProgram:
     rotary_words: int
     full_lines: int
     low_lines: int
-    body: tuple[SegmentTime | Assignment | Moves, ...]
+    body: tuple[Item, ...]
     commands: tuple[Command, ...]
+    safe_outputs: tuple[tuple[str, float], ...] = ()

@@ -6,6 +6,12 @@ ARMED = "P8100"
 ASTRAY = "P8101"
 """1 while a program finds the robot away from its start."""
 
+WAITING = "P8102"
+"""1 while a program waits for an input."""
+
+OUTPUTS_PLC = 28
+"""The background PLC of a program that gives its outputs their safe values when the guard has held the motion."""
+
 GUARD_PLC = 29
 """The background PLC that holds the motion when the rotary buffer runs low."""
 

@@ -6,6 +6,7 @@ The only module of the runtime, with `transports/`, that knows time and the netw
 from __future__ import annotations
 
 import asyncio
+import os
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -133,7 +134,7 @@ class Session:
         try:
             self._wire = await connect(self.host, self.port, CONNECT_TIME)
         except OSError as error:
-            reason = error.strerror or str(error)
+            reason = os.strerror(error.errno) if error.errno and error.errno > 0 else str(error)
             return Unreachable(f"{self.host}:{self.port} can't be reached: {reason.lower()}")
         return Connected()
 

@@ -43,6 +43,9 @@ from yarclang.runtime.session import Session
 REPLY_TIME = 5.0
 """A run that takes longer to answer hangs [s]; a computer with much to do may need seconds."""
 
+_LAST = 0.01
+"""Within this time [s] whoever came last is let in: asyncio loses the connection of one that it lets in as a server closes."""
+
 _ALIVE_TIME = 0.5
 _POLL = 0.05
 _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})")
@@ -91,13 +94,14 @@ class ControlSocket:
     ) -> None:
         """Send all away, and remove the socket."""
         self.path.unlink(missing_ok=True)
+        await asyncio.sleep(_LAST)
         if self._server is not None:
             self._server.close()
-        await asyncio.sleep(0)  # who was let in a moment ago is known now
         for client, writer in self._clients.items():
             client.cancel()
             writer.transport.abort()
         await asyncio.gather(*self._clients, return_exceptions=True)
+        await asyncio.sleep(0)  # connections are closed one turn later
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         client = asyncio.get_running_loop().create_task(self._serve(reader, writer))

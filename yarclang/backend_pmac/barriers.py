@@ -1,0 +1,66 @@
+"""Barriers as controller text: where a program waits for an input or the operator, and where its ways part and meet.
+
+In a rotary buffer, which knows no branches, a STOP ends the execution; whoever feeds the buffer looks, decides what
+comes next, and sends R. In a program buffer the controller does all that by itself (spline-recipe 9). A
+STOP there can be run on by R, hence the loops: nobody gets past a condition that doesn't hold.
+"""
+
+from __future__ import annotations
+
+from yarclang.pmac.program import Barrier, Target
+from yarclang.pmac.variables import WAITING, system_variable
+
+_LONGEST_TEXT = 80
+"""Characters of a text that is sent."""
+
+
+def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, ...]:
+    """The lines of a barrier, at rest."""
+    if target == "rotary":
+        return ("STOP",)
+    match barrier.kind:
+        case "wait":
+            return tuple(_wait(barrier, system))
+        case "hold":
+            return (f'SEND"YARC: {printable(barrier.name) or barrier.label}"', "STOP")
+        case "when":
+            return (f"IF({barrier.variable}={_value(barrier)})",)
+        case "else":
+            return ("ELSE",)
+        case "end":
+            return ("ENDIF",)
+
+
+def _wait(barrier: Barrier, system: int) -> list[str]:
+    """Isx11 counts down by itself, one a servo cycle (TSRM 177)."""
+    missing = f"{barrier.variable}!={_value(barrier)}"
+    if barrier.timeout is None:
+        return [f"WHILE({missing})WAIT"]
+    timer = system_variable(system, 11)
+    return [
+        f"{WAITING}=1",
+        f"WHILE({WAITING}=1)",
+        f"{timer}=INT({_number(barrier.timeout * 1e3)}*8388608/I10)",
+        f"WHILE({missing} AND {timer}>0)WAIT",
+        f"{WAITING}=0",
+        f"IF({missing})",
+        f"{WAITING}=1",
+        f'SEND"YARC: {printable(barrier.name)} IS NOT {_value(barrier)} AFTER {_number(barrier.timeout)} S"',
+        "STOP",
+        "ENDIF",
+        "ENDWHILE",
+    ]
+
+
+def _value(barrier: Barrier) -> str:
+    return _number(barrier.value)
+
+
+def _number(value: float) -> str:
+    return f"{value:.9f}".rstrip("0").rstrip(".")
+
+
+def printable(text: str) -> str:
+    """A text in ASCII, on one line, without quotes."""
+    kept = "".join(one if one.isprintable() and one.isascii() and one != '"' else "?" for one in text)
+    return " ".join(kept.split())[:_LONGEST_TEXT]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
 
 from yarclang.findings import CATALOGUE, Severity
@@ -41,6 +41,8 @@ class Diagnostic:
     span: Span | None = None
     help: str = ""
     fix: Fix | None = None
+    place: str = ""
+    """Of a finding in unrolled code: what led to the command, as `P0020(I=2)>P0010`."""
 
     @property
     def severity(self) -> Severity:
@@ -81,6 +83,26 @@ def in_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(sorted(dict.fromkeys(diagnostics), key=key))
 
 
+def grouped(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """One finding for all that say the same code at the same span: the first, with its place and how many more there are."""
+    groups: dict[tuple[str, str, Span | None], list[Diagnostic]] = {}
+    for one in diagnostics:
+        # without a place nothing was unrolled: two findings are two
+        name = one.source.name if one.source else ""
+        key = (one.code, name, one.span) if one.place else (one.code + one.message, name, one.span)
+        groups.setdefault(key, []).append(one)
+    return tuple(_first(found) for found in groups.values())
+
+
+def _first(found: list[Diagnostic]) -> Diagnostic:
+    first = found[0]
+    if not first.place:
+        return first
+    more = len(found) - 1
+    again = f", and {more:,} more time{'s' * (more != 1)}" if more else ""
+    return replace(first, message=f"{first.message} (at {first.place}{again})")
+
+
 def suggest(word: str, known: Iterable[str]) -> str:
     """`did you mean X?` for a mistyped word, or nothing where no known one is near."""
     from difflib import get_close_matches
@@ -93,17 +115,18 @@ def suggest(word: str, known: Iterable[str]) -> str:
 
 
 class Collector:
-    """Collects the findings of one source while a stage goes on."""
+    """Collects the findings of one source while a stage goes on; `place` is where in unrolled code it is."""
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
         self.found: list[Diagnostic] = []
+        self.place = ""
 
     def add(
         self, code: str, message: str, span: Span | None = None, help_: str = "", fix: Fix | None = None
     ) -> None:
         """Add one finding."""
-        self.found.append(Diagnostic(code, message, self.source, span, help_, fix))
+        self.found.append(Diagnostic(code, message, self.source, span, help_, fix, self.place))
 
     @property
     def has_errors(self) -> bool:

@@ -1,73 +1,15 @@
 """Parsing never raises, one fault costs one finding, and printing then parsing gives the same tree."""
 
-import dataclasses
-
 from hypothesis import given
 from hypothesis import strategies as st
+from syntax.writing import bare, motion, parsed, statement
 
-from yarclang.source import SourceFile
-from yarclang.syntax.ast import Number, Place, Statement
-from yarclang.syntax.parse import LONGEST_LINE, parse
+from yarclang.syntax.ast import Place
+from yarclang.syntax.parse import LONGEST_LINE
 from yarclang.syntax.print import print_module
 
 
-def parsed(text):
-    return parse(SourceFile("test.yarc", text))
-
-
-def bare(value):
-    """A tree without places and comments, names as they are compared: what a statement says."""
-    if isinstance(value, Statement):
-        kept = [
-            field.name
-            for field in dataclasses.fields(value)
-            if field.name not in {"line", "rows", "comments"}
-        ]
-        return tuple(bare(getattr(value, name)) for name in kept)
-    if isinstance(value, Number):
-        return value.text
-    if isinstance(value, tuple):
-        return tuple(map(bare, value))
-    if dataclasses.is_dataclass(value):
-        return tuple(
-            bare(getattr(value, field.name)) for field in dataclasses.fields(value) if field.name != "place"
-        )
-    return value.upper() if isinstance(value, str) else value
-
-
-number = st.one_of(
-    st.integers(-999, 999).map(str),
-    st.floats(-1e3, 1e3, allow_nan=False).map(lambda value: f"{value:.3f}"),
-    st.sampled_from(["+.5", "5.", "1e-3", "-2E+2"]),
-)
-word = st.from_regex(r"[A-OQ-Za-oq-z][A-Za-z0-9_]{0,8}", fullmatch=True).filter(
-    lambda text: text.upper() not in {"BLEND", "ACC", "TOL", "NEAR"}
-)
-blank = st.sampled_from([" ", "  ", "\t"])
-waypoint = st.lists(number, min_size=1, max_size=7).map(" ".join)
-
-
-@st.composite
-def statement(draw):
-    parts = [f"P{draw(st.integers(0, 9999)):04d}", draw(word)]
-    if draw(st.booleans()):
-        parts.append("{" + draw(word) + "}")
-    points = draw(st.lists(waypoint, max_size=3))
-    if points:
-        parts.append(draw(st.sampled_from(["; ", ";", " ;\n  ", "; ! to be continued\n"])).join(points))
-        if draw(st.booleans()):
-            parts.append(f"[{draw(number)}]")
-        if draw(st.booleans()):
-            parts.append("(mm,deg,s)")
-        if draw(st.booleans()):
-            parts.append("{" + draw(word) + "}")
-            if draw(st.booleans()):
-                parts.append(f"BLEND {draw(number)}")
-    text = draw(blank).join(parts)
-    return text + draw(st.sampled_from(["", " ! a remark", "   "]))
-
-
-@given(st.lists(statement(), min_size=1, max_size=5).map("\n".join))
+@given(st.lists(motion(), min_size=1, max_size=5).map("\n".join))
 def test_print_then_parse_gives_the_same_tree(text):
     first = parsed(text)
     assert first.diagnostics == ()
@@ -89,7 +31,20 @@ def test_no_broken_statement_makes_the_parser_raise(text):
     assert len(lines) == len(result.diagnostics), "one line, one finding"
 
 
-@given(st.lists(statement(), min_size=1, max_size=4), st.integers(0, 3))
+@given(st.data(), statement)
+def test_no_damaged_statement_makes_the_parser_raise(data, text):
+    at = data.draw(st.integers(0, len(text)))
+    end = data.draw(st.integers(at, min(at + 3, len(text))))
+    put = data.draw(st.text(alphabet='$()[]{}=*-!;,." A5%', max_size=3))
+    result = parsed(text[:at] + put + text[end:])
+    lines = {one.span.line for one in result.diagnostics}
+    assert len(lines) == len(result.diagnostics), "one line, one finding"
+    for one in result.diagnostics:
+        assert one.span.column < one.span.end_column
+        assert one.help
+
+
+@given(st.lists(motion(), min_size=1, max_size=4), st.integers(0, 3))
 def test_a_broken_line_costs_one_finding_and_nothing_else(statements, where):
     where = min(where, len(statements))
     broken = [*statements[:where], "P5 MOVEJ 1 2 [5", *statements[where:]]

@@ -93,7 +93,7 @@ class Put:
 @dataclass(frozen=True, slots=True)
 class Barred:
     """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
-    (`condition`, such as M11=1, or -), how long [s] (None: for ever).
+    (`condition`, such as M11=1, or -), how long [s] (None: for ever), and the input's name or the operator's text.
     """
 
     line: int
@@ -101,6 +101,7 @@ class Barred:
     step: int
     condition: str
     timeout: float | None
+    name: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -270,7 +271,9 @@ def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, 
             entries.append(Entry(cursor.line, int(found[1]), index, found[3], int(found[4]), first, last))
         elif found := _BARRIER.fullmatch(line):
             timeout = None if found[5] == "-" else float(found[5])
-            barriers[int(found[1])] = Barred(int(found[1]), found[2], int(found[3]), found[4], timeout)
+            barriers[int(found[1])] = Barred(
+                int(found[1]), found[2], int(found[3]), found[4], timeout, found[6].removeprefix("-")
+            )
         elif re.match(r"; *(command|target|barrier)\b", line):
             cursor.refuse(f"is no line of the map: {_shown(line)}")
         cursor.skip()

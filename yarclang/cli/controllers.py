@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import shlex
 from collections.abc import Iterator
 
 import click
 
 from yarclang.cli.address import Address
+from yarclang.robot.library import list_robots
 from yarclang.robot.model import Array, Robot
 
 
@@ -35,3 +37,10 @@ def controller(
     click.echo(f"{robot.name} is simulated", err=True)
     with EmbeddedSimulator(machine, rate=rate or 1.0) as simulator:
         yield Address("127.0.0.1", simulator.port)
+
+
+def robot_argument(robot: Robot, given: str | None) -> str:
+    """What to write behind --robot: what was given, else the robot's name, else where it is."""
+    if given is None and any(one.folder == robot.folder for one in list_robots()):
+        return robot.name
+    return shlex.quote(given or str(robot.folder))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from yarclang.certify.judge import certify_text
+from yarclang.cli.outputs import STANDARD
 from yarclang.cli.work import Progress, options_from
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.motion.plan import MotionPlan
@@ -16,25 +17,42 @@ from yarclang.pipeline.inputs import open_program
 from yarclang.pipeline.jobs import Papers, job_of_text
 from yarclang.pipeline.parts import motion_number, part
 from yarclang.pipeline.sources import read_source
-from yarclang.pipeline.stages import Compiled, Request, compile_module
+from yarclang.pipeline.stages import Compiled, compile_module
 from yarclang.robot.description import load_robot
+from yarclang.robot.model import Robot
 from yarclang.runtime.job import Job
+from yarclang.source import SourceFile, Span
+
+_COMPILED = ".pmc"
+_FIRST_WORDS = "; yarcc "
+_AGAIN = "it isn't as yarcc wrote it: compile the program again"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Loaded:
-    """What is to be run: `job`, the whole of it; `steps`, its commands one by one if that is wanted; `plan` and `request`,
-    if the program itself is known. `moved` says that the job begins in the middle of the program.
+    """What is to be run.
+
+    Attributes:
+        program: the whole of it.
+        rest: what is run first: all of it, or what `--from` leaves of it.
+        steps: the commands of that one by one, if that is wanted.
+        plan: of the program, if the program itself is known and not only its text.
+        begins_within: whether a command was named to begin with.
     """
 
-    job: Job
-    steps: tuple[Job, ...]
-    plan: MotionPlan | None
-    request: Request | None
-    moved: bool
+    program: Job
+    rest: Job
+    steps: tuple[Job, ...] = ()
+    plan: MotionPlan | None = None
+    begins_within: bool = False
 
 
 Found = tuple[Diagnostic, ...]
+
+
+def is_compiled(file: str) -> bool:
+    """Whether a file is called as what yarcc writes."""
+    return file.lower().endswith(_COMPILED)
 
 
 def load(file: str, first: str | None, options: dict[str, Any]) -> tuple[Loaded | None, Found]:
@@ -48,27 +66,65 @@ def load(file: str, first: str | None, options: dict[str, Any]) -> tuple[Loaded 
     Returns:
         None where an error forbids to run it; all findings.
     """
-    result = _compiled_before(file, options) if file.endswith(".pmc") else _compile(file, first, options)
+    result = _compiled_before(file, options["robot"]) if is_compiled(file) else _compile(file, first, options)
     return (None if has_errors(result.diagnostics) else result.value), in_order(result.diagnostics)
 
 
-def _compiled_before(file: str, options: dict[str, Any]) -> Result[Loaded]:
+def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
+    """A .pmc file; its header names the robot, but not where a robot of somebody's own is."""
     read = read_source(file)
     if read.value is None:
         return Result(None, read.diagnostics)
     source = read.value
-    named = re.search(r"^; robot (\S+) ", source.text, re.MULTILINE)
-    robot = load_robot(options["robot"] or (named[1] if named else ""))
+    if not source.text.startswith(_FIRST_WORDS):
+        message = "this isn't a text that yarcc has written"
+        span = Span.on_line(1, 1, 2)
+        return Result(
+            None,
+            (
+                Diagnostic(
+                    "Y1151", message, source, span, "give the program itself, or what yarcc made of it"
+                ),
+            ),
+        )
+    robot = _robot_of(source, robot_name)
     if robot.value is None:
         return Result(None, robot.diagnostics)
-    made = job_of_text(source.text, robot.value, Path(file).name)
+    name = Path(file).name
+    made = job_of_text(source.text, robot.value, name)
     if made.value is None:
-        return Result(None, (*robot.diagnostics, *made.diagnostics))
+        refused = (replace(one, help=one.help or _AGAIN) for one in made.diagnostics)
+        return Result(None, (*robot.diagnostics, *refused))
     judged = certify_text(source.text, robot.value, source)
-    diagnostics = (*robot.diagnostics, *judged.diagnostics)
-    certificate = json.dumps(judged.value.to_json()) if judged.value else ""
-    job = job_of_text(source.text, robot.value, Path(file).name, Papers("", certificate)).value
-    return Result(Loaded(job, (), None, None, False) if job else None, diagnostics)
+    # their lines are those of the program, which isn't here
+    found = (replace(one, span=None, help=one.help or _AGAIN) for one in judged.diagnostics)
+    diagnostics = (*robot.diagnostics, *found)
+    if judged.value is None or has_errors(diagnostics):
+        return Result(None, diagnostics)
+    papers = Papers("", json.dumps(judged.value.to_json()))
+    job = job_of_text(source.text, robot.value, name, papers).value
+    assert job is not None  # it was one without papers
+    return Result(Loaded(job, job), diagnostics)
+
+
+def _robot_of(source: SourceFile, name: str | None) -> Result[Robot]:
+    """The robot that was named, which must be that of the header."""
+    named = re.search(r"^; robot (\S+) (\S+)$", source.text, re.MULTILINE)
+    if name is not None:
+        found = load_robot(name)
+        if named is None or found.value is None or found.value.name == named[1]:
+            return found
+        message = f"the text was made for {named[1]}, the command line says {found.value.name}"
+        return Result(None, (Diagnostic("Y1163", message, source, help="leave --robot out"),))
+    if named is None:
+        message = "the header doesn't say for which robot the text was made"
+        return Result(None, (Diagnostic("Y1163", message, source, help=_AGAIN),))
+    found = load_robot(named[1])
+    if found.value is not None:
+        return found
+    help_ = "if it is one of your own, say where it is: --robot PATH"
+    placed = tuple(one if one.source else replace(one, source=source) for one in found.diagnostics)
+    return Result(None, tuple(replace(one, help=help_) for one in placed))
 
 
 def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Loaded]:
@@ -82,29 +138,24 @@ def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Lo
         if compiled.value is None or has_errors(found):
             return Result(None, found)
         plan = compiled.value.plan
-        begin = 0
-        whole = compiled.value
-        if first is not None:
-            number = motion_number(plan, first)
-            if isinstance(number, Diagnostic):
-                return Result(None, (*found, number))
-            begin = number
-            rest = part(plan, request, begin)
-            found = (*found, *rest.diagnostics)
-            if rest.value is None:
-                return Result(None, found)
-            whole = rest.value
-        name, text = Path(file).name, plan.program.source.text
-        job = _job(whole, name, text)
-        steps: list[Job] = []
+        number = motion_number(plan, first) if first is not None else 0
+        if isinstance(number, Diagnostic):
+            return Result(None, (*found, number))
+        # what else is to be said of a part was said of the whole
+        wanted = [(number, len(plan.motions))] if number else []
         if options["step"]:
-            for number in range(begin, len(plan.motions)):
-                one = part(plan, request, number, number + 1)
-                if one.value is None:
-                    return Result(None, (*found, *one.diagnostics))
-                offset = float(plan.starts[number] - plan.starts[begin])
-                steps.append(_job(one.value, name, text, offset))
-    return Result(Loaded(job, tuple(steps), plan, request, begin > 0), found)
+            wanted += [(one, one + 1) for one in range(number, len(plan.motions))]
+        name = "stdin" if file == STANDARD else Path(file).name
+        source = plan.program.source.text
+        program = _job(compiled.value, name, source)
+        parts: list[Job] = []
+        for begin, end in wanted:
+            made = part(plan, request, begin, end)
+            if made.value is None or has_errors(made.diagnostics):
+                return Result(None, (*found, *made.diagnostics))
+            parts.append(_job(made.value, name, source, float(plan.starts[begin])))
+    rest = parts.pop(0) if number else program
+    return Result(Loaded(program, rest, tuple(parts), plan, first is not None), found)
 
 
 def _job(compiled: Compiled, name: str, source: str, offset: float = 0.0) -> Job:

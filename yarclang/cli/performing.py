@@ -3,72 +3,129 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import click
 
 from yarclang import __version__
 from yarclang.cli.address import Address, trouble_is_said
+from yarclang.cli.controllers import robot_argument
 from yarclang.cli.loading import Loaded, job_of_compiled
-from yarclang.cli.running import Display, asked, orders_from_terminal
+from yarclang.cli.resting import resting_place
+from yarclang.cli.running import Display, OrderedSession, Screen, Terminal
 from yarclang.cli.show import show_findings
 from yarclang.cli.table import checked_table
 from yarclang.hir import Array
 from yarclang.pipeline.jobs import items_of
 from yarclang.pipeline.parts import approach
-from yarclang.report.run_text import notice_text
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.job import Job
-from yarclang.runtime.log import RunLog
+from yarclang.runtime.log import FOLDER, RunLog
 from yarclang.runtime.notices import Fail, Resume
-from yarclang.runtime.performance import Ended, connect, look, off_the_start, perform
+from yarclang.runtime.performance import (
+    Ended,
+    connect,
+    end_what_runs,
+    look,
+    off_the_start,
+    perform,
+)
 from yarclang.runtime.remote import About
 from yarclang.runtime.rest import described
 from yarclang.runtime.session import Session
+from yarclang.runtime.state import Event, State
 from yarclang.runtime.transports.local import ControlSocket, controller_lock
 
+_APPROACH = "approach"
 
-def perform_run(loaded: Loaded, address: Address, options: dict[str, Any]) -> int:
+_RESCUE = 30.0
+"""How long to try to bring a robot to rest behind a bug of ours [s]."""
+
+
+def perform_run(loaded: Loaded, address: Address, options: dict[str, Any], again: str = "") -> int:
     """Run what was loaded.
+
+    Args:
+        loaded: what.
+        address: of the controller.
+        options: of the command line.
+        again: the command line without --from, for whoever wants to go on; empty where nobody can.
 
     Returns:
         The exit status.
     """
+    looped = options["loop"] or (options["times"] or 1) > 1
+    if looped and (off := off_the_start(loaded.program, loaded.program.end)):
+        _say_error(
+            f"{loaded.program.name} doesn't end where it starts, so that it can't be looped: its end is off by "
+            + off.partition(": ")[2],
+            "end it with a motion to its start",
+        )
+        return 1
+    run: _Run | None = None
     try:
         with trouble_is_said(), controller_lock(address.host, address.port):
-            return asyncio.run(_Run(loaded, address, options).whole())
+            run = _Run(loaded, address, options, again)
+            return asyncio.run(run.whole())
     except asyncio.CancelledError:
-        click.echo("given up; nothing moves", err=True)
+        assert run is not None  # nothing is cancelled before
+        run.screen.close()
+        if run.terminal.gave_up:
+            guard = " (its guard PLC holds the motion when the buffer runs low)" * loaded.rest.guarded
+            _say_error(
+                f"given up without a connection: nobody knows what the robot does{guard}", "look at the robot"
+            )
+        else:
+            _say("given up; nothing was moved")
     return 1
 
 
-def _say(what: str, remedy: str) -> None:
-    click.echo(click.style("error", fg="red", bold=True) + f": {what}", err=True)
-    if remedy:
-        click.echo(f"  help: {remedy}", err=True)
+def _say(text: str, *, err: bool = True) -> None:
+    """Say something; a terminal that is gone doesn't change how a run ends."""
+    with contextlib.suppress(OSError):
+        click.echo(text, err=err)
+
+
+def _error_text(what: str, remedy: str) -> str:
+    text = click.style("error", fg="red", bold=True) + f": {what}"
+    return f"{text}\n  help: {remedy}" if remedy else text
+
+
+def _say_error(what: str, remedy: str) -> None:
+    _say(_error_text(what, remedy))
 
 
 class _Run:
     """One `yarc run`."""
 
-    def __init__(self, loaded: Loaded, address: Address, options: dict[str, Any]) -> None:
+    def __init__(self, loaded: Loaded, address: Address, options: dict[str, Any], again: str) -> None:
         self.loaded = loaded
         self.address = address
         self.options = options
-        self.robot = loaded.job.robot
+        self.again = again
+        self.robot = loaded.program.robot
+        self.session = OrderedSession(address.host, address.port, pace=options["rate"] or 1.0)
+        self.screen = Screen()
+        self.display = Display(self.screen, self.session.operation, loaded.program)
+        self.terminal: Terminal
+        self.where = f"--to {address} --robot {robot_argument(self.robot, options['robot'])}"
+        self.passes = 0
         self._log: RunLog | None = None
-        self.session = Session(address.host, address.port, pace=options["rate"] or 1.0)
 
     async def whole(self) -> int:
         """Everything, in order."""
         task = asyncio.current_task()
         assert task is not None
-        with orders_from_terminal(self.session, task.cancel):
+        self.terminal = Terminal(self.session, self.screen, task.cancel)
+        with self.terminal:
             try:
                 return await self._in_order()
             finally:
                 self.session.close()
+                self.screen.close()
 
     async def _in_order(self) -> int:
         session, operation = self.session, self.session.operation
@@ -77,101 +134,97 @@ class _Run:
         if inspection.errors or inspection.joints is None:
             self._refuse(inspection)
             return 1
-        first = self._way_to_start(inspection.joints)
-        if isinstance(first, int):
-            return first
+        way = await self._way_to_start(inspection.joints)
+        if isinstance(way, int):
+            return way
         if self.options["dry_run"]:
-            click.echo(
-                f"{len(inspection.checked)} things looked at, all as they should be; nothing moved (--dry-run)"
+            self.screen.close()
+            _say(
+                f"{len(inspection.checked)} things looked at, all as they should be; nothing moved (--dry-run)",
+                err=False,
             )
             return 0
         async with ControlSocket(session, self._describe):
-            return await self._logged(first)
+            return await self._logged(way)
 
     def _refuse(self, inspection: Inspection) -> None:
-        click.echo(checked_table(inspection.errors), err=True)
         count = len(inspection.errors)
-        _say(
-            f"{count} of {len(inspection.checked)} things aren't as they must be; nothing moved",
-            f"`yarc doctor --to {self.address} --robot {self.robot.name}` shows all of them",
+        self.screen.say(self._filled(checked_table(inspection.errors)))
+        self._wrong(
+            f"{count} of {len(inspection.checked)} things "
+            f"{'isn' if count == 1 else 'aren'}'t as {'it' if count == 1 else 'they'} must be; nothing moved",
+            "`yarc doctor` shows all of them",
         )
 
     # what is run
 
-    def _way_to_start(self, joints: Array) -> tuple[Job, ...] | int:
+    async def _way_to_start(self, joints: Array) -> Job | int | None:
         """The motion to the start, if one is needed and wanted; the exit status where the run is refused."""
-        job, options = self.loaded.job, self.options
-        text = off_the_start(job, joints)
+        job, options = self.loaded.rest, self.options
+        whose = job.commands[0].title if self.loaded.begins_within and job.commands else job.name
+        text = off_the_start(replace(job, name=whose), joints)
         if not text:
-            return ()
-        if not (options["approach"] or self.loaded.moved):
-            _say(text, "--approach moves there slowly, certified")
+            return None
+        if not (options["approach"] or self.loaded.begins_within):
+            self._wrong(text, "--approach moves there slowly, certified")
             return 1
         made = approach(self.robot, joints, job.start)
-        show_findings(made.diagnostics)
         if made.value is None:
-            _say(text, "there is no slow joint motion to the start: jog the robot there")
+            show_findings(made.diagnostics)
+            self._wrong(text, "there is no slow joint motion to the start: jog the robot there")
             return 1
-        way = job_of_compiled(made.value, "approach")
-        click.echo(
-            f"{text}\nan approach takes {way.duration:.1f} s, all joints straight to {described(self.robot, job.start)}",
-            err=True,
+        way = job_of_compiled(made.value, _APPROACH)
+        self.screen.say(
+            f"{text}\nan approach takes {way.duration:.1f} s, all joints straight to {described(self.robot, job.start)}"
         )
         if options["dry_run"]:
-            return ()
-        if not asked("Move there?", options["yes"]):
-            click.echo("nothing moved", err=True)
+            return None
+        if not (options["yes"] or await self.terminal.agrees("Move there?")):
+            self.screen.say("nothing moved")
             return 1
-        return (way,)
+        return way
 
-    def _passes(self) -> Iterator[Job]:
+    def _jobs(self) -> Iterator[Job]:
         """The jobs of the program itself: once, in steps, or again and again."""
-        job, options = self.loaded.job, self.options
         if self.loaded.steps:
             yield from self.loaded.steps
             return
-        again = options["times"] or (None if options["loop"] else 1)
-        count = 0
-        while again is None or count < again:
+        wanted = self.options["times"] or (None if self.options["loop"] else 1)
+        job = self.loaded.rest
+        while wanted is None or self.passes < wanted:
+            self.passes += 1
             yield job
-            count += 1
+            job = self.loaded.program
 
     # carrying it out
 
-    async def _logged(self, first: tuple[Job, ...]) -> int:
-        job, options = self.loaded.job, self.options
-        if (options["loop"] or (options["times"] or 1) > 1) and off_the_start(job, job.end):
-            _say(
-                "the program doesn't end where it starts, so that it can't be looped",
-                "end it with a motion to its start",
-            )
-            return 1
+    async def _logged(self, way: Job | None) -> int:
         try:
-            log = None if options["no_log"] else self._open_log()
+            log = self._log = None if self.options["no_log"] else self._open_log()
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            _say(
-                f"the log can't be made: {reason}; nothing moved", "make room, or say --log PATH, or --no-log"
+            place = error.filename or self.options["log"] or FOLDER
+            self._wrong(
+                f"the log can't be made, {place}: {reason}; nothing moved",
+                "make room, or say --log PATH, or --no-log",
             )
             return 1
         if log is not None:
             self.session.listen(log.take)
-        self._log = log
-        display = Display(notice_text, job.duration)
-        self.session.listen(display.take)
+            self.session.log = log
+        self.session.listen(self.display.take)
         ended = None
         try:
-            for way in first:
-                ended = await self._perform(way)
-            if ended is None or ended.well:
-                ended = await self._perform_program()
+            self.terminal.performing = True
+            ended = await self._perform_all(way)
+        except Exception:
+            await self._rescue()
+            raise
         finally:
-            display.clear()
+            self.terminal.performing = False
             if log is not None:
                 log.close(ended)
-        if log is not None:
-            click.echo(f"log: {log.path}", err=True)
-        return self._told(ended)
+        return self._told(ended, log)
 
     def _open_log(self) -> RunLog:
         loop = asyncio.get_running_loop()
@@ -182,45 +235,128 @@ class _Run:
 
         return RunLog.open(
             self.options["log"],
-            self.loaded.job,
+            self.loaded.program,
             str(self.address),
             version=__version__,
             on_failure=failed,
             pace=self.session.pace,
         )
 
-    async def _perform(self, job: Job) -> Ended:
-        if self._log is not None:
-            self._log.begin(job)
-        return await self.session.perform(perform(self.session.operation, job))
-
-    async def _perform_program(self) -> Ended:
+    async def _perform_all(self, way: Job | None) -> Ended:
+        """The way to the start, then the program."""
+        if way is not None:
+            self.display.begin(way, instead="to the start")
+            ended = await self._perform(way)
+            if not ended.well:
+                # its command is none of the program's
+                return replace(ended, command="", command_index="", done=0.0)
         ended = Ended(True)
-        for number, job in enumerate(self._passes()):
-            if self.loaded.steps and number:
-                click.echo("Enter or `yarc resume` for the next command", err=True)
-                await self.session.order_given(Resume)
+        for number, job in enumerate(self._jobs()):
+            if number and self.loaded.steps and (stopped := await self._pause(job, number)) is not None:
+                return stopped
+            if number and not self.loaded.steps:
+                of = f" of {self.options['times']}" if self.options["times"] else ""
+                self.screen.say(f"pass {self.passes}{of}")
+            self.display.begin(job, brief=bool(number or self.loaded.steps))
             ended = await self._perform(job)
             if not ended.well:
                 break
         return ended
 
-    def _told(self, ended: Ended) -> int:
-        """Say how it ended."""
-        if ended.well:
-            click.echo(f"{self.loaded.job.name}: done; {self.robot.name} stands where it ends, to a count")
-            return 0
-        _say(ended.what, ended.remedy)
-        if ended.command:
-            click.echo(f"  it was executing {ended.command}, {ended.done:.1f} s into the program", err=True)
-        if ended.joints is not None:
-            click.echo(f"  {self.robot.name} stands at {described(self.robot, ended.joints)}", err=True)
+    async def _pause(self, job: Job, number: int) -> Ended | None:
+        """Until somebody wants the next step; how it ended, if nobody does."""
+        session, operation = self.session, self.session.operation
+        title = job.commands[0].title if job.commands else "the next command"
+        self.screen.say(
+            f"Enter or `yarc resume` for {title} ({number + 1} of {len(self.loaded.steps)}), Ctrl-C ends the run"
+        )
+        session.paused = True
+        await session.order_given(Resume)
+        session.paused = False
+        ends = bool(operation.orders)  # only what ends the run stays
+        operation.orders.clear()
+        if (failure := session.failure) is not None:
+            operation.go(Event.FAULT, failure.what)
+            return Ended(False, failure.what, failure.remedy, job.start, done=job.offset)
+        if ends:
+            operation.go(Event.STOP, f"ended before {title}")
+            return Ended(False, f"ended before {title}", joints=job.start, done=job.offset)
+        return None
+
+    async def _perform(self, job: Job) -> Ended:
+        if self._log is not None:
+            self._log.begin(job)
+        return await self.session.perform(perform(self.session.operation, job))
+
+    async def _rescue(self) -> None:
+        """Behind a bug of ours: bring the robot to rest and end what runs, if that can be done. Nothing of the session is trusted."""
+        if self.session.operation.state in (State.STOP, State.FAULT):
+            return
+        self.session.close()
+        session = Session(self.address.host, self.address.port, pace=self.session.pace)
+        with contextlib.suppress(Exception):
+            async with asyncio.timeout(_RESCUE):
+                await session.perform(connect(session.operation))
+                joints = await session.perform(end_what_runs(session.operation, self.robot, abort=False))
+                self.screen.say(
+                    f"a bug of yarclang has ended the run; {self.robot.name} stands at {described(self.robot, joints)}"
+                )
+        session.close()
+
+    # saying how it ended
+
+    def _told(self, ended: Ended, log: RunLog | None) -> int:
+        """Say how it ended.
+
+        Returns:
+            The exit status.
+        """
+        failed = log is not None and log.failure is not None
+        if log is not None:
+            self.screen.say(f"log: {log.path}{', which ends early' if failed else ''}")
+        if not ended.well:
+            for line in self._ending(ended):
+                self.screen.say(line)
+            return 1
+        self.screen.close()  # what follows goes elsewhere
+        times = f" {self.passes} times" if self.passes > 1 else ""
+        name = self.loaded.program.name
+        _say(f"{name}: done{times}; {self.robot.name} stands where it ends, to a count", err=False)
+        if failed and log is not None:
+            _say_error(f"the log can't be written: {log.failure}", "make room on the disk")
+        return int(failed)
+
+    def _ending(self, ended: Ended) -> Iterator[str]:
+        """Why, where, in which command, and how to go on."""
+        what, remedy = self._filled(ended.what), self._filled(ended.remedy)
+        by_person = self.session.operation.state is State.STOP
+        yield f"{self.loaded.program.name}: {what}" if by_person else _error_text(what, remedy)
+        if ended.joints is None:
+            yield "  where it stands isn't known: look at the robot"
         else:
-            click.echo("  where it stands isn't known: look at the robot", err=True)
-        if ended.command_index and self.loaded.plan is not None and ended.joints is not None:
-            click.echo(f"  to go on: yarc run ... --from {ended.command_index}", err=True)
-        return 1
+            yield f"  {self.robot.name} stands at {described(self.robot, ended.joints)}"
+        index = ended.command_index
+        plan, joints = self.loaded.plan, ended.joints
+        found = None
+        if ended.command and plan is not None and joints is not None:
+            found = resting_place(plan, self.loaded.program, joints, ended.done)
+        if found is not None:
+            index = found.command.index
+            yield f"  on its path, in {found.command.title}, {found.done:.2f} s into the program"
+        elif ended.command:
+            yield f"  it was executing {ended.command}, {ended.done:.1f} s into the program"
+        if self.again and index and index != "-" and plan is not None and joints is not None:
+            yield f"  to go on: {self.again} --from {index}"
+
+    def _wrong(self, what: str, remedy: str) -> None:
+        """Say what is wrong, behind what the screen shows."""
+        self.screen.say(_error_text(what, self._filled(remedy)))
+
+    def _filled(self, text: str) -> str:
+        """Commands that a text recommends, with this controller and robot, so that they can be copied."""
+        text = text.replace("`yarc stop --to ...`", f"`yarc stop {self.where}`")
+        return text.replace("`yarc doctor`", f"`yarc doctor {self.where}`")
 
     def _describe(self) -> About:
         """What `yarc status` tells besides the session's own state."""
-        return About(self.loaded.job.name, self.robot)
+        return About(self.loaded.program.name, self.robot)

@@ -69,6 +69,7 @@ class Arguments:
     goals: tuple[Any, ...]
     profile: str
     timing: Timing
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,4 +69,92 @@ FINDINGS = (
         "this is the controller's text, not a program",
         "A .pmc file is what yarcc makes of a program. To read it as a program would give a finding a line.",
     ),
+    Finding(
+        "Y0109",
+        "unknown-function",
+        "error",
+        "no function has this name",
+        "The functions of expressions are SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL. Only they and a number can have a "
+        "bracket behind them: a number's holds its unit, and a product is written with a `*`.",
+        "P0010 MOVEJ $(SQR(900)) 0 0 0 0 0 [5] (deg,s)",
+        "P0010 MOVEJ $(SQRT(900)) 0 0 0 0 0 [5] (deg,s)",
+    ),
+    Finding(
+        "Y0110",
+        "function-arguments",
+        "error",
+        "the function takes another number of arguments",
+        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; the others take one. Commas stand between "
+        "them, so a decimal comma makes two arguments of one number.",
+        "P0010 MOVEJ $(ABS(0,5)) 0 0 0 0 0 [5] (deg,s)",
+        "P0010 MOVEJ $(ABS(0.5)) 0 0 0 0 0 [5] (deg,s)",
+    ),
+    Finding(
+        "Y0111",
+        "foreign-operator",
+        "error",
+        "an operator of another language",
+        "The operators are OR, AND, NOT, = <> < <= > >=, + -, * / %, **. What looks like one of another language may mean "
+        "something else there; and `!` starts a comment, so that what follows it would be lost.",
+        "P0010 MOVEJ $(3^2) 0 0 0 0 0 [5] (deg,s)",
+        "P0010 MOVEJ $(3**2) 0 0 0 0 0 [5] (deg,s)",
+    ),
+    Finding(
+        "Y0112",
+        "too-deep",
+        "error",
+        "too many blocks or brackets stand inside each other",
+        "Blocks go 100 deep, and so do operators, functions and brackets in one expression. A file that has more was most "
+        "likely written by a program that went wrong; nobody could read it.",
+    ),
+    Finding(
+        "Y0113",
+        "missing-end",
+        "error",
+        "a block has no END",
+        "SUB, REPEAT, IF and WHEN each need their own END: without it nobody knows which commands are repeated, or depend "
+        "on the condition.",
+        "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)",
+        "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND",
+    ),
+    Finding(
+        "Y0114",
+        "end-without-block",
+        "error",
+        "an END or ELSE belongs to no block",
+        "END ends the innermost block that is open, and ELSE divides it. Where none is open, the beginning of one is "
+        "missing, and commands would run that should depend on it.",
+        "P0010 MOVEJ HOME [5] (s)\nEND",
+        "P0010 MOVEJ HOME [5] (s)",
+    ),
+    Finding(
+        "Y0115",
+        "misplaced-else",
+        "error",
+        "an ELSE stands where its block has none",
+        "IF and WHEN have one ELSE each; SUB and REPEAT have none. A choice of more than two is an IF of its own behind "
+        "ELSE, with its own END.",
+        "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nELSE\n  P0020 MOVEJ HOME [5] (s)\nEND",
+        "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND\nP0020 MOVEJ HOME [5] (s)",
+    ),
+    Finding(
+        "Y0116",
+        "not-in-a-block",
+        "error",
+        "a block can't hold this line",
+        "Blocks hold commands, FRAME, JOINTS, LET and blocks other than SUB. What holds for the whole file stands outside "
+        "of them: a loop or a condition would say it many times, or perhaps never.",
+        "REPEAT 2\n  DEFAULT (deg,s)\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
+        "DEFAULT (deg,s)\nREPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
+    ),
+    Finding(
+        "Y0117",
+        "surplus-index",
+        "error",
+        "a declaration has an index",
+        "Only commands have an index: it is by what messages, logs and a later start in the middle speak of a command. "
+        "A declaration moves nothing.",
+        "P0010 LET A = 30\nP0020 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
+        "LET A = 30\nP0010 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
+    ),
 )

@@ -63,8 +63,8 @@ FINDINGS = (
         "error",
         "a part of the language that this version doesn't carry out",
         "The word belongs to the language, but this version can't do what it says; to leave it out silently would move the arm otherwise.",
-        "REPEAT 4\nP0010 STOP",
-        "P0010 STOP",
+        "P0010 MOVEC {TCP} 0 1174.4 1000; 0 1174.4 900 0 0 0 [4] (mm,deg,s) {B}",
+        "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [4] (mm,deg,s) {B}",
     ),
     Finding(
         "Y0208",
@@ -74,5 +74,43 @@ FINDINGS = (
         "DEFAULT, START and ROBOT come before the first command: a line says all that holds for it with what stands above it.",
         "P0010 STOP\nDEFAULT (mm,deg,s)",
         "DEFAULT (mm,deg,s)\nP0010 STOP",
+    ),
+    Finding(
+        "Y0209",
+        "name-of-another-kind",
+        "error",
+        "the name means something else",
+        "A name is one thing: a number, a joint position, an input, an output, a SUB or a module. Frames have names of their own.",
+    ),
+    Finding(
+        "Y0210",
+        "unknown-name",
+        "error",
+        "nothing of this kind has that name here",
+        "A name is known from its declaration to the end of its block or file. A SUB sees its parameters and what its "
+        "file declared before it, not what its caller knows. A module's names have its own in front: PALLET.GRID.",
+    ),
+    Finding(
+        "Y0211",
+        "not-to-be-declared",
+        "error",
+        "this name can't be declared",
+        "The words of the language, P with digits, and the frames {B}, {FLANGE} and {TCP} have their meaning already.",
+    ),
+    Finding(
+        "Y0212",
+        "recursion",
+        "error",
+        "a SUB calls itself",
+        "Calls are carried out before the robot moves, so that every motion is known. A SUB that calls itself, or is "
+        "called by what it calls, would never end.",
+    ),
+    Finding(
+        "Y0213",
+        "no-module",
+        "error",
+        "the module can't be used",
+        "USE names a file beside the program, or one of the standard library, without its ending. Modules may use each "
+        "other, but not in a circle.",
     ),
 )

@@ -57,4 +57,12 @@ FINDINGS = (
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,rad,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,s)",
     ),
+    Finding(
+        "Y0307",
+        "wrong-kind-of-unit",
+        "error",
+        "a length, an angle, a time or a plain number stands where another is wanted",
+        "A number with a unit keeps it through an expression and is converted where it stands. Lengths and angles don't add; "
+        "a product of two lengths is no length.",
+    ),
 )

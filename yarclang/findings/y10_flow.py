@@ -22,4 +22,24 @@ FINDINGS = (
         "",
         "",
     ),
+    Finding(
+        "Y1003",
+        "waits-for-ever",
+        "warning",
+        "a WAIT on an input has no time",
+        "If the input never gets there, the robot stands until somebody looks. With a time, the run ends with an error that says "
+        "which input was missing.",
+        "",
+        "",
+    ),
+    Finding(
+        "Y1004",
+        "too-many-commands",
+        "error",
+        "the program has more than a million commands when it is unrolled",
+        "Loops and calls are carried out before the robot moves, so that every motion is checked. A program that runs for ever "
+        "is run again and again: yarc run --loop.",
+        "",
+        "",
+    ),
 )

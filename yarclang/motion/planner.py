@@ -76,6 +76,7 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
             complete, stands = False, None
             continue
         findings = Collector(step.origin.source)
+        findings.place = step.origin.place
         if not isinstance(step, Motion):
             stands = planner.flow(step, stands, ways, findings)
             diagnostics += findings.found

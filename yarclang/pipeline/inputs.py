@@ -9,6 +9,7 @@ import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.hir import Array
+from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Progress, Request
@@ -99,6 +100,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         tolerance=_tolerance(robot, options.tolerance),
         target=options.target,
         progress=options.progress,
+        load=loader(folder),
     )
     return Result(Opened(module, request), diagnostics)
 

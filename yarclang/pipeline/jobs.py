@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.certify.read import ControllerText, Entry, Run, Unreadable, read
+from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable, read
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.hir import Array
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.model import Robot
 from yarclang.runtime.inspection import Item
-from yarclang.runtime.job import Job, JobCommand
+from yarclang.runtime.job import Barrier, Job, JobCommand, Leg
 from yarclang.source import SourceFile
 from yarclang.units import MS
 
@@ -83,44 +84,118 @@ def _job(content: ControllerText, text: str, robot: Robot, name: str, papers: Pa
     setup = tuple(line for _, line in numbered[:at])
     loaded = numbered[at + len(_OPENED) : -1]
     begins, duration = _times(content.runs)
-    first = min(begins.values(), default=0.0)
-    times, following = np.empty(len(loaded)), duration
-    for row in range(len(loaded) - 1, -1, -1):
-        following = begins.get(loaded[row][0], following)
-        times[row] = following
-    times[: next((row for row, (number, _) in enumerate(loaded) if number in begins), len(loaded))] = min(
-        first, 0.0
-    )
-    segments = [run.segment_ms * MS for run in content.runs]
     start = content.start.rapid
     assert start is not None  # a rotary has one
-    end = content.runs[-1].points[-1] if content.runs else start
-    slack = (
-        START_SHARE
-        * robot.limits.acceleration
-        * (segments[0] if segments else robot.controller.largest_segment) ** 2
-    )
-    lines = tuple(line for _, line in loaded)
-    return Job(
+    common = Job(
         name=name,
         robot=robot,
         setup=setup,
-        lines=lines,
-        times=_read_only(times),
-        commands=_commands(content),
-        start=_read_only(start * robot.axis_units),
-        end=_read_only(end * robot.axis_units),
-        slack=_read_only(slack),
-        segment=min(segments, default=robot.controller.largest_segment),
-        duration=duration,
+        lines=(),
+        times=np.empty(0),
+        commands=(),
+        start=start,
+        end=start,
+        slack=start,
+        segment=robot.controller.largest_segment,
+        duration=0.0,
         words=_number_behind("DEFINE ROT ", setup, robot.controller.rotary_words),
         low=_number_behind("I16=", setup, 5),
         full=_number_behind("I17=", setup, 10),
-        guarded=f"{ARMED}=1" in lines,
+        guarded=False,
         text=text,
         source=papers.source,
         certificate=papers.certificate,
-        offset=offset,
+        outputs=content.outputs,
+    )
+    made = _Making(common, begins, _commands(content))
+    whole = made.part(loaded, content.runs, start, 0.0, duration)
+    legs = tuple(_legs(made, content, loaded, start)) if _has_barriers(content) else ()
+    return replace(whole, legs=legs, offset=offset)
+
+
+def _has_barriers(content: ControllerText) -> bool:
+    return any(isinstance(item, Barred) for item in content.course)
+
+
+@dataclass(frozen=True, slots=True)
+class _Making:
+    """What all parts of a text share: when each move line's motion begins [s], and the commands with their times."""
+
+    common: Job
+    begins: dict[int, float]
+    commands: tuple[JobCommand, ...]
+
+    def part(
+        self,
+        loaded: list[tuple[int, str]],
+        runs: tuple[Run, ...],
+        start: Array,
+        begin: float,
+        end: float,
+    ) -> Job:
+        """The job of some numbered lines; `start` (n,) [axis units], from `begin` to `end` [s]."""
+        robot = self.common.robot
+        times, following = np.empty(len(loaded)), end
+        for row in range(len(loaded) - 1, -1, -1):
+            following = self.begins.get(loaded[row][0], following)
+            times[row] = following - begin
+        moving = [row for row, (number, _) in enumerate(loaded) if number in self.begins]
+        times[: moving[0] if moving else len(loaded)] = 0.0
+        segments = [run.segment_ms * MS for run in runs]
+        first = segments[0] if segments else robot.controller.largest_segment
+        slack = START_SHARE * robot.limits.acceleration * first**2
+        lines = tuple(line for _, line in loaded)
+        stands = runs[-1].points[-1] if runs else start
+        commands = tuple(
+            replace(one, begins=one.begins - begin, ends=one.ends - begin)
+            for one in self.commands
+            if begin - 1e-9 <= one.begins and one.ends <= end + 1e-9
+        )
+        return replace(
+            self.common,
+            lines=lines,
+            times=_read_only(times),
+            commands=commands,
+            start=_read_only(start * robot.axis_units),
+            end=_read_only(stands * robot.axis_units),
+            slack=_read_only(slack),
+            segment=min(segments, default=robot.controller.largest_segment),
+            duration=end - begin,
+            guarded=f"{ARMED}=1" in lines,
+            offset=begin,
+        )
+
+
+def _legs(
+    made: _Making, content: ControllerText, loaded: list[tuple[int, str]], start: Array
+) -> Iterator[Leg]:
+    """What is streamed between two barriers. STOP itself isn't: whoever streams stops by not going on."""
+    entries = {entry.step: entry for entry in content.entries}
+    begin, runs, place, acts = 0.0, [], 0, False
+    now = 0.0
+    for item in (*content.course, None):
+        match item:
+            case Run():
+                runs.append(item)
+                now += (len(item.lines) + 2) * item.segment_ms * MS
+            case Stood(point=point):
+                start = point
+            case Put() | Dwelt():
+                acts = acts or isinstance(item, Put) or item.milliseconds > 0.0
+            case Barred() | None:
+                end = next(
+                    (row for row, (number, _) in enumerate(loaded) if item and number == item.line),
+                    len(loaded),
+                )
+                job = made.part(loaded[place:end], tuple(runs), start, begin, now) if runs or acts else None
+                yield Leg(job, None if item is None else _barrier(item, entries[item.step]))
+                place, begin, runs, acts = end + 1, now, [], False
+
+
+def _barrier(item: Barred, entry: Entry) -> Barrier:
+    variable, _, value = item.condition.partition("=")
+    return Barrier(
+        item.kind, variable, float(value or 0.0), item.timeout, item.name, entry.index, entry.source_line
     )
 
 

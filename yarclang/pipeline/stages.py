@@ -13,7 +13,7 @@ from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
-from yarclang.diagnostics import Result, has_errors, in_order
+from yarclang.diagnostics import Result, grouped, has_errors, in_order
 from yarclang.hir import Array, Program, SplineMove, fingerprint
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan
@@ -35,7 +35,8 @@ class Request:
     """What a door asks for besides the program.
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
-    the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's).
+    the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
+    the modules that the program uses.
     """
 
     robot: Robot
@@ -45,6 +46,7 @@ class Request:
     tolerance: Tolerance | None = None
     target: Target = "rotary"
     progress: Progress | None = None
+    load: Callable[[str], Result[Module]] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +61,9 @@ class Compiled:
 
 def check_program(module: Module, request: Request) -> Result[Program]:
     """Syntax tree to checked program."""
-    return check(module, Context(request.robot, profile_names(), request.start, request.fallback_start))
+    return check(
+        module, Context(request.robot, profile_names(), request.start, request.fallback_start, request.load)
+    )
 
 
 def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
@@ -85,7 +89,7 @@ def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
     checked = check_program(module, request)
     assert checked.value is not None  # a check always gives a program
     planned = plan_program(checked.value, request)
-    diagnostics = in_order((*checked.diagnostics, *planned.diagnostics))
+    diagnostics = in_order(grouped((*checked.diagnostics, *planned.diagnostics)))
     return Result(None if has_errors(diagnostics) else planned.value, diagnostics)
 
 

@@ -44,10 +44,11 @@ class Mark:
 
 def spans_of(run: RecordedRun, tracking: Tracking) -> tuple[Span, ...]:
     """The states, one behind the other."""
-    changes = [one for one in run.told if isinstance(one, Changed)]
-    ends = [(one.state, one.time) for one in changes]
-    # the same state may be told of again, with another reason
-    first = [pair for before, pair in pairwise([(None, 0.0), *ends]) if before[0] is not pair[0]]
+    first: list[tuple[State, float]] = []
+    for one in run.told:
+        # the same state may be told of again, with another reason
+        if isinstance(one, Changed) and not (first and first[-1][0] is one.state):
+            first.append((one.state, one.time))
     times = [time for _, time in first] + [max(run.end, first[-1][1] if first else 0.0)]
     return tuple(
         Span(state, start, end, _program_time(run, tracking, start), _program_time(run, tracking, end))

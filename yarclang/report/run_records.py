@@ -65,8 +65,7 @@ def read_records(content: bytes) -> Records | None:
 def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
     """The records, and what ends them before their end."""
     stream = io.BytesIO(content)
-    # no record is longer than the file: a wrong length isn't believed
-    reader = StreamReader(stream, validate_crcs=True, record_size_limit=len(content))
+    reader = StreamReader(stream, validate_crcs=True, record_size_limit=None)
     records: list[McapRecord] = []
     try:
         for record in reader.records:

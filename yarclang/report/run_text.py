@@ -140,7 +140,8 @@ def moments_of(run: RecordedRun) -> Iterator[Moment]:
     view = View(run.robot, run.duration)
     told: Iterator[tuple[float, Told | int]] = ((one.time, one) for one in run.told)
     seen: Iterator[tuple[float, Told | int]] = ((float(time), row) for row, time in enumerate(run.times))
-    for time, one in merge(told, seen, key=lambda pair: pair[0]):
+    # of what has one time, what is told comes last: how it ended, above all
+    for time, one in merge(seen, told, key=lambda pair: pair[0]):
         line = ""
         match one:
             case int():

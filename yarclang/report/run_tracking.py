@@ -2,8 +2,7 @@
 
 A sample's program time comes from how many lines the controller has left: it is good to a segment or two, and a segment of a fast
 motion is degrees long. But what is commanded lies on the planned curve: the time is taken where the curve is nearest to it. Where
-the curve turns back on itself, it is near twice; there the clock decides: no program gains on it, so that how far the
-program is behind it never falls.
+the curve turns back on itself, it is as near twice; there the samples before and behind decide.
 """
 
 from __future__ import annotations
@@ -27,6 +26,12 @@ _SEGMENTS = 4.0
 
 _SURE = 0.12
 """How far a time may be off that the clock has put right [s]."""
+
+_NEAR = 1e-3
+"""Two places of the curve whose distances from a sample differ by less than this are equally near [deg or mm]."""
+
+_SAME = 2e-3
+"""Times that are nearer to each other are one [s]."""
 
 _DRIFT = 1e-3
 """How much faster than the host's clock the controller's may be; quartzes are ten times better."""
@@ -84,10 +89,14 @@ def _times_of_pass(run: RecordedRun, planned: Planned, rows: NDArray[np.int64]) 
     units, told = run.robot.axis_units, run.program_times[rows]
     window = _SEGMENTS * planned.segment_times(told) + _LATE
     about = clock - _never_falling(clock - told, np.ones(len(rows)))
-    times, weights = _nearest(planned, units, points, about, window)
-    about = clock - _never_falling(clock - times, weights)
-    times, weights = _nearest(planned, units, points, about, np.full(len(rows), _SURE))
-    return _never_falling(times, weights), times
+    near = _nearest(planned, units, points, about, window)
+    if near.alone.any():
+        sure, when = _never_falling(near.times[near.alone], near.weights[near.alone]), clock[near.alone]
+        # from one to the next in a straight line; before the first and behind the last as it was told
+        inside = np.clip(clock, when[0], when[-1])
+        about = np.interp(inside, when, sure) + about - np.interp(inside, clock, about)
+    near = _nearest(planned, units, points, about, np.full(len(rows), _SURE))
+    return _never_falling(near.times, near.weights), near.times
 
 
 def _never_falling(values: Array, weights: Array) -> Array:
@@ -98,9 +107,18 @@ def _never_falling(values: Array, weights: Array) -> Array:
     return result
 
 
-def _nearest(
-    planned: Planned, units: Array, points: Array, about: Array, window: Array
-) -> tuple[Array, Array]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Nearest:
+    """When a curve is nearest to points: `times` (M,) [s]; `weights` (M,), how much each of them says, the square of the speed there;
+    `alone` (M,), whether the curve isn't as near at another time.
+    """
+
+    times: Array
+    weights: Array
+    alone: NDArray[np.bool_]
+
+
+def _nearest(planned: Planned, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
     """When the planned curve is nearest to points.
 
     Args:
@@ -109,19 +127,17 @@ def _nearest(
         points: (M, n) [rad or m].
         about: (M,) the times that are looked around [s].
         window: (M,) how far to look [s].
-
-    Returns:
-        The times (M,) [s], and how much each of them says: the square of the speed there.
     """
     parts = [slice(first, first + _ROWS) for first in range(0, len(points), _ROWS)]
     found = [_nearest_few(planned, units, points[part], about[part], window[part]) for part in parts]
-    times, weights = (np.concatenate(values) for values in zip(*found, strict=True))
-    return times, weights
+    return _Nearest(
+        np.concatenate([one.times for one in found]),
+        np.concatenate([one.weights for one in found]),
+        np.concatenate([one.alone for one in found]),
+    )
 
 
-def _nearest_few(
-    planned: Planned, units: Array, points: Array, about: Array, window: Array
-) -> tuple[Array, Array]:
+def _nearest_few(planned: Planned, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
     """`_nearest` for as many as fit into memory."""
     doubt, places = ((_DOUBT / window) ** 2)[:, None], (points / units)[:, None]
     about = about[:, None]
@@ -148,6 +164,12 @@ def _nearest_few(
         slope = ((places - x) * v).sum(axis=2) - doubt * (best - about)
         best = np.clip(best + slope / ((v**2).sum(axis=2) + doubt), low, high)
     x, v = curve(best)
-    which = np.argmin(cost(best, x), axis=1)[:, None]
-    weights = (v**2).sum(axis=2) + doubt
-    return np.take_along_axis(best, which, axis=1)[:, 0], np.take_along_axis(weights, which, axis=1)[:, 0]
+    final = np.where(np.take_along_axis(is_least, some, axis=1), cost(best, x), np.inf)
+    which = np.argmin(final, axis=1)[:, None]
+    times = np.take_along_axis(best, which, axis=1)
+    # squares add up: another place is as near if its distance is the same but for some counts
+    rivals = final < np.take_along_axis(final, which, axis=1) + _NEAR**2
+    rivals &= (np.abs(best - times) > _SAME) & (np.abs(best - about) < 2.0 * _SURE)
+    weights = np.take_along_axis((v**2).sum(axis=2) + doubt, which, axis=1)
+    alone: NDArray[np.bool_] = ~np.any(rivals, axis=1, keepdims=True)
+    return _Nearest(times[:, 0], weights[:, 0], alone[:, 0])

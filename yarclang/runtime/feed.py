@@ -63,8 +63,8 @@ class Feed:
 
         Each segment takes one more move; two may have been taken ahead at once. What stands between moves takes no time.
         """
-        if now <= self._asked_then:
-            return self.at_most
+        if now <= self._asked_then and self.sent == self._sent_then:
+            return self._ahead
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
         behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
         if behind > len(self._moves):
@@ -75,6 +75,11 @@ class Feed:
     def heard_at(self) -> float:
         """When `PR` was answered last [s]."""
         return self._then
+
+    @property
+    def round_trip(self) -> float:
+        """How long that took [s]."""
+        return self._then - self._asked_then
 
     @property
     def executed(self) -> int:

@@ -45,7 +45,9 @@ class MotorStatus:
     @property
     def faulted(self) -> bool:
         """Whether the motor itself has failed, or met a limit."""
-        return any(self.has(name) for name in ("amplifier fault", "fatal following error", "stopped on limit"))
+        return any(
+            self.has(name) for name in ("amplifier fault", "fatal following error", "stopped on limit")
+        )
 
     @property
     def trouble(self) -> str:

@@ -29,6 +29,7 @@ _EXACT = 1e-7
 
 _BIT = re.compile(r"(?<=,\d\d),1$|(?<=,\d),1$")
 _NUMBER = re.compile(r"\$[0-9A-F]+|\d+\.?\d*|\.\d+")
+_SHORTENED = re.compile(r"(ENDI)F\b")
 _TERM = re.compile(r"([+-]?)(\d+\.?\d*|\.\d+|(?=[A-Z]))([A-CU-Z]?)")
 
 
@@ -164,7 +165,9 @@ def _verdict(item: Item, found: str) -> Checked:
             "ok" if ok else "error",
             "" if ok else item.remedy,
         )
-    return Checked(item.subject, found, item.wanted, "ok" if ok else "error", "" if ok else item.remedy)
+    return Checked(
+        item.subject, found or "nothing", item.wanted, "ok" if ok else "error", "" if ok else item.remedy
+    )
 
 
 def _same_number(found: str, wanted: str) -> bool:
@@ -193,8 +196,7 @@ def _same_text(found: str, wanted: str) -> bool:
     if len(one) != len(other):
         return False
     return all(
-        a == b
-        or (isinstance(a, float) and isinstance(b, float) and _close(a, b))
+        a == b or (isinstance(a, float) and isinstance(b, float) and _close(a, b))
         for a, b in zip(one, other, strict=True)
     )
 
@@ -226,8 +228,8 @@ def _same_address(found: str, wanted: str) -> bool:
 
 
 def _same_listing(found: str, wanted: str) -> bool:
-    """Programs, without the RETURN that a listing adds."""
-    return _same_text(_without_end(found), wanted)
+    """Programs, without the RETURN that a listing adds; listings may shorten words."""
+    return _same_text(_SHORTENED.sub(r"\1", _without_end(found)), _SHORTENED.sub(r"\1", wanted.upper()))
 
 
 def _without_end(listing: str) -> str:

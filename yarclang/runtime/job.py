@@ -25,6 +25,33 @@ class JobCommand:
         return f"{self.index} {self.name}" if self.index and self.index != "-" else self.name
 
 
+@dataclass(frozen=True, slots=True)
+class Barrier:
+    """What stands between two legs of a program: it waits for an input or the operator, or its ways part or meet.
+
+    `kind` is wait, hold, when, else or end; `variable` is compared with `value`; `name` is the input's, or the operator's
+    text; `label` and `source_line` are the command's. `timeout` is in s (None: for ever).
+    """
+
+    kind: str
+    variable: str
+    value: float
+    timeout: float | None
+    name: str
+    label: str
+    source_line: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """What is streamed up to a barrier (None: nothing but outputs and dwells could stand there, and none does), and the barrier
+    behind it (None: the program's end).
+    """
+
+    job: Job | None
+    barrier: Barrier | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
     """A certified rotary program, ready to be streamed.
@@ -49,6 +76,8 @@ class Job:
         source: the program's own text, or empty.
         certificate: what was proved, as plain JSON text.
         offset: where it begins in the program that it is a part of [s].
+        outputs: variables of outputs, and what they become at any stop, hold or fault.
+        legs: of a program with barriers, what is streamed one after the other; else empty.
     """
 
     name: str
@@ -70,6 +99,8 @@ class Job:
     source: str
     certificate: str
     offset: float = 0.0
+    outputs: tuple[tuple[str, float], ...] = ()
+    legs: tuple[Leg, ...] = ()
 
     @property
     def capacity(self) -> int:

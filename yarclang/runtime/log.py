@@ -61,6 +61,7 @@ class RunLog:
         self._stream = stream
         self._on_failure = on_failure
         self._queue: SimpleQueue[Item | None] = SimpleQueue()
+        self._written = 0
         # the sum over all of it tells of any bit that turns later
         self._writer = Writer(stream, enable_data_crcs=True)
         self._record = Record(self._writer, job, anchor)
@@ -131,9 +132,13 @@ class RunLog:
         if ended is not None:
             self._put(ended)
         self._queue.put(None)
-        self._thread.join(_LONGEST_CLOSE)
-        if self._thread.is_alive() and self.failure is None:
-            self.failure = f"the disk hasn't answered for {_LONGEST_CLOSE:g} s"
+        written = -1
+        while self._thread.is_alive() and self.failure is None:
+            if written == self._written:
+                self.failure = f"the disk hasn't answered for {_LONGEST_CLOSE:g} s"
+                return
+            written = self._written
+            self._thread.join(_LONGEST_CLOSE)
 
     def __enter__(self) -> RunLog:
         return self
@@ -170,6 +175,7 @@ class RunLog:
             if item is None:
                 return
             self._record.write(item)
+            self._written += 1
             due = due or time.monotonic() + FLUSH_EACH
             if isinstance(item, Changed) or time.monotonic() >= due:
                 self._flush()

@@ -127,13 +127,14 @@ class Record:
 
     def _positions(self, sample: Sample) -> dict[str, Any]:
         robot = self._job.robot
+        actual, commanded = from_counts(robot, np.stack((sample.actual, sample.commanded)))
         return {
             "program_time_s": sample.program_time,
             "actual_counts": sample.actual.tolist(),
             "following_error_counts": sample.following.tolist(),
             "commanded_counts": np.round(sample.commanded, 4).tolist(),
-            "actual_joints": _by_joint(robot, from_counts(robot, sample.actual)),
-            "commanded_joints": _by_joint(robot, from_counts(robot, sample.commanded)),
+            "actual_joints": _by_joint(robot, actual),
+            "commanded_joints": _by_joint(robot, commanded),
         }
 
     def _begun(self, job: Job) -> dict[str, Any]:

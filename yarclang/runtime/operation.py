@@ -36,6 +36,8 @@ URGENT = (Hold, Stop, Abort, Fail)
 _AGAIN = 0.02
 """When a busy controller is asked again [s]."""
 
+_ODD_REPLY = "somebody else may use this controller; run `yarc doctor`"
+
 ABORT_ALL = "\x01"
 HOLD_ALL = "\x0f"
 CLOSE_ROTARY = "\x0c"
@@ -121,7 +123,9 @@ class Operation:
         """The only item of a reply."""
         items = yield from self.ask(line)
         if len(items) != 1:
-            raise Trouble(f"the controller answers {line!r} with {len(items)} values instead of one")
+            raise Trouble(
+                f"the controller answers {line!r} with {len(items)} values instead of one", _ODD_REPLY
+            )
         return items[0]
 
     def numbers(self, line: str, count: int) -> Script[tuple[float, ...]]:
@@ -133,7 +137,8 @@ class Operation:
             values = ()
         if len(values) != count:
             raise Trouble(
-                f"the controller answers {line!r} with {', '.join(items)!r} instead of {count} numbers"
+                f"the controller answers {line!r} with {', '.join(items)!r} instead of {count} numbers",
+                _ODD_REPLY,
             )
         return values
 

@@ -213,7 +213,7 @@ def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
             operation.go(Event.FAULT, what)
             guard = (
                 "its guard PLC holds the motion on the path when the buffer runs low"
-                if stream.job.guarded
+                if stream.job.guarded and stream.feed.left
                 else "the lines that it has run to their end, at rest"
             )
             remedy = f"{guard}; look at the robot, then run `yarc doctor`"

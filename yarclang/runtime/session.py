@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
 from yarclang.runtime.messages import Event, Late, Request, Violation
-from yarclang.runtime.notices import Abort, Notice, Order, Stop
+from yarclang.runtime.notices import Abort, Fail, Notice, Order, Stop
 from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, Operation
 from yarclang.runtime.protocol import Connection
 from yarclang.runtime.state import State
@@ -97,8 +97,9 @@ class Session:
             orders.clear()
 
     def close(self) -> None:
-        """End the connection."""
+        """End the connection; if something still moves, hold it."""
         if self._wire is not None:
+            self._last_words()
             self._wire.close()
             self._wire = None
 
@@ -115,8 +116,15 @@ class Session:
         notices = self.operation.notices
         while notices:
             notice = notices.popleft()
-            for listener in self._listeners:
-                listener(notice)
+            for listener in tuple(self._listeners):
+                try:
+                    listener(notice)
+                except Exception as error:
+                    # whoever only watches must not leave a moving robot to itself
+                    self._listeners.remove(listener)
+                    self.order(
+                        Fail(f"what watches this run has failed: {error!r}", "this is a bug: report it")
+                    )
 
     async def _wait(self, until: float) -> None:
         """Until a time, or until somebody orders something."""
@@ -142,6 +150,7 @@ class Session:
         """A request, and the event that ends it."""
         wire, connection = self._wire, self._connection
         if wire is None or connection.lost:
+            self._last_words()
             return Violation(request, "there is no connection")
         wire.send(connection.send(request, self._now(), self._reply_time * self.pace))
         while True:

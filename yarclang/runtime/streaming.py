@@ -1,29 +1,25 @@
-"""Loading a program into the rotary, keeping it filled, and coming to its end. No I/O.
-
-The rotary is open on our port all the time, so that only what is never stored may be asked: PR, status, control characters, H, R,
-%. Variables are asked while it is closed (facts 3).
-"""
+"""One job through the rotary: loading, keeping it filled, obeying people, and coming to its end. No I/O."""
 
 from __future__ import annotations
 
 import contextlib
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
-from yarclang.pmac.errors import ERRORS, NO_ROOM
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import to_counts
-from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
-from yarclang.runtime.feed import Feed
-from yarclang.runtime.feedback import MotorStatus, ReportError, Sample, counts_in, groups_of, in_order
+from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
-from yarclang.runtime.messages import Written
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import URGENT, Interrupted, Operation
-from yarclang.runtime.rest import come_to_rest, described, leave, motor_statuses, stands_at, system_words
+from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
+from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
+from yarclang.runtime.watching import look_at_motors, look_at_program, raise_trouble, sample
+from yarclang.units import MS
 
 POSITIONS_EACH = 0.04
 """Time between two looks at the positions [s]: 25 Hz, if the link allows."""
@@ -31,21 +27,20 @@ POSITIONS_EACH = 0.04
 STATUS_EACH = 0.1
 """Time between two looks at the status words [s]."""
 
-_STATUS_LATE = 0.4
+_OVERDUE = 0.4
 """How late that may be for the sake of the feed [s]."""
+
+_EXCHANGES = 3
+"""What may lie between two questions how many lines are ahead."""
 
 _LINES_EACH = 0.05
 _PROGRESS_EACH = 0.25
-_SHARE = 0.7
-"""Of the link's capacity that a program may need."""
-
-_SHORTEST_BUFFER = 1.0
-"""Of a program, that a rotary holds at least [s]."""
-
 _STILL = 0.5
 """How long nothing may move with lines ahead, besides what segments take [s]."""
 
 _LOOK = 0.01
+
+_DWELL = re.compile(r"DWELL\d+(?:\.\d*)?")
 
 _HELD = 2.0
 """What the guard PLC puts into its flag when it has held."""
@@ -70,6 +65,7 @@ class Stream:
     Orders that can't wait interrupt whatever is being asked (`Operation.watch`): each step can be begun again.
 
     Attributes:
+        rotary: the buffer that it goes through.
         feed: how far the lines are.
         begun: whether anything has moved.
     """
@@ -77,13 +73,14 @@ class Stream:
     def __init__(self, operation: Operation, job: Job) -> None:
         self.operation = operation
         self.job = job
-        self.feed = Feed(job)
+        self.rotary = Rotary(operation, job)
+        self.feed = self.rotary.feed
         self.begun = False
-        self._open = False
         self._refilling = False
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
-        self._longest = float(np.diff(job.times).max(initial=job.segment))
+        dwells = [float(line[5:]) * MS for line in job.lines if _DWELL.fullmatch(line)]
+        self._longest = max(float(np.diff(job.times).max(initial=job.segment)), *dwells, 0.0)
 
     @property
     def done(self) -> float:
@@ -105,8 +102,7 @@ class Stream:
         """
         operation = self.operation
         operation.go(Event.LOAD, f"loading {self.job.name}")
-        yield from self._initialise()
-        yield from self._prefill()
+        yield from self._load()
         operation.watch = URGENT
         for step in (self._begin, self._stream, self._end):
             ended = False
@@ -121,51 +117,24 @@ class Stream:
 
     # before
 
-    def _initialise(self) -> Script[None]:
-        """The paper's Listing 3, line by line."""
-        job = self.job
-        held = job.words // len(job.robot.controller.axes) * job.segment
-        if not job.fits and held < _SHORTEST_BUFFER:
-            raise Trouble(
-                f"the rotary buffer of {job.words} words holds {held:.2f} s of the program: "
-                f"at least {_SHORTEST_BUFFER:g} s are wanted",
-                "compile the program again: yarcc chooses the size",
-            )
-        for line in job.setup:
-            yield from self.operation.ask(line)
-        yield from self._pace()
-        yield from self._open_rotary()
-        yield from self.operation.ask("CLEAR")
-
-    def _pace(self) -> Script[None]:
-        """The override that people want: that of the job before, too."""
-        percent = 100.0 * self.operation.override
-        yield from self.operation.ask(f"%{percent:g}")
+    def _load(self) -> Script[None]:
+        """Make the buffer and fill it; nothing moves."""
+        operation, rotary = self.operation, self.rotary
+        yield from rotary.define()
+        percent = 100.0 * operation.override
+        yield from operation.ask(f"%{percent:g}")
         if percent != 100.0:
-            self.operation.remark(f"override {percent:g} %")
-
-    def _prefill(self) -> Script[None]:
-        """Fill the buffer; whoever can't fill it fast enough can't keep it filled either."""
-        operation, feed = self.operation, self.feed
-        begun = operation.now
-        while feed.packet():
+            operation.remark(f"override {percent:g} %")
+        yield from rotary.open()
+        yield from operation.ask("CLEAR")
+        begun, packets = operation.now, 0
+        while self.feed.packet():
             yield from self._obey()
-            yield from self._write()
+            yield from rotary.write()
+            packets += 1
         spent = operation.now - begun
         yield from self._ask_lines()
-        if feed.at_most != feed.sent:
-            raise Trouble(
-                f"the controller counts {feed.at_most} lines in its buffer, of {feed.sent} that were sent",
-                "somebody else may use this controller; run `yarc doctor`",
-            )
-        if self.job.fits or spent <= 0.0:
-            return
-        rate = feed.sent / spent
-        if rate * _SHARE < self.job.lines_per_second:
-            raise Trouble(
-                f"the link carries {rate:.0f} lines/s; the program needs {self.job.lines_per_second:.0f} and a reserve",
-                "compile with longer segments (--tm), or find out what slows the link (`yarc doctor`)",
-            )
+        rotary.check_prefilled(spent, packets)
 
     def _begin(self) -> Script[bool]:
         self.begun = True
@@ -194,58 +163,32 @@ class Stream:
             else:
                 yield from self._low_water()
         elif feed.worthwhile(now):
-            yield from self._write()
-        elif now < due.status + _STATUS_LATE and moving and feed.heard_at < now and feed.hungry(now):
-            yield from self._ask_lines()
+            yield from self.rotary.write()
+        elif moving and feed.heard_at < now and feed.hungry(now + _EXCHANGES * feed.round_trip):
+            # first find out what fits; only faults must not go unseen for long
+            yield from (self._ask_lines() if now < due.status + _OVERDUE else self._ask_status())
         else:
-            first = min(
+            when, ask = min(
                 (due.lines, self._ask_lines),
                 (due.status, self._ask_status),
                 (due.positions, self._ask_positions),
                 key=lambda each: each[0],
             )
-            if now < first[0]:
-                yield Wait(first[0])
+            if now < when:
+                yield Wait(when)
                 return False
-            yield from first[1]()
+            yield from ask()
         return moving and feed.at_most == 0 and feed.left == 0
 
-    def _write(self) -> Script[None]:
-        yield from self._open_rotary()
-        packet = self.feed.packet()
-        written = yield from self.operation.write(packet)
-        if written.error is None:
-            self.feed.written(len(packet))
-            return
-        yield from self._look_for_trouble()
-        raise Trouble(
-            _refusal(written, self.feed.sent),
-            "the robot ends at rest; run `yarc doctor`, then the program again",
-        )
-
-    def _open_rotary(self) -> Script[None]:
-        if not self._open:
-            yield from self.operation.ask("OPEN ROT")
-            self._open = True
-
-    def _close_rotary(self) -> Script[None]:
-        if self._open:
-            yield from self.operation.ask("CLOSE")
-            self._open = False
-
     def _ask_lines(self) -> Script[None]:
-        operation, feed = self.operation, self.feed
-        asked = operation.now
-        text = yield from operation.one("PR")
-        if not text.isdigit() or int(text) > feed.at_most:
-            raise Lost(f"{text!r} in reply to PR, with at most {feed.at_most} lines in the buffer")
-        feed.heard(int(text), asked, operation.now)
-        self._due.lines = operation.now + min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
-        if operation.now >= self._due.progress:
-            self._due.progress = operation.now + _PROGRESS_EACH
+        operation, feed, due = self.operation, self.feed, self._due
+        yield from self.rotary.ask()
+        due.lines = operation.now + min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
+        if operation.now >= due.progress:
+            due.progress = operation.now + _PROGRESS_EACH
             self._tell_progress()
         if self.begun and feed.at_most == 0 and feed.left:
-            yield from self._look_for_trouble()
+            yield from look_at_motors(operation, self.job.robot)
             raise Trouble(
                 f"underrun: the rotary ran dry with {feed.left} lines to come; the robot comes to rest off its path",
                 "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
@@ -258,35 +201,20 @@ class Stream:
         self.operation.notices.append(Progress(self.operation.now, self.job.offset + done, left, title, line))
 
     def _ask_positions(self) -> Script[None]:
-        operation, motors = self.operation, self.job.robot.controller.motors
-        actual: dict[int, float] = {}
-        following: dict[int, float] = {}
-        groups = groups_of(motors)
+        operation, job = self.operation, self.job
         self._due.positions = operation.now + POSITIONS_EACH
-        for group in groups:
-            if len(groups) > 1:
-                yield from operation.ask(f"##{group}")
-            places = yield from operation.report("\x10")
-            errors = yield from operation.report("\x06")
-            try:
-                actual |= counts_in(places, group, motors)
-                following |= counts_in(errors, group, motors)
-            except ReportError as error:
-                raise Lost(str(error)) from None
-        sample = Sample(
-            operation.now, self.job.offset + self.done, in_order(actual, motors), in_order(following, motors)
-        )
-        operation.notices.append(sample)
+        found = yield from sample(operation, job.robot, job.offset + self.done)
+        operation.notices.append(found)
 
     def _ask_status(self) -> Script[None]:
         """Faults, and a program that doesn't go on though it should."""
         operation, feed = self.operation, self.feed
         self._due.status = operation.now + STATUS_EACH
-        motors = yield from self._look_for_trouble()
+        motors = yield from look_at_motors(operation, self.job.robot)
         if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
             self._stands = None
             return
-        yield from self._look_at_program()
+        yield from look_at_program(operation, self.job.robot)
         yield from self._ask_lines()
         if feed.left == 0 and feed.at_most == 0:
             return
@@ -294,21 +222,6 @@ class Stream:
             self._stands = operation.now, feed.executed
         elif operation.now - self._stands[0] > self._patience:
             yield from self._held_by_others()
-
-    def _look_for_trouble(self) -> Script[tuple[MotorStatus, ...]]:
-        motors = yield from motor_statuses(self.operation, self.job.robot)
-        raise_trouble(self.job, motors)
-        return motors
-
-    def _look_at_program(self) -> Script[None]:
-        """At rest: it must run, without an error."""
-        system = yield from system_words(self.operation, self.job.robot)
-        if system.run_time_error:
-            raise Trouble(
-                "the controller couldn't calculate a move in time", "compile with longer segments (--tm)"
-            )
-        if not system.running:
-            raise Trouble("the controller doesn't run the program any more: somebody else has stopped it")
 
     @property
     def _patience(self) -> float:
@@ -386,7 +299,7 @@ class Stream:
         self._stands = None
         operation.go(Event.HOLD, "the motion is held, and not by this run")
         yield from come_to_rest(operation, self.job.robot)
-        yield from self._close_rotary()
+        yield from self.rotary.close()
         (armed,) = yield from operation.numbers(ARMED, 1)
         if armed == _HELD:
             self._refilling = True
@@ -397,21 +310,21 @@ class Stream:
         """At rest: refill, look after the guard, R."""
         operation, feed = self.operation, self.feed
         motors = yield from come_to_rest(operation, self.job.robot)
-        raise_trouble(self.job, motors)
+        raise_trouble(self.job.robot, motors)
         yield from self._ask_lines()
         while feed.packet():
-            yield from self._write()
-        yield from self._close_rotary()
+            yield from self.rotary.write()
+        yield from self.rotary.close()
         (armed,) = yield from operation.numbers(ARMED, 1)
         if armed == _HELD:
-            operation.remark("the guard PLC had held the motion: the buffer had run low", warning=True)
+            operation.remark("the guard PLC has held the motion as well", warning=True)
         if feed.left == 0 and armed:
             # all lines are in: fewer than the guard wants, and no more to come
             yield from operation.ask(f"{ARMED}=0")
         elif armed == _HELD:
             yield from operation.ask(f"{ARMED}=1")
         if feed.left:
-            yield from self._open_rotary()
+            yield from self.rotary.open()
         yield from operation.ask("R")
         operation.settled = -math.inf
         self._refilling = False
@@ -423,7 +336,7 @@ class Stream:
     def _end(self) -> Script[bool]:
         """One step; whether the motion has really ended: no motor has a desired velocity, and all stand where the program ends."""
         operation, job = self.operation, self.job
-        motors = yield from self._look_for_trouble()
+        motors = yield from look_at_motors(operation, self.job.robot)
         if operation.now >= self._due.positions:
             yield from self._ask_positions()
         if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
@@ -433,12 +346,12 @@ class Stream:
         if self._stands is None:
             self._stands = operation.now, 0
         yield from come_to_rest(operation, job.robot)
-        yield from self._close_rotary()
+        yield from self.rotary.close()
         joints = yield from stands_at(operation, job.robot)
         off = np.abs(to_counts(job.robot, joints) - to_counts(job.robot, job.end))
         if off.max() <= _END:
             return True
-        yield from self._look_at_program()
+        yield from look_at_program(operation, self.job.robot)
         if operation.now - self._stands[0] > self._patience:
             raise Trouble(
                 f"the program has ended {off.max():.0f} counts (motor "
@@ -447,28 +360,3 @@ class Stream:
             )
         yield Wait(operation.now + _LOOK)
         return False
-
-
-def raise_trouble(job: Job, motors: tuple[MotorStatus, ...]) -> None:
-    """Raise what keeps a motor from moving.
-
-    A fault of one motor makes the controller kill others: what is told is the fault, not a loop that it has opened.
-
-    Raises:
-        Trouble: the first motor's with a fault, else the first's that is open-loop.
-    """
-    pairs = list(zip(job.robot.controller.motors, motors, strict=True))
-    for number, motor in sorted(pairs, key=lambda pair: not pair[1].faulted):
-        if what := motor.trouble:
-            raise Trouble(f"motor {number}: {what}", f"find out why, then close its loop: `#{number}J/`")
-
-
-def _refusal(written: Written, sent: int) -> str:
-    error = written.error or 0
-    lines = written.request.lines
-    at = written.line or 0
-    text = lines[at - 1] if 0 < at <= len(lines) else lines[0]
-    meaning = ERRORS.get(error, "an error that isn't documented")
-    if error == NO_ROOM:
-        meaning += ", though there should be"
-    return f"the controller refuses line {sent + at} of the motion, {text!r}: ERR{error:03d}, {meaning}"

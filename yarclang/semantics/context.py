@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from yarclang.diagnostics import Result
 from yarclang.hir import Array
 from yarclang.robot.model import Robot
-from yarclang.syntax.ast import FrameName, Statement, Time
+from yarclang.semantics.scope import Scope
+from yarclang.syntax.ast import FrameName, Module, Statement, Time
 from yarclang.units import Kind, Unit
 
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """The robot, the profiles that the planner has, and where the robot stands.
+    """The robot, the profiles that the planner has, where the robot stands, and how a module is found: `load` gives the module of a
+    name, or a finding.
 
     `start` (n,) [rad or m] holds whatever the program says, `fallback_start` where it doesn't say.
     """
@@ -22,6 +25,7 @@ class Context:
     profiles: tuple[str, ...]
     start: Array | None = None
     fallback_start: Array | None = None
+    load: Callable[[str], Result[Module]] | None = None
     index_needed: bool = True
     """Whether a command needs an index (the live interpreter does without)."""
 
@@ -30,9 +34,10 @@ class Context:
 class Defaults:
     """What a DEFAULT line gives to the lines that leave it out; `statement` is the line itself.
 
-    `has_bad_time` says that it gave a motion time that isn't one, which was said there.
+    `scope` is that of its file. `has_bad_time` says that it gave a motion time that isn't one, which was said there.
     """
 
+    scope: Scope
     statement: Statement | None = None
     moving: FrameName | None = None
     time: Time | None = None

@@ -6,40 +6,60 @@ from collections.abc import Mapping
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import Timing
+from yarclang.semantics.amounts import AmountError
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.units import missing_unit, number_fault
-from yarclang.syntax.ast import Number, Statement, Time, Word
+from yarclang.semantics.evaluate import EvaluationError, evaluate
+from yarclang.semantics.scope import Scope
+from yarclang.semantics.units import amount, missing_unit, number_fault
+from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Percent, Statement, Time, Word
 from yarclang.units import Kind, Unit
 
-_HELP = "a motion time is [20] or [MIN]"
+_HELP = "a motion time is [20], [MIN] or [50%]"
 
 
 def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
-    """Whether a motion time is one, whatever its unit; a finding says why it isn't."""
+    """Whether a motion time has the form of one, whatever its unit; a finding says why it hasn't."""
     span = statement.span(time.place)
     text = " ".join(item.text for item in time.items)
-    if _is_shortest(time):
+    if len(time.items) == 1:
+        match time.items[0]:
+            case Word(name="MIN") | Computed() | ComputedPercent():
+                return True
+            case Percent(value=value):
+                return _share_is_sound(value, text, span_of=statement, time=time, findings=findings)
+            case Number() as number:
+                if (fault := number_fault(number)) is not None:
+                    findings.add(fault[0], fault[1], span)
+                    return False
+                if number.value <= 0:
+                    message = f"a motion can't take {number.text}: the time has to be positive"
+                    findings.add("Y0407", message, span, _HELP)
+                    return False
+                return True
+    if time.items and isinstance(time.items[0], Word) and time.items[0].name == "V":
+        message = f"the motion time [{text}] is not carried out by this version"
+        findings.add("Y0207", message, span, _HELP)
+        return False
+    findings.add("Y0407", f"[{text}] is no motion time", span, _HELP)
+    return False
+
+
+def _share_is_sound(value: float, text: str, *, span_of: Statement, time: Time, findings: Collector) -> bool:
+    if 0.0 < value <= 100.0:
         return True
-    if len(time.items) == 1 and isinstance(number := time.items[0], Number):
-        if number_fault(number) is not None:
-            findings.add("Y0403", f"{number.text} is beyond the largest value", span)
-        elif number.value <= 0:
-            findings.add(
-                "Y0407", f"a motion can't take {number.text}: the time has to be positive", span, _HELP
-            )
-        else:
-            return True
-    elif time.items and (text.endswith("%") or text.upper().startswith("V ") or text.startswith("$")):
-        findings.add("Y0207", f"the motion time [{text}] is not carried out by this version", span, _HELP)
-    else:
-        findings.add("Y0407", f"[{text}] is no motion time", span, _HELP)
+    message = f"[{text}]: a share of the limits is above 0 and at most 100 %"
+    findings.add("Y0407", message, span_of.span(time.place), _HELP)
     return False
 
 
 def resolve_time(
-    statement: Statement, units: Mapping[Kind, Unit], defaults: Defaults, findings: Collector
+    statement: Statement,
+    units: Mapping[Kind, Unit],
+    defaults: Defaults,
+    scope: Scope,
+    findings: Collector,
 ) -> Timing:
-    """The motion time of a command in s; [MIN] is None.
+    """The motion time of a command in s; [MIN] is None, and [50%] a share of the limits.
 
     A time from DEFAULT has DEFAULT's unit, whatever the line's units are; only where DEFAULT names none, the line's.
     """
@@ -49,22 +69,87 @@ def resolve_time(
             help_ = "write [20] for 20 time units, [MIN] for the shortest, or give one in DEFAULT"
             findings.add("Y0406", "the motion time is missing", statement.head_span, help_)
         return Timing(None)
-    if time is statement.time and not time_is_sound(statement, time, findings):
+    own = time is statement.time
+    if own and not time_is_sound(statement, time, findings):
         return Timing(None)
-    number = time.items[0]
-    if _is_shortest(time) or not isinstance(number, Number):
-        return Timing(None)
-    if time is defaults.time and "time" in defaults.units:
-        unit: Unit | None = defaults.units["time"]
-    else:
-        unit = units.get("time")
-    if unit is None:
-        span = statement.span(time.place) if time is statement.time else statement.head_span
+    line = statement if own else (defaults.statement or statement)
+    where = scope if own else defaults.scope
+    match time.items[0]:
+        case Percent(value=value):
+            return Timing(None, share=value / 100.0)
+        case ComputedPercent() as item:
+            share = _percentage(item, line, where, findings)
+            if share is None or not _share_is_sound(
+                share, item.text, span_of=line, time=time, findings=findings
+            ):
+                return Timing(None)
+            return Timing(None, share=share / 100.0)
+        case Number() | Computed() as item:
+            return Timing(_seconds(item, line, statement, own, units, defaults, where, findings))
+    return Timing(None)
+
+
+def _seconds(
+    item: Number | Computed,
+    line: Statement,
+    statement: Statement,
+    own: bool,
+    units: Mapping[Kind, Unit],
+    defaults: Defaults,
+    scope: Scope,
+    findings: Collector,
+) -> float | None:
+    """A motion time in s; None with a finding."""
+    found = amount(item, scope, line, findings)
+    if found is None:
+        return None
+    unit = defaults.units.get("time") if not own and "time" in defaults.units else units.get("time")
+    span = statement.span(item.place) if own else statement.head_span
+    if found.unit is None and unit is None:
         message, help_ = missing_unit("time", "the motion time")
         findings.add("Y0304", message, span, help_)
-        return Timing(None)
-    return Timing(number.value * unit.factor)
+        return None
+    try:
+        value = (
+            found.in_unit(unit) * unit.factor
+            if unit
+            else found.value * (found.unit.factor if found.unit else 1.0)
+        )
+        if unit is None and found.unit is not None and found.unit.kind != "time":
+            raise AmountError("Y0307", f"{found} isn't a time")
+    except AmountError as error:
+        findings.add(error.code, error.message, span, error.help)
+        return None
+    if value <= 0.0:
+        findings.add("Y0407", f"a motion can't take {found}: the time has to be positive", span, _HELP)
+        return None
+    return value
 
 
-def _is_shortest(time: Time) -> bool:
-    return len(time.items) == 1 and isinstance(word := time.items[0], Word) and word.name == "MIN"
+def _percentage(
+    item: Percent | ComputedPercent, statement: Statement, scope: Scope, findings: Collector
+) -> float | None:
+    if isinstance(item, Percent):
+        return item.value
+    try:
+        return evaluate(item.expression, scope).plain("a percentage")
+    except EvaluationError as error:
+        findings.add(error.code, error.message, statement.span(error.place), error.help)
+    except AmountError as error:
+        findings.add(error.code, error.message, statement.span(item.place), error.help)
+    return None
+
+
+def acceleration_share(option: Option, statement: Statement, scope: Scope, findings: Collector) -> float:
+    """ACC 30%: the share of the acceleration and jerk limits that a motion may use."""
+    span = statement.span((option.argument or option.word).place)
+    if isinstance(option.argument, Percent | ComputedPercent):
+        share = _percentage(option.argument, statement, scope, findings)
+        if share is None:
+            return 1.0
+        if 0.0 < share <= 100.0:
+            return share / 100.0
+        findings.add("Y0412", f"ACC {share:g}%: a share of the limits is above 0 and at most 100 %", span)
+        return 1.0
+    findings.add("Y0412", "ACC takes a percentage", span, "for example ACC 30%")
+    return 1.0

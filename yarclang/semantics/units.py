@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from yarclang.diagnostics import Collector, suggest
-from yarclang.syntax.ast import Number, Other, Percent, Statement, Text, Units, Word
+from yarclang.semantics.amounts import Amount
+from yarclang.semantics.evaluate import LARGEST_NUMBER, EvaluationError, evaluate, quantity
+from yarclang.semantics.scope import Scope
+from yarclang.syntax.ast import Computed, Number, Quantity, Statement, Units, Value
 from yarclang.units import UNITS, Kind, Unit, units_of
-
-LARGEST_NUMBER = 1e9
 
 
 def resolve_units(
@@ -50,16 +51,31 @@ def missing_unit(kind: Kind, what: str) -> tuple[str, str]:
     )
 
 
-def number_fault(item: Number | Word | Percent | Text | Other) -> tuple[str, str, str] | None:
-    """Why an item isn't a number to compute with: code, message, help; None if it is one."""
+def number_fault(item: Value) -> tuple[str, str, str] | None:
+    """Why an item isn't a number to compute with: code, message, help; None if it is one, or an expression."""
+    if isinstance(item, Computed):
+        return None
     if isinstance(item, Number):
         if abs(item.value) <= LARGEST_NUMBER:
             return None
         return "Y0403", f"{item.text} is beyond the largest value, {LARGEST_NUMBER:,.0f}", ""
     text = item.text if len(item.text) <= 40 else item.text[:40] + "…"
-    if item.text.startswith("$"):
-        return "Y0207", f"`{text}`: expressions are not carried out by this version", "write the number"
     help_ = "numbers look like 30, -0.5, 1e-3; blanks stand between them"
     if "," in item.text:
         help_ = "the decimal sign is a point; blanks stand between numbers"
     return "Y0402", f"`{text}` is not a number", help_
+
+
+def amount(item: Value, scope: Scope, statement: Statement, findings: Collector) -> Amount | None:
+    """The value of a number, an expression, or a number with a unit; a finding where it has none."""
+    try:
+        match item:
+            case Computed(expression=expression):
+                return evaluate(expression, scope)
+            case Quantity():
+                return quantity(item)
+            case Number(value=value):
+                return Amount(value)
+    except EvaluationError as error:
+        findings.add(error.code, error.message, statement.span(error.place), error.help)
+    return None

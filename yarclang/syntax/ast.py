@@ -9,83 +9,60 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from yarclang.source import SourceFile, Span
+from yarclang.syntax.expressions import Expression
+from yarclang.syntax.leaves import FrameName, Number, Other, Parameter, Percent, Place, Quantity, Text, Word
+
+__all__ = [
+    "Block",
+    "Comment",
+    "Computed",
+    "ComputedPercent",
+    "FrameName",
+    "Module",
+    "Node",
+    "Number",
+    "Option",
+    "Other",
+    "Parameter",
+    "Percent",
+    "Place",
+    "Quantity",
+    "Statement",
+    "Text",
+    "Time",
+    "Units",
+    "Value",
+    "WayPoint",
+    "Word",
+]
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Columns `start` to `end` (not included, from 1) of the statement's line number `row` (from 0)."""
-
-    row: int
-    start: int
-    end: int
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A number as written and its value (infinite where the text overflows a float)."""
+class Computed:
+    """An expression that stands for a number, as written: `$NAME` or `$(expression)`."""
 
     text: str
-    value: float
+    expression: Expression
     place: Place
 
 
 @dataclass(frozen=True, slots=True)
-class Percent:
-    """A percentage as written and its value in percent."""
+class ComputedPercent:
+    """An expression that stands for the number of a percentage, as written: `$SHARE%`."""
 
     text: str
-    value: float
+    expression: Expression
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A name as written; `name` is its upper-case form."""
-
-    text: str
-    place: Place
-
-    @property
-    def name(self) -> str:
-        """The name in the form in which names are compared."""
-        return self.text.upper()
-
-
-@dataclass(frozen=True, slots=True)
-class Text:
-    """A text in quotes; `text` has the quotes."""
-
-    text: str
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class Other:
-    """Something that is none of the above (`30-5`, `0,5`): checked where it stands."""
-
-    text: str
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class FrameName:
-    """A frame's name in braces; `text` has the braces."""
-
-    text: str
-    place: Place
-
-    @property
-    def name(self) -> str:
-        """The name without braces, in upper case."""
-        return self.text[1:-1].strip().upper()
-
-
-Value = Number | Word | Text | Other
+Value = Number | Word | Text | Other | Computed | FrameName | Quantity | Parameter
+"""What stands between blanks. Frames and quantities stand only among CALL's arguments, frames and parameters
+in the head of a SUB."""
 
 
 @dataclass(frozen=True, slots=True)
 class WayPoint:
-    """The values between two semicolons."""
+    """The values between two semicolons; the words, arguments or parameters of a line that has no way-points."""
 
     values: tuple[Value, ...]
 
@@ -101,7 +78,7 @@ class WayPoint:
 class Time:
     """What stands in square brackets."""
 
-    items: tuple[Number | Word | Percent | Other, ...]
+    items: tuple[Number | Word | Percent | Other | Computed | ComputedPercent, ...]
     place: Place
 
 
@@ -118,7 +95,7 @@ class Option:
     """An option behind the base frame, and its argument."""
 
     word: Word
-    argument: Number | Percent | Word | Other | None
+    argument: Number | Word | Percent | Other | Computed | ComputedPercent | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +110,9 @@ class Comment:
 class Statement:
     """A command (with an index) or a declaration: its parts in the order of the language.
 
-    `line` is the number of its first line in the file, `rows` how many lines it has.
+    `line` is the number of its first line in the file, `rows` how many lines it has. Names and values that
+    are no way-points stand in `waypoints` all the same, as one: SUB's name and parameters, CALL's name and
+    arguments, the name of a LET. `expression` is what LET says of it, and the condition of an IF.
     """
 
     line: int
@@ -142,11 +121,29 @@ class Statement:
     name: Word
     moving: FrameName | None
     waypoints: tuple[WayPoint, ...]
+    expression: Expression | None
     time: Time | None
     units: Units | None
     base: FrameName | None
     options: tuple[Option, ...]
     comments: tuple[Comment, ...]
+
+    def at_line(self, line: int) -> Statement:
+        """The same statement in another line."""
+        return Statement(
+            line,
+            self.rows,
+            self.index,
+            self.name,
+            self.moving,
+            self.waypoints,
+            self.expression,
+            self.time,
+            self.units,
+            self.base,
+            self.options,
+            self.comments,
+        )
 
     def span(self, place: Place) -> Span:
         """The place in the file."""
@@ -164,10 +161,29 @@ class Statement:
         start = self.index.place.start if self.index else self.name.place.start
         places = [self.name.place]
         places += [value.place for waypoint in self.waypoints for value in waypoint.values]
-        places += [part.place for part in (self.moving, self.time, self.units, self.base) if part]
+        parts = (self.moving, self.expression, self.time, self.units, self.base)
+        places += [part.place for part in parts if part]
         places += [(option.argument or option.word).place for option in self.options]
         row, end = max((place.row, place.end) for place in places)
         return Span(self.line, start, self.line + row, end)
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The statements from a SUB, REPEAT, IF or WHEN to its END.
+
+    `otherwise` is what stands behind ELSE, None where there is no ELSE. `otherwise_head` and `end` are the
+    statements ELSE and END themselves; they are None where there is none, or none that can be read.
+    """
+
+    head: Statement
+    body: tuple[Node, ...]
+    otherwise: tuple[Node, ...] | None
+    otherwise_head: Statement | None
+    end: Statement | None
+
+
+Node = Statement | Block
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,29 +1,67 @@
 """The words of the language that no command's file knows."""
 
-DECLARATIONS = frozenset(
-    [
-        "ROBOT",
-        "CELL",
-        "USE",
-        "DEFAULT",
-        "FRAME",
-        "FRAME_QUAT",
-        "JOINTS",
-        "START",
-        "INPUT",
-        "OUTPUT",
-        "LET",
-        "SUB",
-        "END",
-        "REPEAT",
-        "IF",
-        "ELSE",
-        "WHEN",
-    ]
-)
+from types import MappingProxyType
+
+BLOCK_HEADS = frozenset(["SUB", "REPEAT", "IF", "WHEN"])
+"""Words that begin a block, which END ends."""
+
+DECLARATIONS = BLOCK_HEADS | {
+    "ROBOT",
+    "CELL",
+    "USE",
+    "DEFAULT",
+    "FRAME",
+    "FRAME_QUAT",
+    "JOINTS",
+    "START",
+    "INPUT",
+    "OUTPUT",
+    "LET",
+    "END",
+    "ELSE",
+}
+"""Words that begin a line without an index."""
+
+DECLARATIONS_IN_BLOCKS = frozenset(["FRAME", "FRAME_QUAT", "JOINTS", "LET"])
+"""Declarations that a block may hold, besides commands and blocks."""
 
 OTHER_COMMANDS = frozenset(["MOVEC", "MOVEL_SPLINE", "WAIT", "SET", "HOLD", "CALL"])
 """Commands of the language that no file of commands/builtin carries out."""
 
+NOT_YET = frozenset(["MOVEC", "MOVEL_SPLINE"])
+"""Those of them that this version doesn't carry out."""
+
 OTHER_SUFFIXES = frozenset(["AVOID", "SCURVE", "TOPP"])
 """Suffixes of the language that no file of motion/profiles carries out."""
+
+OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR"])
+"""Words that begin an option."""
+
+OPERATORS = frozenset(["OR", "AND", "NOT"])
+"""Operators that are words."""
+
+FUNCTIONS = MappingProxyType(
+    {
+        "SQRT": (1, 1),
+        "SIN": (1, 1),
+        "COS": (1, 1),
+        "TAN": (1, 1),
+        "ATAN2": (2, 2),
+        "ABS": (1, 1),
+        "MIN": (2, None),
+        "MAX": (2, None),
+        "FLOOR": (1, 1),
+        "CEIL": (1, 1),
+    }
+)
+"""The functions of expressions, with the least and the largest number of arguments (None: any)."""
+
+CONSTANTS = frozenset(["PI"])
+"""Names that stand for a number everywhere."""
+
+STATES = frozenset(["ON", "OFF"])
+"""What an input or an output is."""
+
+RESERVED = DECLARATIONS | OTHER_COMMANDS | OPTIONS | OPERATORS | FUNCTIONS.keys() | CONSTANTS | STATES
+"""Words that can't be declared as names, besides those of the commands. Units are none of them: they stand in
+round brackets, where no name stands. Nor is the V of `[V 250]`, since a name has a `$` before it there."""

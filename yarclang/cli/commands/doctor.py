@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from yarclang.cli.address import SIM, Address, AddressType
+from yarclang.cli.address import SIM, Address, AddressType, trouble_is_said
+from yarclang.cli.options import _robots as complete_robots
 from yarclang.cli.options import format_option
 
 if TYPE_CHECKING:
@@ -19,7 +20,13 @@ _SHARE = 0.7
 
 
 @click.command("doctor")
-@click.option("--robot", required=True, metavar="NAME|PATH", help="The robot that hangs on the controller.")
+@click.option(
+    "--robot",
+    required=True,
+    metavar="NAME|PATH",
+    shell_complete=complete_robots,
+    help="The robot that hangs on the controller.",
+)
 @click.option(
     "--to",
     type=AddressType(),
@@ -38,25 +45,22 @@ def command(robot: str, to: Address | None, format_: str) -> None:
     from yarclang.cli.controllers import controller
     from yarclang.cli.show import show_findings
     from yarclang.robot.description import load_robot
-    from yarclang.runtime.actions import Trouble
+    from yarclang.runtime.transports.local import controller_lock
 
     loaded = load_robot(robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)
     with controller(to, loaded.value, loaded.value.home) as address:
-        try:
+        # trying the guard beside a run would hold it
+        with trouble_is_said(), controller_lock(address.host, address.port):
             inspection, link = asyncio.run(_examine(loaded.value, address))
-        except Trouble as trouble:
-            click.echo(f"{click.style('error', fg='red', bold=True)}: {trouble.what}", err=True)
-            if trouble.remedy:
-                click.echo(f"  help: {trouble.remedy}", err=True)
-            raise SystemExit(1) from None
-    _show(loaded.value, address, inspection, link, format_)
+        _show(loaded.value, robot, address, inspection, link, format_)
     raise SystemExit(1 if inspection.errors else 0)
 
 
-async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Link]:
+async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Link | None]:
+    """What was found, and the link; that isn't measured while a program runs, which may need all of it."""
     from yarclang.pipeline.jobs import items_of
     from yarclang.runtime.performance import connect, look, measured
     from yarclang.runtime.session import Session
@@ -65,30 +69,40 @@ async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Link]:
     try:
         await session.perform(connect(session.operation))
         inspection = await session.perform(look(session.operation, robot, items_of(robot)))
+        if any(one.subject.startswith("coordinate system") for one in inspection.errors):
+            return inspection, None
         return inspection, await session.perform(measured(session.operation, robot))
     finally:
         session.close()
 
 
-def _show(robot: Robot, address: Address, inspection: Inspection, link: Link, format_: str) -> None:
+def _show(
+    robot: Robot, given: str, address: Address, inspection: Inspection, link: Link | None, format_: str
+) -> None:
     if format_ == "json":
         import json
 
-        click.echo(json.dumps(_json(address, inspection, link), indent=2))
+        click.echo(json.dumps(_json(robot, address, inspection, link), indent=2))
         return
+    from yarclang.cli.controllers import robot_argument
     from yarclang.cli.table import checked_table
     from yarclang.runtime.rest import described
 
-    click.echo(checked_table(inspection.checked))
+    where = f"--to {address} --robot {robot_argument(robot, given)}"
+    # what is wrong comes last: nobody looks at the beginning of a hundred lines
+    order = ("ok", "warning", "error")
+    checked = sorted(inspection.checked, key=lambda one: order.index(one.verdict))
+    click.echo(checked_table(checked).replace("`yarc stop --to ...`", f"`yarc stop {where}`"))
     if inspection.joints is not None:
         click.echo(f"\n{robot.name} is commanded to {described(robot, inspection.joints)}")
-    for line in _link_lines(link):
-        click.echo(line)
-    wrong = len(inspection.errors)
+    if link is not None:
+        for line in _link_lines(link):
+            click.echo(line)
+    wrong, count = len(inspection.errors), len(inspection.checked)
     click.echo(
-        f"\n{wrong} of {len(inspection.checked)} things keep a program from being run"
+        f"\n{wrong} of {count} things keep{'s' * (wrong == 1)} a program from being run"
         if wrong
-        else f"\nall {len(inspection.checked)} things are as a program needs them"
+        else f"\nall {count} things are as a program needs them"
     )
 
 
@@ -110,9 +124,12 @@ def _link_lines(link: Link) -> list[str]:
     return lines
 
 
-def _json(address: Address, inspection: Inspection, link: Link) -> dict[str, Any]:
+def _json(robot: Robot, address: Address, inspection: Inspection, link: Link | None) -> dict[str, Any]:
+    joints = inspection.joints
+    places = [None] * robot.size if joints is None else (joints / robot.axis_units).round(6).tolist()
     return {
         "controller": str(address),
+        "robot": robot.name,
         "checked": [
             {
                 "subject": one.subject,
@@ -123,7 +140,13 @@ def _json(address: Address, inspection: Inspection, link: Link) -> dict[str, Any
             }
             for one in inspection.checked
         ],
-        "link": {
+        "joints": [
+            {"name": name, "commanded": place, "unit": unit}
+            for name, place, unit in zip(robot.joint_names, places, robot.axis_unit_names, strict=True)
+        ],
+        "link": None
+        if link is None
+        else {
             "round_trip_median_ms": link.median * 1e3,
             "round_trip_worst_ms": link.worst * 1e3,
             "lines_per_s": link.lines_per_second,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -47,10 +48,12 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
 
     Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
     """
-    _check_usage(file, to, first, options)
-    from yarclang.cli.loading import load
+    from yarclang.cli.loading import is_compiled, load
     from yarclang.cli.show import show_findings
 
+    _check_usage(to, options)
+    if is_compiled(file):
+        _check_compiled_usage(first, options)
     loaded, diagnostics = load(file, first, options)
     show_findings(diagnostics)
     if loaded is None:
@@ -58,16 +61,35 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.cli.controllers import controller
     from yarclang.cli.performing import perform_run
 
-    with controller(to, loaded.job.robot, loaded.job.start, options["rate"]) as address:
-        raise SystemExit(perform_run(loaded, address, options))
+    job = loaded.rest
+    with controller(to, job.robot, job.start, options["rate"]) as address:
+        raise SystemExit(perform_run(loaded, address, options, _again(file, to, options)))
 
 
-def _check_usage(file: str, to: Address | None, first: str | None, options: dict[str, Any]) -> None:
+def _check_usage(to: Address | None, options: dict[str, Any]) -> None:
     if options["log"] and options["no_log"]:
         raise click.UsageError("--log and --no-log exclude each other")
     if options["rate"] and to is not None:
         raise click.UsageError("--rate is for the simulator: a controller's time can't be hurried")
-    if file.endswith(".pmc") and (first or options["step"]):
-        raise click.UsageError("--from and --step need the program itself: give the .yarc file")
     if options["step"] and (options["loop"] or options["times"]):
-        raise click.UsageError("--step and --loop exclude each other")
+        raise click.UsageError(f"--step and --{'loop' if options['loop'] else 'times'} exclude each other")
+    if options["loop"] and options["times"]:
+        raise click.UsageError("--loop and --times exclude each other")
+
+
+def _check_compiled_usage(first: str | None, options: dict[str, Any]) -> None:
+    given = {"from": first, **{name: options[name] for name in ("step", "start", "tm", "tolerance")}}
+    if names := [f"--{name}" for name, value in given.items() if value]:
+        raise click.UsageError(f"{', '.join(names)}: only with the program itself, the .yarc file")
+
+
+def _again(file: str, to: Address | None, options: dict[str, Any]) -> str:
+    """The command line without what is for one run only; empty for a simulator, which is gone with its run, and standard input."""
+    if to is None or file == "-":
+        return ""
+    words = ["yarc", "run", file, "--to", str(to)]
+    for name in ("robot", "start", "tolerance", "tm"):
+        if (value := options[name]) is not None:
+            numbers = value if isinstance(value, tuple) else (value,)
+            words += [f"--{name}", ",".join(f"{one:g}" if isinstance(one, float) else one for one in numbers)]
+    return shlex.join(words)

@@ -6,7 +6,7 @@ from yarclang.hir import LineMove, Step
 
 def _build(arguments: Arguments) -> Step:
     (goal,) = arguments.goals
-    return LineMove(arguments.origin, goal, arguments.profile, arguments.timing)
+    return LineMove(arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance)
 
 
 COMMAND = CommandSpec(

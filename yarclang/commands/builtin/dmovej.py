@@ -6,7 +6,7 @@ from yarclang.hir import JointMove, Step
 
 def _build(arguments: Arguments) -> Step:
     (goal,) = arguments.goals
-    return JointMove(arguments.origin, goal, arguments.profile, arguments.timing)
+    return JointMove(arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance)
 
 
 COMMAND = CommandSpec(

@@ -5,7 +5,9 @@ from yarclang.hir import SplineMove, Step
 
 
 def _build(arguments: Arguments) -> Step:
-    return SplineMove(arguments.origin, arguments.goals, arguments.profile, arguments.timing)
+    return SplineMove(
+        arguments.origin, arguments.goals, arguments.profile, arguments.timing, arguments.tolerance
+    )
 
 
 COMMAND = CommandSpec(

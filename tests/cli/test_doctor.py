@@ -1,0 +1,107 @@
+"""`yarc doctor`: what it sees, and what it says about it."""
+
+import json
+import re
+
+import pytest
+
+from tests.cli.run_processes import run_on
+from tests.simulator.serving import Client
+from yarclang.pipeline.jobs import items_of
+from yarclang.runtime.protocol import GREETING, Ask
+
+
+def examine(workshop, *options, status=0):
+    return workshop.here("doctor", "--robot", "INDUSTRIAL6", *options, status=status)
+
+
+def tell(simulator, *lines):
+    """Change something behind everybody's back."""
+    with Client(simulator.port) as client:
+        for line in (GREETING, *lines):
+            assert client.ask(Ask(line)).error is None
+
+
+@pytest.fixture
+def own(workshop):
+    """A simulator that may be spoilt."""
+    return workshop.simulator()
+
+
+def test_all_is_well(workshop, simulator, industrial6):
+    text = examine(workshop, "--to", simulator.address)
+    lines = text.splitlines()
+    assert lines[0] == "ok       controller: TURBO2, X4 (CID 602413)"
+    count = len(items_of(industrial6)) + 2 + 6 + 1  # the controller, what runs, the motors, the guard
+    assert sum(line.startswith("ok ") for line in lines) == count
+    assert lines[-1] == f"all {count} things are as a program needs them"
+    assert "INDUSTRIAL6 is commanded to J1 0.000 deg, J2 0.000 deg, " in text
+    assert re.search(
+        r"^link: a question takes \d+\.\d+ ms \(median\), .* \d+ program lines/s, ", text, re.MULTILINE
+    )
+    assert simulator.complaints() == []
+
+
+def test_without_a_controller(workshop):
+    text = examine(workshop)
+    assert "INDUSTRIAL6 is simulated" in text
+    assert "things are as a program needs them" in text
+
+
+def test_as_json(workshop, simulator):
+    text = examine(workshop, "--to", simulator.address, "--format", "json")
+    found = json.loads(text)
+    assert found["controller"] == simulator.address
+    assert {one["verdict"] for one in found["checked"]} == {"ok"}
+    assert found["joints"][0] == {"name": "J1", "commanded": 0.0, "unit": "deg"}
+    assert found["link"]["lines_per_s"] > 100
+    assert found["link"]["first_line"] == 1
+
+
+def test_what_is_wrong_stands_last(workshop, own):
+    tell(own, "I5195=0", "#2K", "M161->D:$000089")
+    text = examine(workshop, "--to", own.address, status=1)
+    lines = text.splitlines()
+    first = next(number for number, line in enumerate(lines) if line.startswith("ERROR"))
+    assert not any(line.startswith("ok ") for line in lines[first:])
+    assert "ERROR    I5195, slew rate of the hold, for 250 ms: 0\n         wanted: 6576\n" in text
+    assert "         help: download `yarc settings INDUSTRIAL6` and SAVE\n" in text
+    assert "ERROR    address of M161: D:$000089\n         wanted: D:$000088\n" in text
+    assert "ERROR    motor 2: it is open-loop\n" in text
+    wrong = text.count("ERROR ")
+    assert (
+        f"\n{wrong} of {len([*filter(re.compile('ok |ERROR').match, lines)])} things keep a program" in text
+    )
+    assert "INDUSTRIAL6 is commanded to" not in text
+    refused = workshop.here(*run_on(own), status=1)
+    assert f"error: {wrong} of " in refused
+    assert refused.count("ERROR ") == wrong
+
+
+def test_a_guard_that_does_nothing(workshop, own):
+    """Its text is right, but it doesn't run: only trying it shows that."""
+    tell(own, "DISABLE PLC 29")
+    text = examine(workshop, "--to", own.address, status=1)
+    assert (
+        "ERROR    guard PLC 29: armed, it does nothing\n         wanted: holds when the rotary runs low\n"
+        in text
+    )
+    assert "without it nobody stops the robot when this computer fails" in text
+    assert "1 of 104 things keeps a program from being run" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ([], "Missing option '--robot'"),
+        (["--robot", "INDUSTRIAL6", "--to", "here"], "is tcp:// missing?"),
+        (["--robot", "INDUSTRIAL6", "--format", "xml"], "is not one of"),
+        (["--robot", "INDUSTRIAL6", "--fix"], "No such option"),
+    ],
+)
+def test_wrong_usage(workshop, arguments, reason):
+    assert reason in workshop.here("doctor", *arguments, status=2)
+
+
+def test_a_robot_that_there_is_not(workshop):
+    assert "error Y1301" in workshop.here("doctor", "--robot", "NOPE", status=1)

@@ -1,0 +1,151 @@
+"""`yarc run` where nothing goes wrong, where it is used wrongly, and where nobody is there to talk to."""
+
+import re
+import socket
+import threading
+
+import pytest
+
+from tests.cli.run_processes import run_on
+from tests.conftest import EXAMPLES
+
+
+def test_listing_4(workshop):
+    text = workshop.yarc(
+        "run", str(EXAMPLES / "01_listing4.yarc"), "--robot", "INDUSTRIAL6", "--rate", "15", "--no-log"
+    )
+    assert "P0002 MOVEJ_SPLINE_LSPB  20.0 s to 40.0 s of 40.0 s\n" in text
+    assert "01_listing4.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+
+
+def test_the_second_robot(workshop):
+    text = workshop.yarc("run", str(EXAMPLES / "03_differential_wrist.yarc"), "--rate", "8", "--no-log")
+    assert "03_differential_wrist.yarc: done; TRACKED_MANIPULATOR stands where it ends, to a count" in text
+
+
+def test_a_dry_run(workshop, simulator):
+    text = workshop.here(*run_on(simulator, "--dry-run"))
+    assert re.search(
+        r"^\d+ things looked at, all as they should be; nothing moved \(--dry-run\)$", text, re.MULTILINE
+    )
+    assert (simulator.stands() == 0.0).all()
+    workshop.write(
+        "q.yarc", "ROBOT INDUSTRIAL6\nSTART 9 0 0 0 0 0 (deg)\nP0010 MOVEJ 5 0 0 0 0 0 [1] (deg,s)\n"
+    )
+    text = workshop.here(*run_on(simulator, "--dry-run", program="q.yarc"), status=1)
+    assert "the robot doesn't stand where q.yarc starts: J1 -9.0000 deg\n" in text
+    text = workshop.here(*run_on(simulator, "--dry-run", "--approach", program="q.yarc"))
+    assert re.search(r"an approach takes \d\.\d s, all joints straight to J1 9.000 deg, ", text)
+    assert (simulator.stands() == 0.0).all()
+
+
+def test_twice(workshop):
+    text = workshop.yarc("run", "p.yarc", "--times", "2", "--rate", "4", "--no-log")
+    assert text.count("P0020 MOVEJ  0.9 s to 1.8 s of 2.7 s\n") == 2
+    assert "pass 2 of 2\n" in text
+    assert "p.yarc: done 2 times; INDUSTRIAL6 stands where it ends, to a count" in text
+
+
+def test_twice_from_a_command(workshop):
+    """What is left of the first pass, then all of the second."""
+    text = workshop.yarc("run", "p.yarc", "--times", "2", "--from", "P0030", "--rate", "4", "--no-log")
+    assert (text.count("P0010 MOVEJ"), text.count("P0030 MOVEJ")) == (1, 2)
+
+
+@pytest.mark.parametrize("again", [["--loop"], ["--times", "2"]])
+def test_a_loop_must_be_closed(workshop, simulator, again):
+    workshop.write("q.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 -3 0 0 0 [1] (deg,s)\n")
+    text = workshop.here(*run_on(simulator, *again, program="q.yarc"), status=1)
+    assert (
+        "q.yarc doesn't end where it starts, so that it can't be looped: its end is off by J1 +5.0000 deg, J3 -3.0000 deg\n"
+        in text
+    )
+    assert "help: end it with a motion to its start" in text
+    assert (simulator.stands() == 0.0).all()
+
+
+def test_a_command_that_there_is_not(workshop, simulator):
+    text = workshop.here(*run_on(simulator, "--from", "P0040"), status=1)
+    assert "error Y1164: no motion has the index P0040\n  help: there are P0010, P0020, P0030\n" in text
+
+
+def test_a_program_with_mistakes(workshop, simulator):
+    workshop.write("q.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ 500 0 0 0 0 0 [1] (deg,s)\n")
+    assert "q.yarc:2:13: error Y" in workshop.here(*run_on(simulator, program="q.yarc"), status=1)
+    assert "Y0107" in workshop.here("run", "nowhere.yarc", status=1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--log", "a.mcap", "--no-log"], "--log and --no-log exclude each other"),
+        (["--to", "tcp://127.0.0.1:1", "--rate", "2"], "a controller's time can't be hurried"),
+        (["--step", "--loop"], "--step and --loop exclude each other"),
+        (["--step", "--times", "2"], "--step and --times exclude each other"),
+        (["--loop", "--times", "2"], "--loop and --times exclude each other"),
+        (["--times", "0"], "0 is not in the range"),
+        (["--rate", "-1"], "isn't a positive number"),
+        (["--to", "127.0.0.1:1025"], "is tcp:// missing?"),
+        (["--to", "tcp://127.0.0.1:99999"], "the port is a number from 1 to 65535"),
+        (["--start", "1,x"], "isn't a list of numbers"),
+        (["--faster"], "No such option"),
+        (["another.yarc"], "unexpected extra argument"),
+    ],
+)
+def test_wrong_usage(workshop, arguments, reason):
+    assert reason in workshop.here("run", "p.yarc", *arguments, status=2)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["--from", "P0010"], ["--step"], ["--tm", "10"], ["--start", "0,0,0,0,0,0"], ["--tolerance", "1"]],
+)
+def test_what_a_compiled_program_cant_do(workshop, arguments):
+    words = f"{arguments[0]}: only with the program itself, the .yarc file"
+    assert words in workshop.here("run", "p.PMC", *arguments, status=2)
+
+
+def test_no_program():
+    from click.testing import CliRunner
+
+    from yarclang.cli.yarc import main
+
+    assert CliRunner().invoke(main, ["run"]).exit_code == 2
+
+
+def test_nobody_is_there(workshop):
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        port = unused.getsockname()[1]
+        for command in (("run", "p.yarc"), ("doctor", "--robot", "INDUSTRIAL6")):
+            text = workshop.here(*command, "--to", f"tcp://127.0.0.1:{port}", status=1)
+            assert f"error: 127.0.0.1:{port} can't be reached: connection refused\n" in text
+            assert "help: check the address, the cable, and that the controller is on" in text
+
+
+def test_somebody_else_is_there(workshop):
+    """Something that answers as a web server does."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve():
+            wire, _ = server.accept()
+            with wire:
+                wire.recv(100)
+                wire.sendall(b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n")
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        text = workshop.here("run", "p.yarc", "--to", f"tcp://127.0.0.1:{server.getsockname()[1]}", status=1)
+        thread.join(10)
+    assert "there is something at that address, but it doesn't answer as a PMAC: " in text
+    assert "help: check the address" in text
+
+
+def test_another_robot_hangs_on_it(workshop, simulator):
+    text = workshop.here(
+        "run", str(EXAMPLES / "03_differential_wrist.yarc"), "--to", simulator.address, "--no-log", status=1
+    )
+    assert "ERROR    axis definition of motor 5: " in text
+    assert re.search(r"error: \d+ of \d+ things aren't as they must be; nothing moved", text)
+    assert f"`yarc doctor --to {simulator.address} --robot TRACKED_MANIPULATOR` shows all of them" in text
+    assert simulator.complaints() == []

@@ -1,0 +1,96 @@
+"""`yarc run FILE.pmc`: the text is judged again; one that was changed by hand is refused before anything is asked."""
+
+import re
+
+import pytest
+
+import yarclang
+from tests.cli.run_processes import ROUND
+
+PATH = "tcp://127.0.0.1:1"
+"""Where nobody is: what is wrong with a text is found before."""
+
+
+@pytest.fixture(scope="module")
+def text():
+    return yarclang.compile(ROUND, name="p.yarc").value.text
+
+
+def move_lines(text):
+    return re.findall(r"^X.*$", text, re.MULTILINE)
+
+
+def refused(workshop, text, *options):
+    workshop.write("p.pmc", text)
+    shown = workshop.here("run", "p.pmc", "--to", PATH, "--no-log", *options, status=1)
+    assert "can't be reached" not in shown
+    return shown
+
+
+def test_it_runs(workshop, simulator, text):
+    workshop.write("P.PMC", text)
+    shown = workshop.yarc("run", "P.PMC", "--to", simulator.address, "--log", "run.mcap")
+    assert "P.PMC: done; INDUSTRIAL6 stands where it ends, to a count" in shown
+    assert (abs(simulator.stands()) < 1e-4).all()
+    assert "drawn to run.png" in workshop.here("plot", "run.mcap", "-o", "run.png")
+
+
+def test_one_point_beyond_the_limits(workshop, text):
+    line = move_lines(text)[10]
+    shown = refused(workshop, text.replace(line, re.sub("^X[^Y]*", "X60", line), 1))
+    assert re.search(r"^p\.pmc: error Y1157: P0010 MOVEJ: J1 has a peak velocity of ", shown, re.MULTILINE)
+    assert "help: it isn't as yarcc wrote it: compile the program again" in shown
+
+
+def test_too_fast(workshop, text):
+    """All of it in a tenth of the time."""
+    shown = refused(workshop, re.sub(r"^TM\d.*$", "TM3", text, flags=re.MULTILINE))
+    assert "error Y11" in shown
+    assert "velocity" in shown
+
+
+def test_cut(workshop, text):
+    shown = refused(workshop, text[: len(text) // 2])
+    assert re.search(r"p\.pmc(:\d+:\d+)?: error Y115\d: ", shown)
+
+
+def test_a_line_more(workshop, text):
+    shown = refused(workshop, text.replace("OPEN ROT", "I130=100000\nOPEN ROT"))
+    assert re.search(r"p\.pmc(:\d+:\d+)?: error Y1151: line \d+ ", shown)
+
+
+def test_another_robot(workshop, text):
+    shown = refused(workshop, text, "--robot", "TRACKED_MANIPULATOR")
+    assert (
+        "error Y1163: the text was made for INDUSTRIAL6, the command line says TRACKED_MANIPULATOR" in shown
+    )
+    robot = re.search("^; robot INDUSTRIAL6 (.*)$", text, re.MULTILINE)[1]
+    shown = refused(workshop, text.replace(robot, "0" * 64))
+    assert "error Y1163: the text was made for INDUSTRIAL6 as it was then" in shown
+    assert "help: compile the program again" in shown
+
+
+def test_a_robot_of_nobody(workshop, text):
+    shown = refused(workshop, text.replace("; robot INDUSTRIAL6 ", "; robot MINE "))
+    assert "p.pmc: error Y1301: " in shown
+    assert "help: if it is one of your own, say where it is: --robot PATH" in shown
+    shown = refused(workshop, re.sub(r"^; robot .*\n", "", text, flags=re.MULTILINE))
+    assert "the header doesn't say for which robot the text was made" in shown
+
+
+def test_for_a_program_buffer(workshop):
+    text = yarclang.compile(ROUND, target="prog").value.text
+    shown = refused(workshop, text)
+    assert "error Y1162: this text is for a program buffer, which isn't streamed" in shown
+    assert "help: compile it without --target prog" in shown
+
+
+@pytest.mark.parametrize("content", ["", "X1\n", "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME\n"])
+def test_something_else(workshop, content):
+    assert "error Y1151: this isn't a text that yarcc has written" in refused(workshop, content)
+
+
+def test_bytes_that_are_no_text(workshop):
+    (workshop.folder / "p.pmc").write_bytes(b"; yarcc \xff\x00")
+    assert "error Y0103" in workshop.here("run", "p.pmc", "--to", PATH, status=1)
+    assert "error Y0107" in workshop.here("run", "q.pmc", "--to", PATH, status=1)

@@ -1,0 +1,86 @@
+"""A run that is killed: the guard PLC holds the robot on its path, and nothing goes on before somebody has said so."""
+
+import contextlib
+import re
+import signal
+import time
+
+import pytest
+from click.testing import CliRunner
+
+from tests.cli.run_processes import assert_on_path, off_the_path, places, run_on
+from yarclang.cli import performing
+from yarclang.cli.yarc import main as yarc
+from yarclang.runtime.performance import perform
+from yarclang.runtime.state import State
+
+
+def test_kill_9(workshop):
+    simulator = workshop.simulator()
+    process = workshop.start(*run_on(simulator))
+    process.wait_for("P0010 MOVEJ")
+    time.sleep(0.3)
+    process.kill()
+    time.sleep(1.4)  # the buffer lasts for a second
+    stands = simulator.stands()
+    assert_on_path(stands)
+    time.sleep(1.0)
+    assert simulator.stands() == pytest.approx(stands, abs=1e-4)  # for good
+
+    address = simulator.address
+    end_it = f"yarc stop --to {address} --robot INDUSTRIAL6"
+    refused = workshop.here(*run_on(simulator), status=1)
+    assert "ERROR    coordinate system 1: a program is in the middle, held or starved\n" in refused
+    assert f"help: `{end_it}` ends it where the robot stands" in refused
+    assert "error: 1 of 103 things isn't as it must be; nothing moved" in refused
+    examined = workshop.here("doctor", "--robot", "INDUSTRIAL6", "--to", address, status=1)
+    assert f"`{end_it}`" in examined
+    assert "1 of 103 things keeps a program from being run" in examined
+    assert "lines/s" not in examined  # the link isn't loaded beside a program
+
+    ended = workshop.here(*end_it.split()[1:])
+    assert places(ended) == pytest.approx(stands, abs=2e-3)
+    refused = workshop.here(*run_on(simulator), status=1)
+    assert "the robot doesn't stand where p.yarc starts: J1 +" in refused
+    index = ("P0010", "P0020", "P0030")[int(off_the_path(stands)[1] / 0.9)]
+    text = workshop.yarc(*run_on(simulator, "--from", index, "--yes"))
+    assert re.search(rf"doesn't stand where {index} MOVEJ starts: .*\nan approach takes \d\.\d s", text)
+    assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+    assert simulator.stands() == pytest.approx([0.0] * 6, abs=1e-4)
+
+
+def test_a_bug_of_ours(workshop, simulator, monkeypatch):
+    """It ends the run, but the robot is held on its path, and what ran is ended."""
+
+    def with_a_bug(operation, job):
+        script, outcome, moves = perform(operation, job), None, None
+        while True:
+            action = script.send(outcome)
+            if operation.state is State.MOVE:
+                moves = moves or operation.now
+                if operation.now - moves > 0.4:
+                    raise RuntimeError("a bug")
+            outcome = yield action
+
+    monkeypatch.setattr(performing, "perform", with_a_bug)
+    shell = CliRunner(env=workshop.environment)
+    with contextlib.chdir(workshop.folder):
+        done = shell.invoke(yarc, run_on(simulator))
+    assert str(done.exception) == "a bug"
+    assert_on_path(simulator.stands())
+    assert "a bug of yarclang has ended the run" in done.output
+    assert places(done.output) == pytest.approx(simulator.stands(), abs=2e-3)
+    assert simulator.complaints() == []
+
+
+def test_a_process_that_sleeps(workshop, simulator):
+    """Stopped for as long as the buffer lasts, and woken up again: the path is unharmed."""
+    process = workshop.start(*run_on(simulator))
+    process.wait_for("P0010 MOVEJ")
+    process.signal(signal.SIGSTOP)
+    time.sleep(1.5)
+    assert_on_path(simulator.stands())
+    process.signal(signal.SIGCONT)
+    text = process.end(0)
+    assert re.search("warning: the guard PLC ha[sd] held the motion", text)
+    assert simulator.stands() == pytest.approx([0.0] * 6, abs=1e-4)

@@ -1,0 +1,33 @@
+"""README.md's session in a second terminal, beside a run. All but its numbers is compared, for they differ each time.
+
+`pytest tests/cli/test_run_readme.py --rewrite-golden` puts the output of today into README.md.
+"""
+
+import re
+from pathlib import Path
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+_PROGRAM = re.compile(r"^```yarc\n(! bend\.yarc\n.*?)^```$", re.DOTALL | re.MULTILINE)
+_SECOND = re.compile(r"^```console second\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def shape(text):
+    """A text without what differs each time."""
+    text = re.sub(r"\d{4}-\d\d-\d\dT[\d:+-]+", "WHEN", text)
+    return re.sub(r"-?\d+(\.\d+)?", "N", text)
+
+
+def test_second_terminal(workshop, rewrite_golden):
+    text = README.read_text(encoding="utf-8")
+    ((program),) = _PROGRAM.findall(text)
+    ((session),) = _SECOND.findall(text)
+    workshop.write("bend.yarc", program)
+    run = workshop.start("run", "bend.yarc", "--rate", "2", "--no-log")
+    run.wait_for("P0030")
+    commands = [line[2:] for line in session.splitlines() if line.startswith("$ yarc ")]
+    now = "".join(f"$ {command}\n{workshop.here(*command.split()[1:])}" for command in commands)
+    run.end(0)
+    if rewrite_golden and shape(session) != shape(now):
+        README.write_text(_SECOND.sub(lambda _: f"```console second\n{now}```", text), encoding="utf-8")
+        session = now
+    assert shape(session) == shape(now)

@@ -1,0 +1,118 @@
+"""`yarc run` in a terminal: keys, questions, the line that changes."""
+
+import os
+import re
+import signal
+import time
+
+import pytest
+
+from tests.cli.run_processes import run_on
+
+MOVES = "\x1b[KP0010 MOVEJ  0."
+
+
+def screen(text):
+    """What stands on the screen: a line is written over by what comes behind a carriage return."""
+    return [line.rpartition("\x1b[K")[2] for line in text.split("\n")]
+
+
+def test_step_by_step(workshop):
+    terminal = workshop.terminal("run", "p.yarc", "--step", "--no-log", "--rate", "4")
+    terminal.wait_for("Enter or `yarc resume` for P0020 MOVEJ (2 of 3), Ctrl-C ends the run")
+    time.sleep(0.3)
+    assert "for P0030" not in terminal.text  # it waits
+    terminal.type("\n")
+    terminal.wait_for("for P0030 MOVEJ (3 of 3)")
+    assert "override 50 %" not in terminal.text
+    assert "50 % of the programmed speed (stop)" in workshop.here("override", "50")
+    workshop.here("resume")
+    text = terminal.end(0)
+    assert "override 50 %" in text
+    assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+
+
+def test_ctrl_c_between_two_steps(workshop):
+    terminal = workshop.terminal("run", "p.yarc", "--step", "--log", "run.mcap", "--rate", "4")
+    terminal.wait_for("for P0020")
+    terminal.type("\x03")
+    text = terminal.end(1)
+    assert "p.yarc: ended before P0020 MOVEJ" in text
+    assert "INDUSTRIAL6 stands at J1 9.000 deg" in text
+    assert "ended before P0020 MOVEJ" in workshop.here("replay", "run.mcap", "--speed", "max")
+
+
+def test_enter_goes_on_behind_a_hold(workshop):
+    terminal = workshop.terminal("run", "p.yarc", "--no-log")
+    terminal.wait_for(MOVES)
+    terminal.type("\x03")
+    terminal.wait_for("hold  P0010 MOVEJ  0.")
+    terminal.type("\n")
+    assert "p.yarc: done" in terminal.end(0)
+
+
+def test_the_line_that_changes(workshop):
+    workshop.write(
+        "long.yarc",
+        "ROBOT INDUSTRIAL6\nP0010 MOVEJ -110 -20 -100 -100 -110 -100 [3] (deg,s)\n",
+    )
+    text = workshop.terminal("run", "long.yarc", "--no-log", "--rate", "3").end(0)
+    written = [part for line in text.split("\n") for part in line.split("\r\x1b[K")]
+    live = [part for part in written if part.startswith("P0010 MOVEJ")]
+    assert len(live) > 3
+    for part in written:
+        assert len(part) < 80
+    # no value is cut: two decimals each
+    for part in live:
+        assert re.fullmatch(
+            r"P0010 MOVEJ  \d\.\d s of \d\.\d s, \d\.\d s left(  J1 -?\d+\.\d\d( J\d -?\d+\.\d\d)*)?", part
+        )
+    assert screen(text)[-2] == "long.yarc: done; INDUSTRIAL6 stands where it ends, to a count"
+
+
+@pytest.mark.parametrize(("answer", "status"), [("n\n", 1), ("\n", 1), ("\x03", 1), ("y\n", 0)])
+def test_an_approach_is_asked_for(workshop, simulator, answer, status):
+    workshop.write(
+        "q.yarc", "ROBOT INDUSTRIAL6\nSTART 1 0 0 0 0 0 (deg)\nP0010 MOVEJ 2 0 0 0 0 0 [0.5] (deg,s)\n"
+    )
+    terminal = workshop.terminal(*run_on(simulator, "--approach", program="q.yarc"))
+    terminal.wait_for("Move there? [y/N]: ")
+    assert simulator.joints()[0] == pytest.approx(0.0, abs=1e-6)
+    terminal.type(answer)
+    text = terminal.end(status)
+    assert ("nothing moved" in text or "nothing was moved" in text) == bool(status)
+    assert simulator.stands()[0] == pytest.approx(0.0 if status else 2.0, abs=1e-4)
+
+
+def test_a_window_that_is_closed(workshop, simulator):
+    """The log says how it ended."""
+    terminal = workshop.terminal(*run_on(simulator)[:-1], "--log", "run.mcap")
+    terminal.wait_for(MOVES)
+    terminal.hang_up()
+    assert terminal.wait() == 1
+    simulator.stands()
+    assert simulator.complaints() == []
+    assert "stopped on its path (P0010 MOVEJ, " in workshop.here("replay", "run.mcap", "--speed", "max")
+
+
+def test_a_terminal_that_is_stopped_delays_nobody(workshop, simulator):
+    """Ctrl-S: what is written waits, the robot doesn't."""
+    terminal = workshop.terminal(*run_on(simulator))
+    terminal.wait_for(MOVES)
+    terminal.type("\x13")
+    time.sleep(3.0)
+    assert simulator.stands()[0] == pytest.approx(0.0, abs=1e-4)
+    terminal.type("\x11")
+    text = terminal.end(0)
+    assert "low" not in text
+    assert "p.yarc: done" in text
+
+
+def test_it_doesnt_go_to_sleep(workshop):
+    terminal = workshop.terminal("run", "p.yarc", "--no-log")
+    terminal.wait_for(MOVES)
+    terminal.type("\x1a")
+    terminal.wait_for("hold: a hold was asked for")
+    assert "this process can't sleep while it drives a robot" in terminal.text
+    os.kill(terminal.pid, signal.SIGTERM)
+    assert "p.yarc: stopped on its path" in terminal.end(1)

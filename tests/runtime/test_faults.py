@@ -1,0 +1,427 @@
+"""Faults: for each the robot ends at rest, the user is told where it stands and in which command, and nothing begins before the
+controller was looked at.
+"""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from runtime.virtual import moved_along, prepared, well_behaved, world_of
+
+from yarclang.pipeline.jobs import items_of
+from yarclang.robot.actuation import to_counts
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.messages import Ask, AskControl, Control, Write
+from yarclang.runtime.notices import Abort, Hold, Resume
+from yarclang.runtime.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.state import State
+
+AT = 2.2
+"""In the second motion."""
+
+GUARD_HELD = ("2",)
+
+
+def run(world, job):
+    ended = world.perform(perform(world.operation, job))
+    well_behaved(world)
+    return ended
+
+
+def fails(world, job, words, command=1):
+    """Run; what holds for every fault."""
+    ended = run(world, job)
+    assert not ended.well
+    assert words in ended.what, ended
+    assert ended.remedy
+    assert world.operation.state is State.FAULT
+    assert (ended.command, ended.command_index) == (job.commands[command].title, job.commands[command].index)
+    assert job.commands[command].begins <= ended.done <= job.commands[command].ends
+    if ended.joints is not None:
+        assert not world.moving
+        stands = world.stands(job.robot)
+        assert to_counts(job.robot, ended.joints) == pytest.approx(stands, abs=0.01)
+        world.machine.advance(3.0)
+        world.now = world.machine.now
+        assert world.stands(job.robot) == pytest.approx(stands, abs=1e-6)
+    refuses(world, job)
+    return ended
+
+
+def refuses(world, job):
+    """Without a look, nothing is even asked."""
+    requests = len(world.sent)
+    assert "look at the controller" in run(world, job).remedy
+    assert len(world.sent) == requests
+
+
+def looked_at(world, job):
+    """The subjects of what is wrong."""
+    world.perform(connect(world.operation))
+    found = world.perform(look(world.operation, job.robot, items_of(job.robot)))
+    return [error.subject for error in found.errors]
+
+
+def goes_again(world, job):
+    assert looked_at(world, job) == []
+    assert world.operation.state is State.STOP
+    assert world.approach(job.robot, job.start).well
+    assert run(world, job).well
+    assert world.stands(job.robot) == pytest.approx(to_counts(job.robot, job.end), abs=1.0)
+
+
+def held_within(world, since, seconds):
+    """A hold or an abort was on the wire in time."""
+    times = [
+        sent.time for sent in world.sent if sent.request in (Control("\x0f"), Control("\x01"), Ask("&1H"))
+    ]
+    assert times
+    assert times[0] - since < seconds
+
+
+# the connection
+
+
+def test_a_connection_that_is_closed():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True, faults=[f"drop@{AT}"])
+    since = world.now
+    ended = fails(world, job, "the controller has closed the connection")
+    assert ended.joints is not None
+    assert "--from" in ended.remedy
+    held_within(world, since, AT + 0.1)
+    assert world.states[-2:] == [State.DISCONNECTED, State.FAULT]
+    assert moved_along(world, job, plan, since) < 1.0
+    goes_again(world, job)
+
+
+def test_a_controller_that_does_not_answer_for_a_while():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True, faults=[f"freeze@{AT}:3"])
+    since = world.now
+    ended = fails(world, job, "in time")
+    assert ended.joints is not None
+    # meanwhile the guard has held, on the path
+    assert moved_along(world, job, plan, since) < 1.0
+    goes_again(world, job)
+
+
+def test_a_reply_that_is_late():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    late = iter([1.5])
+    world.delay = lambda: next(late, 0.001) if world.now > since + AT else 0.001
+    fails(world, job, "in time")
+    held_within(world, since, AT + 1.1)
+    assert moved_along(world, job, plan, since) < 1.0
+    goes_again(world, job)
+
+
+def test_a_controller_that_stays_out_of_reach():
+    """The guard PLC holds on the path; a new run refuses until somebody has ended the program."""
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    world.reachable = lambda now: now < since + AT
+    ended = fails(world, job, "can't be reached again: the cable is out")
+    assert ended.joints is None
+    assert "guard PLC" in ended.remedy
+    assert not world.moving
+    assert world.say("P8100") == GUARD_HELD
+    assert moved_along(world, job, plan, since) < 1.0
+    # the cable is in again
+    world.reachable = lambda now: True
+    assert looked_at(world, job) == ["coordinate system 1"]
+    assert world.operation.state is State.FAULT
+    refuses(world, job)
+    joints = world.perform(end_what_runs(world.operation, job.robot, abort=False))
+    assert to_counts(job.robot, joints) == pytest.approx(world.stands(job.robot), abs=0.01)
+    goes_again(world, job)
+
+
+def test_a_program_whose_lines_are_all_in_runs_to_its_end():
+    job, plan = prepared(tm=50)
+    world = world_of(job, record=True)
+    since = world.now
+    world.reachable = lambda now: now < since + AT
+    ended = fails(world, job, "can't be reached again")
+    assert "run to their end" in ended.remedy
+    assert world.stands(job.robot) == pytest.approx(to_counts(job.robot, job.end), abs=1.0)
+    assert moved_along(world, job, plan, since) < 1.0
+    world.reachable = lambda now: True
+    assert looked_at(world, job) == ["coordinate system 1"]
+
+
+def test_a_connection_that_comes_back_in_time():
+    """Five seconds later: held by the guard, and ended by us."""
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    world.reachable = lambda now: not since + AT < now < since + AT + 5.0
+    ended = fails(world, job, "the connection was lost")
+    assert ended.joints is not None
+    assert moved_along(world, job, plan, since) < 1.0
+    assert world.say("P8100") == ("0",)
+    goes_again(world, job)
+
+
+def test_an_abort_is_given_to_the_new_connection_too():
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    since = world.now
+    world.reachable = lambda now: not since + AT < now < since + AT + 1.3
+    world.order(Abort(), AT + 0.2)
+    fails(world, job, "the connection was lost")
+    later = [sent.request for sent in world.sent if isinstance(sent.request, Control) and sent.time > since]
+    assert Control("\x01") in later
+    assert Control("\x0f") not in later
+    goes_again(world, job)
+
+
+def test_a_connection_that_is_lost_before_the_motion():
+    job, _ = prepared(tm=5)
+    world = world_of(job, faults=["drop@line30"])
+    ended = run(world, job)
+    assert not ended.well
+    assert ended.command == ""
+    assert "R" not in world.asked
+    assert looked_at(world, job) == []
+
+
+def test_a_controller_that_cannot_be_reached_at_all():
+    job, _ = prepared(tm=5)
+    world = world_of(job, prepare=False)
+    world.reachable = lambda now: False
+    with pytest.raises(Trouble, match="the cable is out") as trouble:
+        world.perform(connect(world.operation))
+    assert "check the address" in trouble.value.remedy
+    assert world.operation.state is State.DISCONNECTED
+    assert "disconnected" in run(world, job).what
+
+
+def test_something_else_at_the_address():
+    job, _ = prepared(tm=5)
+    world = world_of(job, prepare=False)
+    world.spoil = lambda request, reply: b"HTTP/1.1 400 Bad Request\r\n"
+    with pytest.raises(Trouble, match="doesn't answer as a PMAC"):
+        world.perform(connect(world.operation))
+
+
+# replies
+
+
+GARBLED = {
+    "PR": (Ask("PR"), [b"2a\r\x06", b"99999\r\x06", b"-3\r\x06", b"\r\x06", b"17\r\n\x06", b"1\r2\r\x06", b"\x07ERR00\r", b"\x00\x00"]),
+    "status": (AskControl("\x02"), [b"8820000184\r", b"\x80\r", b"88200001840_ " * 8 + b"\r"]),
+    "positions": (AskControl("\x10"), [b"1 2 3\r", b"1 2 3 4 5 x 7 8\r", b"nan " * 8 + b"\r"]),
+    "following errors": (AskControl("\x06"), [b"1 2 3\r", b"0x0 " * 8 + b"\r"]),
+    "lines": (Write, [b"\x00\x00\x00\x40", b"\x01\x00\x00\x80", b"\xff\xff\x06\x80"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "number"), [(kind, n) for kind in GARBLED for n in range(len(GARBLED[kind][1]))]
+)
+def test_a_garbled_reply(kind, number):
+    asked, replies = GARBLED[kind]
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since, done = world.now, []
+
+    def spoil(request, reply):
+        fits = isinstance(request, asked) if isinstance(asked, type) else request == asked
+        if done or not fits or world.now < since + AT:
+            return reply
+        done.append(world.now)
+        return replies[number]
+
+    world.spoil = spoil
+    ended = fails(
+        world,
+        job,
+        "the connection was lost" if replies[number] != b"1\r2\r\x06" else "2 values instead of one",
+    )
+    assert ended.joints is not None
+    held_within(world, done[0], 0.05)
+    assert moved_along(world, job, plan, since) < 1.0
+    goes_again(world, job)
+
+
+@settings(max_examples=8)
+@given(st.integers(0, 2**31), st.sampled_from([0.002, 0.01, 0.05]))
+def test_any_byte_of_any_reply(seed, share):
+    """What can be told from a right reply ends the run on the path; and a wrong position or status does no more harm than that."""
+    job, plan = prepared(tm=10)
+    world = world_of(job, record=True, seed=seed)
+    since = world.now
+    generator = np.random.default_rng(seed)
+
+    def spoil(request, reply):
+        if reply and generator.random() < share:
+            place = int(generator.integers(len(reply)))
+            return reply[:place] + bytes((int(generator.integers(256)),)) + reply[place + 1 :]
+        return reply
+
+    world.spoil = spoil
+    for after in (6.0, 9.0, 12.0):
+        world.order(Resume(), after)
+    ended = run(world, job)
+    world.spoil = lambda request, reply: reply
+    world.machine.advance(10.0)
+    world.now = world.machine.now
+    assert not world.moving
+    assert moved_along(world, job, plan, since, step=0.02) < 1.0
+    if not ended.well:
+        assert world.operation.state is State.FAULT
+        world.perform(connect(world.operation))
+        world.perform(end_what_runs(world.operation, job.robot, abort=False))
+        goes_again(world, job)
+
+
+# a busy controller
+
+
+def test_a_controller_that_is_busy_for_a_moment():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    world.spoil_by(f"busy@{AT}:0.8")
+    assert run(world, job).well
+    assert moved_along(world, job, plan, since) < 1.0
+
+
+def test_a_controller_that_is_busy_for_long():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    world.spoil_by(f"busy@{AT}:6")
+    ended = fails(world, job, "the controller has been busy for 2 s")
+    assert ended.joints is not None
+    assert "SAVE" in ended.remedy
+    # held by a control character, which is taken at any time, or by the guard before
+    assert Control("\x0f") in [sent.request for sent in world.sent]
+    assert moved_along(world, job, plan, since) < 1.0
+    goes_again(world, job)
+
+
+def test_a_controller_that_stays_busy():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    world.spoil_by(f"busy@{AT}:60")
+    ended = fails(world, job, "busy for 2 s")
+    assert ended.joints is None
+    assert "then: the controller has been busy for 10 s" in ended.what
+    assert not world.moving
+    assert moved_along(world, job, plan, since) < 1.0
+
+
+# the controller and its motors
+
+
+@pytest.mark.parametrize("saved", [False, True])
+def test_a_controller_that_is_reset(saved):
+    """With the form of replies saved, it is the motors that tell."""
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    if saved:
+        world.say("I6=1I3=2SAVE")
+    else:
+        world.say("I6=1I3=1SAVE")
+        world.say("I3=2")
+    world.spoil_by(f"reset@{AT}")
+    ended = fails(world, job, "was reset" if saved else "was it reset?")
+    # nothing is closed or moved again
+    assert looked_at(world, job) == [f"motor {motor}" for motor in job.robot.controller.motors]
+    assert world.operation.state is State.FAULT
+    assert ended.joints is not None
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_following_error(alone):
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    if alone:
+        world.say("I324=$400000")
+    world.spoil_by(f"following@{AT}:3")
+    fails(world, job, "motor 3: its following error is beyond Ixx11")
+    wrong = looked_at(world, job)
+    assert wrong == (["motor 3"] if alone else [f"motor {n}" for n in range(1, 7)])
+    for motor in range(1, 7):
+        world.say(f"#{motor}J/")
+    goes_again(world, job)
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_an_amplifier_that_fails(alone):
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    if alone:
+        world.say("I124=$400000")
+    world.spoil_by(f"amplifier@{AT}:1")
+    ended = fails(world, job, "motor 1: its amplifier reports a fault")
+    assert "#1J/" in ended.remedy
+    assert "motor 1" in looked_at(world, job)
+    world.machine.clear_fault(1)
+    for motor in range(1, 7):
+        world.say(f"#{motor}J/")
+    goes_again(world, job)
+
+
+@pytest.mark.parametrize("side", ["+", "-"])
+def test_a_limit_switch(side):
+    """Motor 2 goes up in the second motion: only the positive switch stops it."""
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.spoil_by(f"limit@{AT}:2{side}")
+    if side == "-":
+        ended = run(world, job)
+        assert not ended.well
+        assert "negative limit" in ended.what
+        assert ended.command_index == "P0030"
+        return
+    fails(world, job, "motor 2: it was stopped at the positive limit")
+    assert looked_at(world, job) == ["motor 2"]
+    # off the switch, and away from it
+    world.machine.set_limit_switch(2, 1, False)
+    world.say("#2J^-2000")
+    world.machine.advance(1.0)
+    goes_again(world, job)
+
+
+def test_a_software_limit():
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.say("I113=470000")
+    ended = run(world, job)
+    assert "motor 1: it was stopped at the positive limit" in ended.what
+    assert not world.moving
+
+
+@pytest.mark.parametrize("delay", [0.03, 0.05])
+def test_a_fault_is_seen_over_a_slow_link(delay):
+    """Looking at status words isn't starved by other questions."""
+    job, _ = prepared(tm=20)
+    world = world_of(job, delay=lambda: delay)
+    since = world.now
+    # loading takes its time
+    world.spoil_by(f"amplifier@{AT + 20 * delay}:1")
+    fails(world, job, "motor 1: its amplifier reports a fault")
+    held_within(world, since, AT + 20 * delay + 1.0)
+
+
+def test_all_motors_killed_by_somebody():
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.do(lambda: world.machine.control(11), AT)
+    fails(world, job, "it is open-loop")
+    assert looked_at(world, job) == [f"motor {n}" for n in range(1, 7)]
+
+
+def test_faults_in_a_hold_are_seen():
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.order(Hold(), 1.8)
+    world.spoil_by("amplifier@4:1")
+    fails(world, job, "motor 1: its amplifier reports a fault")

@@ -1,0 +1,185 @@
+"""The feed: it never sends more than fits, never believes that more lies ahead than does, and sends each line once, in order,
+whatever the controller executes in the meantime.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from runtime.virtual import prepared
+
+from yarclang.runtime.feed import AHEAD, Feed
+from yarclang.runtime.packets import fitting
+
+SEGMENT = 0.01
+
+
+def job_of(gaps, words=480):
+    """A job of moves of `SEGMENT`, each behind so many lines that take no time."""
+    model, _ = prepared()
+    lines, times = [], []
+    for number, gap in enumerate(gaps, 1):
+        lines += [f"P{n}=0" for n in range(gap)] + [f"X{number}.123456Y{number}.123456Z0A0B0C0"]
+        times += [0.0 if number == 1 else number * SEGMENT] * gap + [number * SEGMENT]
+    return replace(
+        model,
+        lines=tuple(lines),
+        times=np.array(times),
+        duration=(len(gaps) + 2) * SEGMENT,
+        segment=SEGMENT,
+        words=words,
+        low=5,
+        full=10,
+    )
+
+
+class Executor:
+    """What a controller may do at most: a move a segment, and two at once where it begins again.
+
+    `pace` says for each segment how long it takes, in segments, 1 or more.
+    """
+
+    def __init__(self, job, pace):
+        self.job = job
+        self.pace = pace
+        self.taken = self.loaded = 0
+        self.next = None
+        self.moved = 0
+
+    @property
+    def ahead(self):
+        return self.loaded - self.taken
+
+    def begin(self, now):
+        self._calculate()
+        self._calculate()
+        self.next = now + SEGMENT
+
+    def pass_to(self, now):
+        while self.next is not None and self.next <= now:
+            dry = not self.ahead
+            self._calculate()
+            if dry:
+                self._calculate()
+            self.next += SEGMENT * self.pace[self.moved % len(self.pace)]
+            self.moved += 1
+
+    def _calculate(self):
+        """Up to the next move, if it is there."""
+        while self.taken < self.loaded:
+            self.taken += 1
+            if self.job.lines[self.taken - 1].startswith("X"):
+                return
+
+
+JOBS = st.builds(
+    job_of,
+    st.lists(st.integers(0, 3), min_size=1, max_size=200),
+    st.integers(160, 700),
+)
+STEPS = st.lists(
+    st.tuples(st.sampled_from(["write", "ask", "wait"]), st.floats(0.0, 0.3)), min_size=1, max_size=60
+)
+PACES = st.lists(st.sampled_from([1.0, 1.0, 1.7, 20.0]), min_size=1, max_size=5)
+
+
+@given(JOBS, STEPS, PACES)
+def test_bounds_hold_whatever_the_controller_executes(job, steps, pace):
+    feed, controller, now, received = Feed(job), Executor(job, pace), 0.0, []
+
+    def passes(seconds):
+        nonlocal now
+        now += seconds
+        controller.pass_to(now)
+
+    def look():
+        assert controller.ahead <= feed.at_most <= job.capacity
+        assert feed.at_least(now) <= controller.ahead
+        assert feed.left == len(job.lines) - len(received)
+        assert tuple(received) == job.lines[: len(received)]
+        assert feed.executed <= max(0, controller.taken - AHEAD)
+
+    while packet := feed.packet():
+        received += packet
+        controller.loaded += len(packet)
+        feed.written(len(packet))
+    controller.begin(now)
+    feed.heard(controller.ahead, now, now)
+    for kind, seconds in steps:
+        match kind:
+            case "wait":
+                passes(seconds)
+            case "ask":
+                asked = now
+                passes(seconds / 2)
+                answer = controller.ahead
+                passes(seconds / 2)
+                feed.heard(answer, asked, now)
+            case _:
+                packet = feed.packet()
+                assert len(packet) <= feed.room
+                passes(seconds / 2)
+                received += packet
+                controller.loaded += len(packet)
+                assert controller.ahead <= job.capacity
+                feed.written(len(packet))
+                passes(seconds / 2)
+        look()
+
+
+@given(JOBS)
+def test_packets_are_the_lines_in_order_and_fit(job):
+    feed, sent = Feed(job), []
+    while feed.left:
+        packet = feed.packet()
+        if not packet:
+            feed.heard(0, 0.0, 0.0)
+            continue
+        assert fitting(packet) == len(packet) <= feed.room
+        sent += packet
+        feed.written(len(packet))
+    assert tuple(sent) == job.lines
+    assert feed.packet() == ()
+    assert not feed.worthwhile(0.0)
+    assert not feed.runs_low(1e9)
+
+
+def test_a_packet_is_worth_it_where_it_is_full_or_the_last_or_lines_are_few():
+    job = job_of([0] * 200, words=800)
+    feed = Feed(job)
+    assert len(feed.packet()) == fitting(job.lines) < job.capacity
+    assert feed.worthwhile(0.0)
+    while feed.packet():
+        feed.written(len(feed.packet()))
+    assert feed.room == 0
+    feed.heard(job.capacity - 3, 1.0, 1.0)
+    # room for three lines: not yet
+    assert len(feed.packet()) == 3
+    assert not feed.worthwhile(1.0)
+    # a second later nearly nothing may be left
+    assert feed.worthwhile(2.0)
+
+
+def test_few_lines_ahead_are_low_water_and_before_that_hunger():
+    job = job_of([0] * 200, words=800)
+    feed = Feed(job)
+    while feed.packet():
+        feed.written(len(feed.packet()))
+    assert job.low < feed.low < job.full < feed.plenty < job.capacity
+    for ahead in range(job.capacity + 1):
+        feed.heard(ahead, 1.0, 1.0)
+        assert feed.runs_low(1.0) == (ahead < feed.low)
+        assert feed.hungry(1.0) == (ahead < feed.plenty)
+
+
+@pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
+@pytest.mark.parametrize("tm", [5, 20, 50])
+def test_the_buffer_of_a_compiled_program_is_large_enough(robot, tm):
+    from runtime.virtual import example_of
+
+    job, _ = example_of(robot, tm=tm)
+    feed = Feed(job)
+    assert job.capacity * job.segment > 0.99
+    assert job.low < feed.low <= job.full < feed.plenty < job.capacity

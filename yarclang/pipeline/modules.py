@@ -1,0 +1,49 @@
+"""Where modules are: beside the program, else in the standard library."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.pipeline.sources import read_source
+from yarclang.robot.library import stdlib_folder
+from yarclang.syntax.ast import Module
+from yarclang.syntax.parse import parse
+
+SUFFIX = ".yarc"
+
+
+def loader(folder: Path) -> Callable[[str], Result[Module]]:
+    """How modules of a program in `folder` are read: by name, in any case.
+
+    What is given takes a name in upper case, and gives the parsed module, or a finding that says what there is.
+    """
+
+    def load(name: str) -> Result[Module]:
+        places = [*_modules_in(folder), *_modules_in(library_folder())]
+        for path in places:
+            if path.stem.upper() == name:
+                read = read_source(str(path))
+                return Result(None, read.diagnostics) if read.value is None else parse(read.value)
+        known = sorted({path.stem.upper() for path in _modules_in(library_folder())})
+        help_ = suggest(name, [path.stem.upper() for path in places])
+        help_ = (
+            help_
+            or f"a module is a file beside the program; the standard library has {', '.join(known) or 'none'}"
+        )
+        return Result(None, (Diagnostic("Y0213", f"no module is named {name}", help=help_),))
+
+    return load
+
+
+def library_folder() -> Path:
+    """The modules of the standard library."""
+    return stdlib_folder() / "modules"
+
+
+def _modules_in(folder: Path) -> list[Path]:
+    try:
+        return sorted(path for path in folder.iterdir() if path.suffix == SUFFIX and path.is_file())
+    except OSError:
+        return []

@@ -1,0 +1,143 @@
+"""The controller's rotary buffer as a run uses it: opened, fed, asked how full it is, and whether it is large enough. No I/O.
+
+It is open on our port as long as it is fed, so that only what is never stored may be asked: PR, status, control characters, H, R,
+%. Variables are asked while it is closed (facts 3).
+"""
+
+from __future__ import annotations
+
+from yarclang.pmac.errors import ERRORS, NO_ROOM
+from yarclang.runtime.actions import Lost, Script, Trouble
+from yarclang.runtime.feed import Feed
+from yarclang.runtime.job import Job
+from yarclang.runtime.messages import Written
+from yarclang.runtime.operation import Operation
+from yarclang.runtime.watching import look_at_motors
+from yarclang.units import MS
+
+_SHARE = 0.7
+"""Of the link's capacity that a program may need."""
+
+_WITHIN_RESERVE = 12
+"""Exchanges that a full buffer lasts for, down to low water: with fewer, some of its refills come too late (tried out)."""
+
+_SHORTEST = 1.0
+"""Of a program, that a rotary holds at least [s]."""
+
+
+class Rotary:
+    """The buffer of one job.
+
+    Attributes:
+        feed: how far the job's lines are.
+    """
+
+    def __init__(self, operation: Operation, job: Job) -> None:
+        self.operation = operation
+        self.job = job
+        self.feed = Feed(job)
+        self._open = False
+
+    def define(self) -> Script[None]:
+        """The paper's Listing 3, line by line; the buffer isn't open yet.
+
+        Raises:
+            Trouble: it would be too small.
+        """
+        job = self.job
+        held = job.words // len(job.robot.controller.axes) * job.segment
+        if not job.fits and held < _SHORTEST:
+            raise Trouble(
+                f"the rotary buffer of {job.words} words holds {held:.2f} s of the program: "
+                f"at least {_SHORTEST:g} s are wanted",
+                "compile the program again: yarcc chooses the size",
+            )
+        for line in job.setup:
+            yield from self.operation.ask(line)
+
+    def open(self) -> Script[None]:
+        """Lines are stored from now on."""
+        if not self._open:
+            yield from self.operation.ask("OPEN ROT")
+            self._open = True
+
+    def close(self) -> Script[None]:
+        """Variables can be asked; what is executed isn't disturbed."""
+        if self._open:
+            yield from self.operation.ask("CLOSE")
+            self._open = False
+
+    def write(self) -> Script[None]:
+        """The lines that fit into the buffer and into a packet.
+
+        Raises:
+            Trouble: the controller refuses one.
+        """
+        yield from self.open()
+        packet = self.feed.packet()
+        written = yield from self.operation.write(packet)
+        if written.error is None:
+            self.feed.written(len(packet))
+            return
+        yield from look_at_motors(self.operation, self.job.robot)
+        raise Trouble(
+            _refusal(written, self.feed.sent),
+            "the robot ends at rest; run `yarc doctor`, then the program again",
+        )
+
+    def ask(self) -> Script[None]:
+        """How many lines lie ahead.
+
+        Raises:
+            Lost: more than can be.
+        """
+        operation, feed = self.operation, self.feed
+        asked = operation.now
+        text = yield from operation.one("PR")
+        if not text.isdigit() or int(text) > feed.at_most:
+            raise Lost(f"{text!r} in reply to PR, with at most {feed.at_most} lines in the buffer")
+        feed.heard(int(text), asked, operation.now)
+
+    def check_prefilled(self, spent: float, packets: int) -> None:
+        """Whoever can't fill it fast enough can't keep it filled either.
+
+        Args:
+            spent: how long it took [s].
+            packets: and in how many.
+
+        Raises:
+            Trouble: before anything has moved.
+        """
+        job, feed = self.job, self.feed
+        if feed.at_most != feed.sent:
+            raise Trouble(
+                f"the controller counts {feed.at_most} lines in its buffer, of {feed.sent} that were sent",
+                "somebody else may use this controller; run `yarc doctor`",
+            )
+        if job.fits or spent <= 0.0:
+            return
+        remedy = "compile with longer segments (--tm), or find out what slows the link (`yarc doctor`)"
+        rate = feed.sent / spent
+        if rate * _SHARE < job.lines_per_second:
+            raise Trouble(
+                f"the link carries {rate:.0f} lines/s; the program needs {job.lines_per_second:.0f} and a reserve",
+                remedy,
+            )
+        most = (job.capacity - feed.low) * job.segment / _WITHIN_RESERVE
+        if spent / packets > most:
+            raise Trouble(
+                f"the controller takes {spent / packets / MS:.0f} ms for a packet; "
+                f"for a buffer of {job.capacity * job.segment:.2f} s at most {most / MS:.0f} ms are allowed",
+                remedy,
+            )
+
+
+def _refusal(written: Written, sent: int) -> str:
+    error = written.error or 0
+    lines = written.request.lines
+    at = written.line or 0
+    text = lines[at - 1] if 0 < at <= len(lines) else lines[0]
+    meaning = ERRORS.get(error, "an error that isn't documented")
+    if error == NO_ROOM:
+        meaning += ", though there should be"
+    return f"the controller refuses line {sent + at} of the motion, {text!r}: ERR{error:03d}, {meaning}"

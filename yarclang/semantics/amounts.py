@@ -1,0 +1,192 @@
+"""Numbers that may have a unit, and what operators and functions make of them.
+
+A plain number takes the unit of its partner in + - = < and their like. Values are kept in the unit in which they were
+declared, so that a message shows what the user wrote.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from yarclang.units import UNITS, Kind, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number, and its unit if it has one."""
+
+    value: float
+    unit: Unit | None = None
+
+    def in_unit(self, unit: Unit) -> float:
+        """The number in a unit of its place; a plain number has it already.
+
+        Raises:
+            AmountError: it is of another kind.
+        """
+        if self.unit is None:
+            return self.value
+        if self.unit.kind != unit.kind:
+            raise AmountError(
+                "Y0307", f"{self} is {_a(self.unit.kind)}; {_a(unit.kind)} is wanted here", "check the unit"
+            )
+        return self.value * self.unit.factor / unit.factor
+
+    def plain(self, what: str) -> float:
+        """The number, where no unit belongs.
+
+        Raises:
+            AmountError: it has one.
+        """
+        if self.unit is not None:
+            raise AmountError(
+                "Y0307", f"{what} is a plain number; {self} has a unit", "divide it by 1 of its unit"
+            )
+        return self.value
+
+    def __str__(self) -> str:
+        return f"{self.value:.10g}" + (f" {self.unit.name}" if self.unit else "")
+
+
+class AmountError(ValueError):
+    """What can't be computed: the finding's code, its sentence and its help."""
+
+    def __init__(self, code: str, message: str, help_: str = "") -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.help = help_
+
+
+def _a(kind: Kind) -> str:
+    return {"length": "a length", "angle": "an angle", "time": "a time"}[kind]
+
+
+def unary(operator: str, one: Amount) -> Amount:
+    """What an operator before its operand makes of it."""
+    match operator:
+        case "-":
+            return Amount(-one.value + 0.0, one.unit)
+        case "NOT":
+            return Amount(float(not one.value))
+        case _:
+            return one
+
+
+def binary(operator: str, left: Amount, right: Amount) -> Amount:
+    """What an operator between its operands makes of them.
+
+    Raises:
+        AmountError: the units don't go together, a division by zero, or a result that isn't a finite number.
+    """
+    match operator:
+        case "AND":
+            return Amount(float(bool(left.value) and bool(right.value)))
+        case "OR":
+            return Amount(float(bool(left.value) or bool(right.value)))
+        case "*" | "**":
+            found = _product(operator, left, right)
+        case "/" | "%":
+            found = _quotient(operator, left, right)
+        case "+" | "-":
+            one, other, unit = _together(f"{left} {operator} {right}", left, right)
+            found = Amount(one + other if operator == "+" else one - other, unit)
+        case _:
+            one, other, _ = _together(f"{left} {operator} {right}", left, right)
+            return Amount(float(_COMPARED[operator](one, other)))
+    return _finite(found, f"{left} {operator} {right}")
+
+
+_COMPARED: dict[str, Callable[[float, float], bool]] = {
+    "=": lambda a, b: a == b,
+    "<>": lambda a, b: a != b,
+    "<": lambda a, b: a < b,
+    "<=": lambda a, b: a <= b,
+    ">": lambda a, b: a > b,
+    ">=": lambda a, b: a >= b,
+}
+
+
+def _together(what: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
+    """Two numbers in one unit: that of the left one, or of the one that has any."""
+    unit = left.unit or right.unit
+    if unit is None:
+        return left.value, right.value, None
+    if left.unit and right.unit and left.unit.kind != right.unit.kind:
+        message = f"{what}: {_a(left.unit.kind)} and {_a(right.unit.kind)} don't go together"
+        raise AmountError("Y0307", message, "check the units")
+    return left.in_unit(unit), right.in_unit(unit), unit
+
+
+def _product(operator: str, left: Amount, right: Amount) -> Amount:
+    if operator == "**":
+        if left.unit or right.unit:
+            raise AmountError(
+                "Y0307", f"{left} ** {right}: powers are of plain numbers", "divide by 1 of the unit"
+            )
+        try:
+            power = math.pow(left.value, right.value)
+        except (OverflowError, ValueError):
+            raise AmountError("Y0410", f"{left} ** {right} isn't a number that can be computed") from None
+        return Amount(power)
+    if left.unit and right.unit:
+        message = f"{left} * {right}: the language has no unit for that"
+        raise AmountError("Y0307", message, "one of both must be a plain number")
+    return Amount(left.value * right.value, left.unit or right.unit)
+
+
+def _quotient(operator: str, left: Amount, right: Amount) -> Amount:
+    if right.value == 0.0:
+        raise AmountError("Y0410", f"{left} {operator} {right}: a division by zero")
+    if right.unit is None:
+        value = left.value / right.value if operator == "/" else math.fmod(left.value, right.value)
+        return Amount(value, left.unit)
+    if left.unit is None:
+        message = f"{left} {operator} {right}: a plain number can't be divided by {_a(right.unit.kind)}"
+        raise AmountError("Y0307", message, "check the units")
+    one, other, unit = _together(f"{left} {operator} {right}", left, right)
+    return Amount(one / other) if operator == "/" else Amount(math.fmod(one, other), unit)
+
+
+def _finite(amount: Amount, what: str) -> Amount:
+    if not math.isfinite(amount.value):
+        raise AmountError("Y0410", f"{what} is too large to be computed")
+    return amount
+
+
+def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
+    """What a function of the language gives; plain numbers in SIN, COS and TAN are degrees, ATAN2 gives degrees.
+
+    Raises:
+        AmountError: the units don't fit, or there is no result.
+    """
+    first = arguments[0]
+    match name:
+        case "SIN" | "COS" | "TAN":
+            angle = first.in_unit(UNITS["deg"]) if first.unit else first.value
+            return Amount(_TRIGONOMETRY[name](math.radians(angle)))
+        case "ATAN2":
+            one, other, _ = _together(f"ATAN2({first}, {arguments[1]})", first, arguments[1])
+            return Amount(math.degrees(math.atan2(one, other)), UNITS["deg"])
+        case "SQRT":
+            value = first.plain("what SQRT is taken of")
+            if value < 0.0:
+                raise AmountError("Y0410", f"SQRT({first}): a negative number has no square root")
+            return Amount(math.sqrt(value))
+        case "MIN" | "MAX":
+            found = first
+            for another in arguments[1:]:
+                a, b, unit = _together(f"{name}({found}, {another})", found, another)
+                found = Amount(min(a, b) if name == "MIN" else max(a, b), unit)
+            return found
+        case "ABS":
+            return Amount(abs(first.value), first.unit)
+        case "FLOOR":
+            return Amount(float(math.floor(first.value)), first.unit)
+        case _:
+            return Amount(float(math.ceil(first.value)), first.unit)
+
+
+_TRIGONOMETRY: dict[str, Callable[[float], float]] = {"SIN": math.sin, "COS": math.cos, "TAN": math.tan}

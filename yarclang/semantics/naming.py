@@ -1,0 +1,263 @@
+"""Giving names a meaning: what may be declared, and values of declarations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from yarclang.commands.registry import commands
+from yarclang.commands.spec import Values
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array, Output, Signal
+from yarclang.robot.model import Robot
+from yarclang.semantics.amounts import Amount, AmountError
+from yarclang.semantics.context import Defaults
+from yarclang.semantics.evaluate import EvaluationError, evaluate
+from yarclang.semantics.frames import base_axes
+from yarclang.semantics.parts import refuse_parts
+from yarclang.semantics.poses import check_limits, constant, rotation_of
+from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope
+from yarclang.semantics.units import amount, missing_unit, number_fault, resolve_units
+from yarclang.syntax.ast import Statement, Value, Word
+from yarclang.syntax.words import RESERVED
+from yarclang.units import Kind, Unit
+
+FIXED_FRAMES = (BASE, "FLANGE", "TCP")
+"""They come from the robot."""
+
+_INDEX = re.compile(r"P[0-9]+")
+_VARIABLE = re.compile(r"([MPQ])([0-9]{1,4})")
+_OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
+"""Variables that yarclang itself uses: the guard's, and the motors' positions."""
+
+
+def may_be_declared(
+    statement: Statement, word: Word, scope: Scope, robot: Robot, findings: Collector
+) -> bool:
+    """Whether a name can be given a meaning here; a finding says why it can't."""
+    span, name = statement.span(word.place), word.name
+    if name in RESERVED or name in commands() or _INDEX.fullmatch(name):
+        findings.add("Y0211", f"{word.text} is a word of the language", span, "choose another name")
+        return False
+    if "." in name:
+        findings.add("Y0211", f"{word.text}: a name has no point in it", span, "choose another name")
+        return False
+    if scope.name(name) is not None and name not in robot.positions:
+        findings.add("Y0206", f"{name} is declared already", span, "choose another name")
+        return False
+    return True
+
+
+def declare_frame(
+    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
+) -> None:
+    """FRAME {TABLE} 800 200 300 0 0 90 {B}, and FRAME_QUAT."""
+    refuse_parts(statement, ("a motion time", "options"), findings)
+    example = "for example FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
+    if statement.moving is None:
+        findings.add(
+            "Y0302",
+            f"{statement.name.name} doesn't say which frame it declares",
+            statement.head_span,
+            example,
+        )
+        return
+    name, span = statement.moving.name, statement.span(statement.moving.place)
+    if name in FIXED_FRAMES:
+        findings.add(
+            "Y0211", f"{{{name}}} comes from the robot and can't be declared", span, "choose another name"
+        )
+        return
+    if scope.frame(name) is not None:
+        findings.add("Y0206", f"{{{name}}} is declared already", span, "choose another name")
+        return
+    if re.fullmatch(r"[A-Z_][A-Z0-9_]*", name) is None:
+        findings.add(
+            "Y0211",
+            f"{statement.moving.text} is no name of a frame",
+            span,
+            "names have letters, digits and _",
+        )
+        return
+    values = Values.POSE_QUAT if statement.name.name == "FRAME_QUAT" else Values.POSE_RPY
+    numbers = _numbers(statement, values, tuple(_values(statement)), scope, defaults, robot, findings)
+    base = _base(statement, scope, defaults, findings)
+    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    transform, on_flange = np.eye(4), False
+    if base is not None:
+        on_flange = base.on_flange
+        if numbers is not None:
+            rotation = rotation_of(values, numbers[3:], findings, statement.whole_span)
+            if rotation is not None:
+                transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
+            transform = base.transform @ transform
+    scope.declare_frame(name, Frame(constant(transform), on_flange))
+
+
+def _base(statement: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> Frame | None:
+    if statement.base is not None:
+        return base_axes(statement, statement.base, scope, True, findings)
+    if defaults.base is not None and defaults.statement is not None:
+        return base_axes(defaults.statement, defaults.base, defaults.scope, True, findings)
+    help_ = "write it behind the units, as {B}, or {FLANGE} for a tool"
+    findings.add("Y0302", "FRAME doesn't say in which frame it is given", statement.head_span, help_)
+    return None
+
+
+def declare_joints(
+    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
+) -> None:
+    """JOINTS HOME 0 0 0 0 0 0 (deg)."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
+    values = _values(statement)
+    if not values or not isinstance(word := values[0], Word):
+        help_ = "for example JOINTS PARK 0 0 0 0 0 0 (deg)"
+        findings.add("Y0401", "JOINTS wants a name and joint values", statement.whole_span, help_)
+        return
+    if not may_be_declared(statement, word, scope, robot, findings):
+        return
+    numbers = _numbers(statement, Values.JOINTS, tuple(values[1:]), scope, defaults, robot, findings)
+    if numbers is not None:
+        check_limits(robot, numbers, findings, statement.whole_span)
+    scope.declare(word.name, JointPosition(robot.home if numbers is None else constant(numbers)))
+
+
+def joint_values(
+    statement: Statement,
+    values: tuple[Value, ...],
+    scope: Scope,
+    defaults: Defaults,
+    robot: Robot,
+    findings: Collector,
+) -> Array | None:
+    """Joint values of a declaration as a joint position (n,) [rad or m]."""
+    return _numbers(statement, Values.JOINTS, values, scope, defaults, robot, findings)
+
+
+def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
+    """LET PITCH = 60 (mm)."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
+    (word,) = _values(statement)
+    assert isinstance(word, Word)
+    assert statement.expression is not None
+    allowed = may_be_declared(statement, word, scope, robot, findings)
+    try:
+        found = evaluate(statement.expression, scope)
+    except EvaluationError as error:
+        findings.add(error.code, error.message, statement.span(error.place), error.help)
+        found = Amount(1.0)
+    if allowed:
+        scope.declare(word.name, found)
+
+
+def declare_signal(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> Output | None:
+    """INPUT DOOR M11, OUTPUT GLUE M1 OFF; an output is given back."""
+    kind = statement.name.name
+    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
+    values = _values(statement)
+    most = 3 if kind == "OUTPUT" else 2
+    words = values[:2]
+    if not 2 <= len(values) <= most or not all(isinstance(value, Word) for value in words):
+        example = "INPUT DOOR M11" if kind == "INPUT" else "OUTPUT GLUE M1 OFF"
+        message = f"{kind} wants a name and the controller's variable"
+        findings.add("Y0401", message, statement.whole_span, f"for example {example}")
+        return None
+    word, variable = words
+    assert isinstance(word, Word)
+    assert isinstance(variable, Word)
+    if not may_be_declared(statement, word, scope, robot, findings):
+        return None
+    span = statement.span(variable.place)
+    found = _VARIABLE.fullmatch(variable.name)
+    if found is None or int(found[2]) > 8191:
+        message = f"{variable.text} is no variable of the controller: M, P or Q and 0 to 8191"
+        findings.add("Y0413", message, span, "for example M11")
+        return None
+    if _OUR_OWN.fullmatch(variable.name) or variable.name in robot.controller.feedback:
+        findings.add("Y0413", f"{variable.text} is used by yarclang itself", span, "choose another variable")
+        return None
+    signal = Signal(word.name, f"{found[1]}{int(found[2])}")
+    if kind == "INPUT":
+        scope.declare(word.name, Input(signal))
+        return None
+    safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
+    output = Output(signal, safe)
+    scope.declare(word.name, output)
+    return output
+
+
+def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
+    """ON, OFF or a plain number."""
+    if isinstance(value, Word) and value.name in ("ON", "OFF"):
+        return float(value.name == "ON")
+    span = statement.span(value.place)
+    if (fault := number_fault(value)) is not None:
+        findings.add("Y0402", f"`{value.text}` is neither ON nor OFF nor a number", span, fault[2])
+        return None
+    found = amount(value, scope, statement, findings)
+    if found is None:
+        return None
+    try:
+        return found.plain("the value of an input or output")
+    except AmountError as error:
+        findings.add(error.code, error.message, span, error.help)
+        return None
+
+
+def _values(statement: Statement) -> list[Value]:
+    return [value for waypoint in statement.waypoints for value in waypoint.values]
+
+
+def _numbers(
+    statement: Statement,
+    values: Values,
+    given: tuple[Value, ...],
+    scope: Scope,
+    defaults: Defaults,
+    robot: Robot,
+    findings: Collector,
+) -> Array | None:
+    """The values of a declaration in SI."""
+    units = resolve_units(statement, statement.units, findings)
+    if units is None:
+        return None
+    units = {**defaults.units, **units}
+    labels = values.labels(robot.joint_names)
+    for value in given:
+        fault = number_fault(value)
+        if fault is not None:
+            findings.add(fault[0], fault[1], statement.span(value.place), fault[2])
+            return None
+    if len(given) != len(labels):
+        verb = "is" if len(given) == 1 else "are"
+        message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
+        findings.add("Y0401", message, statement.whole_span)
+        return None
+    joint_kinds: tuple[Kind, ...] = tuple(
+        "length" if unit == "mm" else "angle" for unit in robot.axis_unit_names
+    )
+    numbers = np.empty(len(labels))
+    for place, (value, kind) in enumerate(zip(given, values.kinds(joint_kinds), strict=True)):
+        found = amount(value, scope, statement, findings)
+        if found is None:
+            return None
+        try:
+            numbers[place] = _in_si(found, kind, units)
+        except AmountError as error:
+            findings.add(error.code, error.message, statement.span(value.place), error.help)
+            return None
+    return numbers
+
+
+def _in_si(found: Amount, kind: Kind | None, units: Mapping[Kind, Unit]) -> float:
+    if kind is None:
+        return found.plain("a part of a quaternion")
+    unit = units.get(kind) or found.unit
+    if unit is None:
+        message, help_ = missing_unit(kind, f"the {kind}s")
+        raise AmountError("Y0304", message, help_)
+    if found.unit is not None and found.unit.kind != kind:
+        raise AmountError("Y0307", f"{found} is of the wrong kind: a unit of {kind} is wanted here")
+    return found.in_unit(unit) * unit.factor

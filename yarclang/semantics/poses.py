@@ -1,0 +1,71 @@
+"""Numbers to joint positions and poses: limits, rotations."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.commands.spec import Values
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array
+from yarclang.robot.model import Robot
+from yarclang.source import Span
+
+QUATERNION_TOLERANCE = 1e-3
+
+
+def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
+    """One finding for the joint that is farthest out of its limits."""
+    excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
+    joint = int(np.argmax(excess))
+    if excess[joint] <= 1e-9:
+        return
+    unit = robot.axis_unit_names[joint]
+    lower, upper = (
+        limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
+    )
+    others = int(np.count_nonzero(excess > 1e-9)) - 1
+    more = f" ({others} other joint{'s are' if others > 1 else ' is'} out too)" if others else ""
+    message = (
+        f"{robot.joint_names[joint]} at {q[joint] / robot.axis_units[joint]:.6g} {unit} is out of its limits "
+        f"by {excess[joint]:.4g} {unit}{more}"
+    )
+    help_ = f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {unit}"
+    findings.add("Y0502", message, span, help_)
+
+
+def rotation_of(values: Values, numbers: Array, findings: Collector, span: Span) -> Array | None:
+    """The rotation (3, 3) of roll pitch yaw [rad], or of a quaternion x y z w."""
+    if not values.is_quaternion:
+        return rpy_rotation(numbers)
+    norm = float(np.linalg.norm(numbers))
+    if abs(norm - 1.0) > QUATERNION_TOLERANCE:
+        message = f"the quaternion qx qy qz qw has the norm {norm:.6g}, not 1"
+        findings.add("Y0404", message, span, "the order is qx qy qz qw, with the real part last")
+        return None
+    x, y, z, w = numbers / norm
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def rpy_rotation(rpy: Array) -> Array:
+    """Rz(yaw) Ry(pitch) Rx(roll) of `rpy` (3,) = roll pitch yaw [rad], as (3, 3)."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def constant(values: Array) -> Array:
+    """The values as a read-only array of floats."""
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    values.setflags(write=False)
+    return values

@@ -1,0 +1,153 @@
+"""What names mean where: numbers, frames, joint positions, inputs, outputs, SUBs and modules, in nested blocks.
+
+A name is known from its declaration to the end of its block or file, and can't be declared again meanwhile. Frames have
+names of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import Array, Output, Signal
+from yarclang.robot.model import Robot
+from yarclang.semantics.amounts import Amount
+
+BASE = "B"
+FLANGE = "FLANGE"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A frame: `transform` (4, 4) is base_from_frame, or flange_from_frame of one that the robot carries."""
+
+    transform: Array
+    on_flange: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointPosition:
+    """A named joint position `q` (n,) [rad or m]."""
+
+    q: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A declared input."""
+
+    signal: Signal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Routine:
+    """A SUB: `sub` is what semantics/unroll.py makes of it."""
+
+    sub: object
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Library:
+    """A module that was loaded by USE; its names are read with its own in front."""
+
+    scope: Scope
+
+
+Named = Amount | JointPosition | Input | Output | Routine | Library
+
+KINDS: dict[type, str] = {
+    Amount: "a number",
+    JointPosition: "a joint position",
+    Input: "an input",
+    Output: "an output",
+    Routine: "a SUB",
+    Library: "a module",
+}
+
+
+class Scope:
+    """The names of a block, and those of the blocks around it."""
+
+    __slots__ = ("_frames", "_names", "_outer")
+
+    def __init__(self, outer: Scope | None = None) -> None:
+        self._outer = outer
+        self._names: dict[str, Named] = {}
+        self._frames: dict[str, Frame] = {}
+
+    @classmethod
+    def of_robot(cls, robot: Robot) -> Scope:
+        """The names that a robot brings: its joint positions, and its frames on the flange and {B}."""
+        scope = cls()
+        for name, q in robot.positions.items():
+            scope._names[name] = JointPosition(q)
+        scope._frames[BASE] = Frame(np.eye(4), on_flange=False)
+        for name, transform in robot.flange_from_frame.items():
+            scope._frames[name] = Frame(transform, on_flange=True)
+        return scope
+
+    def name(self, name: str) -> Named | None:
+        """What a name means; that of a module's has the module's in front."""
+        module, dot, inner = name.partition(".")
+        found = self._own(module)
+        if not dot:
+            return found
+        return found.scope.declared(inner) if isinstance(found, Library) else None
+
+    def declared(self, name: str) -> Named | None:
+        """What a name means that was declared in this very file or block."""
+        return self._names.get(name)
+
+    def frame(self, name: str) -> Frame | None:
+        """What the name of a frame means."""
+        module, dot, inner = name.partition(".")
+        if dot:
+            found = self._own(module)
+            return found.scope._frames.get(inner) if isinstance(found, Library) else None
+        scope: Scope | None = self
+        while scope is not None:
+            if (frame := scope._frames.get(name)) is not None:
+                return frame
+            scope = scope._outer
+        return None
+
+    def declare(self, name: str, meaning: Named) -> None:
+        """Give a name a meaning from here on."""
+        self._names[name] = meaning
+
+    def declare_frame(self, name: str, frame: Frame) -> None:
+        """Give a frame's name a meaning from here on."""
+        self._frames[name] = frame
+
+    def names(self, *kinds: type) -> Iterator[str]:
+        """All names of some kinds that are known here."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield from (name for name, meaning in scope._names.items() if isinstance(meaning, kinds))
+            scope = scope._outer
+
+    def frame_names(self) -> Iterator[str]:
+        """All names of frames that are known here, those of the robot first."""
+        scopes: list[Scope] = []
+        scope: Scope | None = self
+        while scope is not None:
+            scopes.append(scope)
+            scope = scope._outer
+        for one in reversed(scopes):
+            yield from one._frames
+
+    def _own(self, name: str) -> Named | None:
+        scope: Scope | None = self
+        while scope is not None:
+            if (found := scope._names.get(name)) is not None:
+                return found
+            scope = scope._outer
+        return None
+
+    def copy(self) -> Scope:
+        """The same names, as they are now."""
+        made = Scope(self._outer.copy() if self._outer is not None else None)
+        made._names, made._frames = dict(self._names), dict(self._frames)
+        return made

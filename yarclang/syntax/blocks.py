@@ -1,0 +1,190 @@
+"""A file's statements arranged in blocks: SUB, REPEAT, IF and WHEN, each up to its END."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from yarclang.diagnostics import Collector, Diagnostic, Result
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Block, Module, Node, Statement
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS, DECLARATIONS_IN_BLOCKS
+
+DEEPEST_BLOCK = 100
+"""Blocks inside each other."""
+
+_WORD = re.compile(r"\s*(?:[Pp][0-9]+\s+)?([A-Za-z]+)(?![^\s;\[\](){}!,\"])")
+_WITH_ELSE = {"IF", "WHEN"}
+_TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - {"END", "ELSE"} | {"SUB"}
+
+
+def arrange(module: Module) -> Result[tuple[Node, ...]]:
+    """Arrange a module's statements in blocks.
+
+    Returns:
+        The statements and blocks in order, and a finding for each that stands where it can't stand; never None.
+        A missing END is taken to stand at the end of the file, or before a line that shows that it is missing.
+        An END or ELSE without a block is left out, and so is what stands in a block whose first line couldn't be
+        read, or beyond the deepest block. Where a block holds what it can't hold, that stays there.
+    """
+    lines = [(one.line, one.name.name, one) for one in module.statements]
+    unread = [(line, _word(module.source.line(line)), None) for line in module.unreadable_lines]
+    arrangement = _Arrangement(module.source)
+    both = sorted([*lines, *unread], key=lambda entry: entry[0])
+    arrangement.missing = sum((word in BLOCK_HEADS) - (word == "END") for _, word, _ in both)
+    for line, word, statement in both:
+        arrangement.add(line, word, statement)
+    return arrangement.finish()
+
+
+def _word(line: str) -> str:
+    """The word with which a line that couldn't be read begins."""
+    match = _WORD.match(code_of(line))
+    return match.group(1).upper() if match else ""
+
+
+@dataclass(slots=True)
+class _Open:
+    """A block whose END hasn't come yet; `head` is None where the block's first line couldn't be read."""
+
+    word: str
+    line: int
+    head: Statement | None
+    body: list[Node] = field(default_factory=list)
+    otherwise: list[Node] | None = None
+    otherwise_head: Statement | None = None
+
+    @property
+    def nodes(self) -> list[Node]:
+        """Where the next statement goes."""
+        return self.body if self.otherwise is None else self.otherwise
+
+    @property
+    def takes_else(self) -> bool:
+        """Whether an ELSE may follow."""
+        return self.word in _WITH_ELSE and self.otherwise is None
+
+    def closed(self, end: Statement | None) -> tuple[Block, ...]:
+        """The finished block, if there is one."""
+        if self.head is None:
+            return ()
+        otherwise = None if self.otherwise is None else tuple(self.otherwise)
+        return (Block(self.head, tuple(self.body), otherwise, self.otherwise_head, end),)
+
+
+class _Arrangement:
+    """What is complete, and the blocks that are open, innermost last."""
+
+    def __init__(self, source: SourceFile) -> None:
+        self.findings = Collector(source)
+        self.nodes: list[Node] = []
+        self.open: list[_Open] = []
+        self.missing = 0
+        """How many END are too few from here to the end of the file."""
+        self.too_deep = 0
+        """How many blocks are open beyond the deepest."""
+        self.too_deep_told = False
+
+    def add(self, line: int, word: str, statement: Statement | None) -> None:
+        """The next line; `statement` is None where it couldn't be read."""
+        if statement is not None and statement.index is not None and word in DECLARATIONS:
+            span = statement.span(statement.index.place)
+            self.findings.add("Y0117", f"{word} is no command and has no index", span, "take the index away")
+        if word in _TOP_LEVEL and self.open and not self.too_deep and statement is not None:
+            self._leave_blocks(statement)
+        if word in BLOCK_HEADS:
+            self._begin(line, word, statement)
+        elif word == "END":
+            self._end(statement)
+        elif word == "ELSE":
+            self._otherwise(statement)
+        elif statement is not None and not self.too_deep:
+            self._nodes().append(statement)
+
+    def finish(self) -> Result[tuple[Node, ...]]:
+        """What is arranged when no line is left."""
+        while self.open:
+            self._close("the end of the file")
+        return Result(tuple(self.nodes), tuple(sorted(self.findings.found, key=_place)))
+
+    def _nodes(self) -> list[Node]:
+        return self.open[-1].nodes if self.open else self.nodes
+
+    def _begin(self, line: int, word: str, head: Statement | None) -> None:
+        if len(self.open) < DEEPEST_BLOCK and not self.too_deep:
+            self.open.append(_Open(word, line, head))
+            return
+        self.too_deep += 1
+        if not self.too_deep_told:
+            span = head.span(head.name.place) if head else Span.on_line(line, 1, 2)
+            message = f"more than {DEEPEST_BLOCK} blocks stand inside each other"
+            self.findings.add("Y0112", message, span, "make a SUB of the inner ones")
+            self.too_deep_told = True
+
+    def _end(self, statement: Statement | None) -> None:
+        if self.too_deep:
+            self.too_deep -= 1
+        elif self.open:
+            block = self.open.pop()
+            self._nodes().extend(block.closed(statement))
+        else:
+            self.missing += 1  # it was counted as the END of something
+            if statement is not None:
+                help_ = "take it away, or write the REPEAT, IF, WHEN or SUB that it ends"
+                self._refuse("Y0114", "this END ends nothing: no block is open", statement, help_)
+
+    def _otherwise(self, statement: Statement | None) -> None:
+        if self.too_deep:
+            return
+        takers = [number for number, block in enumerate(self.open) if block.takes_else]
+        if takers and len(self.open) - 1 - takers[-1] <= self.missing:
+            while len(self.open) - 1 > takers[-1]:
+                self._close(f"this ELSE in line {statement.line}" if statement else "ELSE")
+            self.open[-1].otherwise, self.open[-1].otherwise_head = [], statement
+        elif statement is not None:
+            self._refuse_else(statement)
+
+    def _refuse_else(self, statement: Statement) -> None:
+        if not self.open:
+            help_ = "ELSE stands between an IF or WHEN and its END"
+            self._refuse("Y0114", "this ELSE belongs to nothing: no block is open", statement, help_)
+            return
+        block = self.open[-1]
+        if block.word in _WITH_ELSE:
+            first = f" in line {block.otherwise_head.line}" if block.otherwise_head else ""
+            message = f"the {block.word} of line {block.line} has an ELSE already{first}"
+            help_ = "for a third way write an IF behind the first ELSE, with an END of its own"
+        else:
+            message = f"the {block.word} of line {block.line} is open here, and only IF and WHEN have an ELSE"
+            help_ = "take it away, or write the END that is missing above it"
+        self._refuse("Y0115", message, statement, help_)
+
+    def _leave_blocks(self, statement: Statement) -> None:
+        """A line that no block holds: either the END of the open ones is missing, or the line stands wrong."""
+        word = statement.name.name
+        if len(self.open) <= self.missing:
+            while self.open:
+                self._close(f"the {word} in line {statement.line}")
+            return
+        block = self.open[-1]
+        message = f"{word} can't stand in a block: the {block.word} of line {block.line} is open here"
+        help_ = f"move it above line {self.open[0].line}; blocks hold commands, FRAME, JOINTS, LET and blocks other than SUB"
+        self._refuse("Y0116", message, statement, help_)
+
+    def _close(self, before: str) -> None:
+        """The innermost block, whose END is missing."""
+        block = self.open.pop()
+        self.missing -= 1
+        if block.head is not None:
+            help_ = "write END behind the last line of the block"
+            self._refuse("Y0113", f"this {block.word} has no END before {before}", block.head, help_)
+        self._nodes().extend(block.closed(None))
+
+    def _refuse(self, code: str, message: str, statement: Statement, help_: str) -> None:
+        self.findings.add(code, message, statement.span(statement.name.place), help_)
+
+
+def _place(diagnostic: Diagnostic) -> tuple[Span, str]:
+    assert diagnostic.span is not None  # all of them have a place
+    return diagnostic.span, diagnostic.code

@@ -1,0 +1,233 @@
+"""Lark's tree to a statement. The nodes of its expressions are there already (nodes.py)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+from yarclang.syntax.ast import (
+    Comment,
+    Computed,
+    ComputedPercent,
+    FrameName,
+    Number,
+    Option,
+    Other,
+    Parameter,
+    Percent,
+    Place,
+    Quantity,
+    Statement,
+    Text,
+    Time,
+    Units,
+    WayPoint,
+    Word,
+)
+from yarclang.syntax.explain_expressions import unequal
+from yarclang.syntax.expressions import DEEPEST_EXPRESSION, Expression, is_too_deep
+from yarclang.syntax.faults import Fault, FaultError
+from yarclang.syntax.leaves import from_to, place_of
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.nodes import named
+
+_NUMBER = re.compile(r"\S+")
+
+
+Rows = Sequence[str]
+"""The rows of a statement's text; none where no expression stands in it."""
+
+
+def statement(text: str, tree: Any) -> Statement:
+    """The statement that Lark has read; `line` is 0 until the caller sets it.
+
+    Raises:
+        FaultError: something is wrong that the grammar doesn't see.
+    """
+    index: Word | None = None
+    name: Word | None = None
+    moving: FrameName | None = None
+    base: FrameName | None = None
+    time: Time | None = None
+    units: Units | None = None
+    waypoints: tuple[WayPoint, ...] = ()
+    expression: Expression | None = None
+    options: list[Option] = []
+    rows: Rows = text.split("\n") if "$(" in text else ()
+    for part in tree.children:
+        kind = getattr(part, "data", None)
+        if kind is None:
+            index = Word(str(part), place_of(part))
+            continue
+        children = part.children
+        if kind == "head":
+            name = Word(str(children[0]), place_of(children[0]))
+            if len(children) > 1:
+                moving = FrameName(str(children[1]), place_of(children[1]))
+        elif kind == "values":
+            waypoints = tuple([WayPoint(tuple(_items(rows, child.children))) for child in children])
+        elif kind == "time":
+            time = Time(tuple(_items(rows, children[1:-1])), _bracket(children))
+        elif kind == "units":
+            units = Units(tuple(_items(rows, children[1:-1])), _bracket(children))
+        elif kind == "base":
+            base = FrameName(str(children[0]), place_of(children[0]))
+        elif kind == "option":
+            options.append(_option(*_items(rows, children)))
+        else:  # call, sub, let, condition, lone
+            if kind in {"let", "condition"}:
+                expression = _sound(children[-1])
+                children = children[: 2 if kind == "let" else 1]
+            name, *values = _items(rows, children)
+            if values:
+                waypoints = (WayPoint(tuple(values)),)
+    assert name is not None  # the grammar has no statement without a name
+    comments = tuple(_comments(text)) if "!" in text else ()
+    if expression is not None and comments:
+        _check_comment(comments[0])
+    return Statement(
+        0,
+        text.count("\n") + 1,
+        index,
+        name,
+        moving,
+        waypoints,
+        expression,
+        time,
+        units,
+        base,
+        tuple(options),
+        comments,
+    )
+
+
+def _items(rows: Rows, children: Any) -> list[Any]:
+    """Tokens and small trees as leaves; a run of numbers becomes its numbers."""
+    found: list[Any] = []
+    computed = False
+    for child in children:
+        kind = getattr(child, "type", None)
+        if kind == "NUMBERS":
+            found += _numbers(child)
+        elif kind == "PERCENT":
+            found.append(Percent(str(child), float(str(child).rstrip("% \t")), place_of(child)))
+        elif kind in _LEAVES:
+            found.append(_LEAVES[kind](str(child), place_of(child)))
+        elif kind is None:
+            found += _SMALL_TREES[child.data](rows, child.children)
+            computed = computed or child.data == "computed"
+    if computed:
+        _check_blanks(found)
+    return found
+
+
+_LEAVES: dict[str | None, Any] = {
+    **dict.fromkeys(["WORD", "OPTION", "CALL", "SUB", "LET", "IF", "LONE", "NAME"], Word),
+    "STRING": Text,
+    "FRAME": FrameName,
+    "OTHER": Other,
+}
+
+
+def _numbers(token: Any) -> list[Number]:
+    """The numbers of a run with blanks between."""
+    row, column = token.line - 1, token.column
+    return [
+        Number(match.group(), float(match.group()), Place(row, column + match.start(), column + match.end()))
+        for match in _NUMBER.finditer(token)
+    ]
+
+
+def _computed(rows: Rows, children: list[Any]) -> list[Computed]:
+    first, last = place_of(children[0]), place_of(children[-1])
+    place = from_to(first, last)
+    if len(children) == 1:  # $NAME
+        variable = str(children[0])
+        expression: Expression = named(variable[1:], Place(first.row, first.start + 1, first.end))
+        return [Computed(variable, expression, place)]
+    row = rows[place.row]
+    return [Computed(row[place.start - 1 : place.end - 1], _sound(children[1]), place)]
+
+
+def _computed_percent(rows: Rows, children: list[Any]) -> list[ComputedPercent]:
+    tree, sign = children
+    (computed,) = _computed(rows, tree.children)
+    place = from_to(computed.place, place_of(sign))
+    return [ComputedPercent(computed.text + "%", computed.expression, place)]
+
+
+def _measured(rows: Rows, children: list[Any]) -> list[Number | Quantity]:  # noqa: ARG001  (called as its siblings)
+    """Numbers of which the last has a unit."""
+    *others, number = _numbers(children[0])
+    unit = Word(str(children[2]), place_of(children[2]))
+    return [*others, Quantity(number, unit, from_to(number.place, place_of(children[3])))]
+
+
+def _parameter(rows: Rows, children: list[Any]) -> list[Parameter]:  # noqa: ARG001  (called as its siblings)
+    word = Word(str(children[0]), place_of(children[0]))
+    if len(children) == 1:
+        return [Parameter(word, None, word.place)]
+    unit = Word(str(children[2]), place_of(children[2]))
+    return [Parameter(word, unit, from_to(word.place, place_of(children[3])))]
+
+
+_SMALL_TREES: dict[str, Callable[[Rows, list[Any]], list[Any]]] = {
+    "computed": _computed,
+    "computed_percent": _computed_percent,
+    "measured": _measured,
+    "parameter": _parameter,
+}
+
+
+def _check_blanks(values: list[Any]) -> None:
+    """A blank stands behind the bracket of what is computed."""
+    for one, following in pairwise(values):
+        near = one.place.row == following.place.row and one.place.end == following.place.start
+        if near and isinstance(one, Computed):
+            message = f"`{following.text}` runs into `{one.text}`"
+            raise FaultError(
+                Fault(
+                    "Y0101",
+                    message,
+                    "blanks stand between values, and all of an expression in its brackets",
+                    following.place,
+                )
+            )
+
+
+def _sound(expression: Expression) -> Expression:
+    """An expression that isn't too deep."""
+    if is_too_deep(expression):
+        message = f"more than {DEEPEST_EXPRESSION} operators, functions and brackets stand inside each other"
+        raise FaultError(Fault("Y0112", message, "give parts of it a name with LET", expression.place))
+    return expression
+
+
+def _bracket(children: list[Any]) -> Place:
+    """From an opening bracket to the closing one, in the first one's row."""
+    first, last = children[0], children[-1]
+    same = first.line == last.line
+    return Place(first.line - 1, first.column, last.column + 1 if same else first.column + 1)
+
+
+def _check_comment(comment: Comment) -> None:
+    """What follows an expression is no half of it."""
+    if fault := unequal(comment.text, comment.place.row, comment.place.start):
+        raise FaultError(fault)
+
+
+def _option(word: Word, *values: Any) -> Option:
+    if len(values) > 1:
+        message = f"{word.name} takes one value; `{values[1].text}` is one too many"
+        raise FaultError(Fault("Y0101", message, "take it away", values[1].place))
+    return Option(word, values[0] if values else None)
+
+
+def _comments(text: str) -> Iterator[Comment]:
+    for number, row in enumerate(text.split("\n")):
+        code = code_of(row)
+        if len(code) < len(row):
+            place = Place(number, len(code) + 1, len(row.rstrip()) + 1)
+            yield Comment(row[len(code) :].rstrip(), place)

@@ -1,0 +1,182 @@
+"""What is wrong with a statement that can't be parsed: one sentence, its place, and a help."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from typing import Any
+
+from yarclang.syntax.explain_expressions import foreign, no_operand, no_operator, strange
+from yarclang.syntax.faults import Fault, called, kind_of, not_closed, unclosed
+from yarclang.syntax.leaves import Place, place_of
+from yarclang.syntax.lines import end_of
+
+_ORDER = (
+    "the order is: index, name, {moving frame}, values, [motion time], (units), {base frame}, options; "
+    "a comment starts with `!`"
+)
+_LET = "write LET PITCH = 60 (mm)"
+_SUB = "write SUB DRILL {AT} DEPTH (mm) T (s): a frame in braces, a number's unit behind its name"
+_CALL = "arguments stand behind the name with blanks between: CALL DRILL {HOLE} 20 1.5"
+
+_BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "IF", "LONE"}
+_RUN = re.compile(r'[^\s;\[\](){}!"]*')
+
+
+def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence[Any]) -> Fault:
+    """One sentence for a token that can't stand where it stands."""
+    place = end_of(text) if token.type == "$END" else place_of(token)
+    kinds = [kind_of(one) for one in stack]
+    before = kinds[-1] if kinds else ""
+    if "NUMBER" in expected:
+        return no_operand(text, token, place, stack)
+    if "OR" in expected:
+        return no_operator(text, token, place, stack)
+    if before == "LET":
+        return _no_name(token, place)
+    if "ASSIGN" in expected:
+        return _no_equals(text, token, place, stack)
+    if before == "LONE":
+        return _not_alone(token, place, stack)
+    if before == "SUB":
+        return Fault("Y0101", "behind SUB stands its name", _SUB, place)
+    if expected == {"WORD"} and before == "LPAR":
+        return _no_unit(text, token, place)
+    if expected == {"RPAR"}:
+        return _second_unit(token, place, stack)
+    if "SUB" in kinds:
+        return Fault("Y0101", f"{called(token)} can't stand in the head of a SUB", _SUB, place)
+    if token.type == "$END":
+        return _incomplete(place, expected, stack)
+    if token.type not in {"VARIABLE", "OPEN"} and (fault := _dollar(text, place)):
+        return fault
+    if "RSQB" in expected:
+        return unclosed(stack)
+    if "COMMA" in expected and token.type in {"LSQB", "FRAME", "LPAR", "STRING"}:
+        return unclosed(stack)
+    return _out_of_order(token, place, expected, kinds)
+
+
+def unexpected_character(text: str, place: Place, expected: Collection[str]) -> Fault:
+    """A character that begins no token: a brace or quote without its partner, or a `$`."""
+    character = text.split("\n")[place.row][place.start - 1]
+    if character == "{":
+        return not_closed(character, place)
+    if character == '"':
+        return Fault("Y0102", "this text is not closed", 'close it with `"` in the same line', place)
+    if character == "}":
+        return Fault("Y0102", "a closing bracket `}` closes nothing", "take it away", place)
+    if "NUMBER" in expected or "OR" in expected:
+        return foreign(text, place) or strange(text, place)
+    message = f"the character `{character}` (U+{ord(character):04X}) can't stand here"
+    return _dollar(text, place) or Fault("Y0101", message, _ORDER, place)
+
+
+# The lines of LET, END and ELSE, and units.
+
+
+def _no_name(token: Any, place: Place) -> Fault:
+    if token.type in {"OR", "AND", "NOT"}:
+        message = f"{str(token).upper()} is a word of the language and can't be declared"
+        return Fault("Y0101", message, "choose another name", place)
+    return Fault("Y0101", "behind LET stands the name that is declared", _LET, place)
+
+
+def _no_equals(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
+    help_ = f"the unit stands behind the number: {_LET}" if token.type == "LPAR" else _LET
+    missing = Fault("Y0101", f"`=` is missing behind {stack[-1]}", help_, place)
+    return foreign(text, place) or missing
+
+
+def _not_alone(token: Any, place: Place, stack: Sequence[Any]) -> Fault:
+    word = str(stack[-1]).upper()
+    help_ = "END ends the innermost block, whatever its kind"
+    if word == "ELSE":
+        help_ = "write what comes then in the next line; an IF there needs its own END"
+    return Fault("Y0101", f"{word} stands alone, without {called(token)}", help_, place)
+
+
+def _no_unit(text: str, token: Any, place: Place) -> Fault:
+    if token.type == "$END":
+        return not_closed("(", Place(place.row, place.start - 1, place.start))
+    match = _RUN.match(text.split("\n")[place.row], place.start - 1)
+    message = f"a unit stands in the brackets, not `{match.group() if match else token}`"
+    if token.type == "RPAR":
+        message = "no unit stands between the brackets"
+    help_ = "behind a number a bracket holds its unit: 60 (mm); a product has a `*`"
+    return Fault("Y0101", message, help_, place)
+
+
+def _second_unit(token: Any, place: Place, stack: Sequence[Any]) -> Fault:
+    if token.type in {"$END", "LSQB", "FRAME", "LPAR", "STRING"}:
+        return unclosed(stack)
+    message = f"one number has one unit: {called(token)} can't stand here"
+    return Fault("Y0101", message, "write each unit behind its number: 20 (mm) 1.5 (s)", place)
+
+
+# All other lines.
+
+
+def _incomplete(place: Place, expected: Collection[str], stack: Sequence[Any]) -> Fault:
+    if stack and kind_of(stack[-1]) == "COMMA":
+        return unclosed(stack)
+    if "RSQB" in expected or "RPAR" in expected:
+        return unclosed(stack)
+    if "NUMBERS" in expected:
+        help_ = "write the next way-point, or take the semicolon away"
+        return Fault("Y0101", "the list of way-points ends with a semicolon", help_, place)
+    return Fault("Y0101", "a command's name is missing", _ORDER, place)
+
+
+def _dollar(text: str, place: Place) -> Fault | None:
+    """Values that run into a `$`."""
+    row = text.split("\n")[place.row]
+    match = _RUN.match(row, place.start - 1)
+    run = match.group() if match else ""
+    if "$" not in run:
+        return None
+    place = Place(place.row, place.start, place.start + len(run))
+    if run.endswith("$") and row.startswith("(", place.end - 1):
+        help_ = "put all of it into the brackets: $(...)"
+        if run in {"-$", "+$"}:
+            help_ = "put the sign into the brackets: $(-(...))"
+        return Fault("Y0101", f"`{run}(` can't be read: one value runs into another", help_, place)
+    message, help_ = f"`{run}` can't be read: an expression stands in brackets", ""
+    if run == "$":
+        message = "behind `$` a name is missing, or an expression in round brackets"
+        help_ = "write $NAME or $(2*NAME)"
+    elif re.fullmatch(r"\$[0-9.]+", run):
+        message, help_ = f"`{run}` can't be read", "a number stands without `$`"
+    elif run.endswith(","):
+        message, help_ = f"`{run}` can't be read", "blanks stand between values, no commas"
+    elif re.search(r"[A-Za-z0-9_.]\$", run):
+        message = f"`{run}` can't be read: one value runs into another"
+        help_ = "blanks stand between values; a product is written $(2*NAME)"
+    elif re.fullmatch(r"\$[A-Za-z0-9_.]+", run):
+        message, help_ = f"`{run}` can't be read", "write $NAME, or $MODULE.NAME"
+    else:
+        help_ = f"write $({run.replace('$', '')})"
+    return Fault("Y0101", message, help_, place)
+
+
+def _out_of_order(token: Any, place: Place, expected: Collection[str], kinds: Sequence[str]) -> Fault:
+    what = called(token)
+    before = kinds[-1] if kinds else ""
+    if token.type in {"RSQB", "RPAR"}:
+        return Fault("Y0102", f"{what} closes nothing", "take it away, or open the bracket", place)
+    if before == "_SEMICOLON":
+        message = "the list of way-points ends with a semicolon"
+        help_ = "write the next way-point, or take the semicolon away"
+        if token.type == "_SEMICOLON":
+            message = "an empty way-point: two semicolons with nothing between"
+            help_ = "take one away"
+        return Fault("Y0101", message, help_, place)
+    if "CALL" in kinds or "call" in kinds:
+        return Fault("Y0101", f"{what} can't stand here", _CALL, place)
+    if token.type == "_SEMICOLON" and "NUMBERS" in expected and before != "OPTION":
+        message = "an empty way-point: nothing stands before the semicolon"
+        return Fault("Y0101", message, "take it away", place)
+    if set(expected) <= _BEGINNINGS:
+        message = f"a statement begins with an index and a command's name, not with {what}"
+        return Fault("Y0101", message, _ORDER, place)
+    return Fault("Y0101", f"{what} can't stand here", _ORDER, place)

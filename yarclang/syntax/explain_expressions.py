@@ -1,0 +1,184 @@
+"""What is wrong with an expression that can't be parsed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from yarclang.syntax.faults import Fault, called, kind_of, open_brackets, shown, unclosed
+from yarclang.syntax.leaves import Place
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.words import FUNCTIONS
+
+_ENDS = {"$END", "LSQB", "RSQB", "_SEMICOLON"}
+"""What stands behind expressions, or nowhere near them."""
+
+_LAST_PIECE = re.compile(r'[^\s()+\-*/%<>=,;\[\]{}!"]+$|\S$')
+
+_FOREIGN = {
+    "===": "equal is `=`",
+    "==": "equal is `=`",
+    "!=": "unequal is `<>`; `!` starts a comment",
+    "=<": "less or equal is `<=`",
+    "=>": "greater or equal is `>=`",
+    "&&": "write AND",
+    "||": "write OR",
+    "//": "write FLOOR(a / b)",
+    "<<": "write *2 or *2**n",
+    ">>": "write FLOOR(a / 2**n)",
+    ":=": "write `=`",
+    "^": "a power is `**`",
+    "&": "write AND",
+    "|": "write OR",
+    "~": "write NOT",
+    "≤": "write `<=`",
+    "≥": "write `>=`",
+    "≠": "write `<>`",
+    "×": "write `*`",
+    "·": "write `*`",
+    "÷": "write `/`",
+    "−": "write `-`",
+    "–": "write `-`",
+    "²": "write `**2`",
+    "³": "write `**3`",
+    "√": "write SQRT(...)",
+    "π": "write PI",
+    "°": "write the unit behind the number, `30 (deg)`",
+}
+_FOREIGN_WORDS = {
+    "MOD": "the remainder is `%`",
+    "DIV": "write FLOOR(a / b)",
+    "XOR": "write `<>` between two comparisons in brackets",
+    "THEN": "nothing stands behind the condition; what comes then has lines of its own, up to END",
+}
+
+
+def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
+    """Something else where a number, a name or a bracket should stand."""
+    last = stack[-1]
+    if fault := _cut_off(text, token, place) or foreign(text, place):
+        return fault
+    if token.type == "NOT":
+        message = f"NOT can't stand behind `{last}`: it binds weaker"
+        return Fault("Y0101", message, "put it in brackets: (NOT A)", place)
+    if token.type == "VARIABLE":
+        message = "inside an expression a name stands without `$`"
+        return Fault("Y0101", message, f"write {str(token)[1:]}", place)
+    if token.type == "OPEN":
+        return Fault("Y0101", "inside an expression a bracket stands without `$`", "write (", place)
+    if token.type in {"FRAME", "STRING", "OTHER"}:
+        return strange(text, place)
+    opened = open_brackets(stack)
+    innermost = bool(opened) and opened[-1] is last
+    if innermost and token.type == "RPAR":
+        return Fault("Y0101", "nothing stands between these brackets", "write a number or a name", place)
+    if innermost and token.type in _ENDS:
+        return unclosed(stack)
+    if kind_of(last) == "IF":
+        return Fault("Y0101", "the condition behind IF is missing", "write IF PITCH > 50", place)
+    if kind_of(last) == "ASSIGN":
+        return Fault("Y0101", "the value behind `=` is missing", "write LET PITCH = 60 (mm)", place)
+    help_ = "write a number, a name, or an expression in brackets"
+    if str(last) == "%":
+        help_ += "; `%` is the remainder of a division"
+    return Fault("Y0101", f"something to compute with is missing behind `{last}`", help_, place)
+
+
+def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
+    """Something else where an operator should stand, or where the expression should end."""
+    if fault := _cut_off(text, token, place) or foreign(text, place):
+        return fault
+    opened = len(open_brackets(stack))
+    if opened and not _is_closed(text, place, opened):
+        return unclosed(stack)
+    if token.type == "RPAR":
+        help_ = "take it away, or open the bracket"
+        return Fault("Y0102", "a closing bracket `)` closes nothing", help_, place)
+    if token.type == "COMMA":
+        help_ = "the decimal sign is a point; only arguments of functions have commas between them"
+        return Fault("Y0101", "a comma can't stand here", help_, place)
+    if token.type in {"COMPARE", "ASSIGN"}:
+        help_ = "write A < B AND B < C, or put one of them in brackets"
+        return Fault("Y0101", f"`{token}` follows another comparison", help_, place)
+    if token.type in {*_ENDS, "FRAME", "STRING"}:
+        message = f"{called(token)} can't stand {'inside' if opened else 'behind'} an expression"
+        help_ = "close the bracket before it" if opened else "the expression is the last part of LET and IF"
+        return Fault("Y0101", message, help_, place)
+    if shown(token).upper() in _FOREIGN_WORDS:
+        message = f"`{token}` is no operator of the language"
+        return Fault("Y0111", message, _FOREIGN_WORDS[shown(token).upper()], place)
+    if token.type == "OTHER":
+        return strange(text, place)
+    return _side_by_side(text, token, place)
+
+
+def _side_by_side(text: str, token: Any, place: Place) -> Fault:
+    """Two operands without an operator."""
+    row = text.split("\n")[place.row]
+    piece = _LAST_PIECE.search(row[: place.start - 1].rstrip())
+    left, right = piece.group() if piece else "", shown(token)
+    if left[:1].isdigit() and row.endswith(left, 0, place.start - 1):
+        place = Place(place.row, place.start - len(left), place.end)
+        message = f"`{left}{right}` is neither a number nor a name"
+        return Fault("Y0101", message, "a product has a `*`", place)
+    help_ = "a product has a `*`"
+    if left.upper() in FUNCTIONS:
+        help_ = f"write {left.upper()}({right})"
+    elif token.type == "INDEX":
+        help_ = "a command has a line of its own"
+    elif token.type == "LPAR":
+        help_ = "a product has a `*`; a unit stands behind a number only"
+    return Fault("Y0101", f"no operator stands between `{left}` and `{right}`", help_, place)
+
+
+def _cut_off(text: str, token: Any, place: Place) -> Fault | None:
+    """An expression that a `!` cuts off, where an operator was meant."""
+    row = text.split("\n")[place.row]
+    column = len(code_of(row)) + 1
+    if token.type != "$END":
+        return None
+    comment = row[column - 1 :]
+    if re.match(r"![A-Za-z_(]", comment) and not row[: column - 1].rstrip().endswith(")"):
+        message = "`!` starts a comment, and the expression before it isn't complete"
+        return Fault("Y0111", message, "write NOT", Place(place.row, column, column + 1))
+    return unequal(comment, place.row, column)
+
+
+def unequal(comment: str, row: int, column: int) -> Fault | None:
+    """A comment behind an expression that was meant as the operator `!=`."""
+    if comment.startswith("!=") and not comment.startswith("!=="):
+        message = "`!=` is no operator of the language"
+        return Fault("Y0111", message, _FOREIGN["!="], Place(row, column, column + 2))
+    return None
+
+
+def foreign(text: str, place: Place) -> Fault | None:
+    """An operator of another language that begins at this place, or one character before it."""
+    row = text.split("\n")[place.row]
+    for column in (place.start - 1, place.start):
+        for operator, help_ in _FOREIGN.items():
+            end = column + len(operator)
+            if column > 0 and end > place.start and row.startswith(operator, column - 1):
+                message = f"`{operator}` is no operator of the language"
+                return Fault("Y0111", message, help_, Place(place.row, column, end))
+    return None
+
+
+def strange(text: str, place: Place) -> Fault:
+    """Something that no expression has."""
+    piece = text.split("\n")[place.row][place.start - 1 :].split(maxsplit=1)[0][:40]
+    message = f"`{piece}` can't stand in an expression"
+    if piece.startswith("$"):
+        message = "inside an expression a name stands without `$`"
+    help_ = "an expression is made of numbers, names, operators and functions"
+    return Fault("Y0101", message, help_, place)
+
+
+def _is_closed(text: str, place: Place, opened: int) -> bool:
+    """Whether the rest of the row closes all brackets that are open."""
+    for character in code_of(text.split("\n")[place.row])[place.start - 1 :]:
+        opened += (character == "(") - (character == ")")
+        if opened == 0:
+            return True
+    return False

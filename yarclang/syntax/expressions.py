@@ -1,0 +1,103 @@
+"""Expressions as they are written: nothing is looked up, nothing is computed.
+
+An operator's operands are what the precedence of the language gives it. Brackets are nodes of their own,
+so that a tree can be printed as it was written.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from yarclang.syntax.leaves import Number, Place, Quantity, Word
+
+UnaryOperator = Literal["NOT", "+", "-"]
+BinaryOperator = Literal["OR", "AND", "=", "<>", "<", "<=", ">", ">=", "+", "-", "*", "/", "%", "**"]
+
+DEEPEST_EXPRESSION = 100
+"""Operators, functions and brackets inside each other; a deeper expression is a fault, so that whoever walks
+through a tree needs no more than this many calls."""
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name that stands for a number: `PITCH`, `PALLET.PITCH`, or `PI`; `name` is its upper-case form."""
+
+    text: str
+    place: Place
+
+    @property
+    def name(self) -> str:
+        """The name in the form in which names are compared."""
+        return self.text.upper()
+
+
+@dataclass(frozen=True, slots=True)
+class Bracket:
+    """An expression in round brackets."""
+
+    inner: Expression
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    """An operator before its operand."""
+
+    operator: UnaryOperator
+    operand: Expression
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """An operator between its operands."""
+
+    operator: BinaryOperator
+    left: Expression
+    right: Expression
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the language (words.FUNCTIONS) with as many arguments as it takes."""
+
+    word: Word
+    arguments: tuple[Expression, ...]
+    place: Place
+
+    @property
+    def name(self) -> str:
+        """The function's name in upper case."""
+        return self.word.name
+
+
+Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function
+
+
+def is_too_deep(expression: Expression) -> bool:
+    """Whether an expression is deeper than DEEPEST_EXPRESSION."""
+    if expression.place.end - expression.place.start <= DEEPEST_EXPRESSION:
+        return False  # each level takes a character
+    level = [expression]
+    for _ in range(DEEPEST_EXPRESSION):
+        level = [part for one in level for part in parts_of(one)]
+        if not level:
+            return False
+    return True
+
+
+def parts_of(expression: Expression) -> tuple[Expression, ...]:
+    """The expressions that an expression is made of, from left to right."""
+    match expression:
+        case Binary():
+            return expression.left, expression.right
+        case Unary():
+            return (expression.operand,)
+        case Bracket():
+            return (expression.inner,)
+        case Function():
+            return expression.arguments
+        case _:
+            return ()

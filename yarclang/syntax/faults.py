@@ -1,0 +1,88 @@
+"""A syntax error, and the words for what the parser has in hand when it finds one.
+
+The parser tells which token can't stand where it stands, which kinds of token could (`expected`), and what it
+has read and not yet put together (`stack`: tokens and finished parts).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from yarclang.syntax.leaves import Place, place_of
+
+_CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A syntax error, its place relative to the statement."""
+
+    code: str
+    message: str
+    help: str
+    place: Place
+
+
+class FaultError(Exception):
+    """A fault that is found while a tree is built."""
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(fault.message)
+        self.fault = fault
+
+
+def kind_of(one: Any) -> str:
+    """The kind of a token, or the name of a rule whose text has been read."""
+    return str(getattr(one, "type", None) or getattr(one, "data", ""))
+
+
+def shown(token: Any) -> str:
+    """A token's text, of several numbers the first."""
+    text = str(token)
+    if token.type == "NUMBERS" and text.split():
+        text = text.split(maxsplit=1)[0]
+    return text[:40]
+
+
+def called(token: Any) -> str:
+    """A token as it is called in a sentence."""
+    text = shown(token)
+    names = {
+        "FRAME": f"the frame {text}",
+        "LSQB": "a motion time",
+        "LPAR": "a list of units",
+        "NUMBERS": f"the value {text}",
+        "NUMBER": f"the value {text}",
+        "INDEX": f"a second index {text}",
+        "_SEMICOLON": "a semicolon",
+        "RSQB": "a closing bracket `]`",
+        "RPAR": "a closing bracket `)`",
+        "COMMA": "a comma",
+        "STRING": "a text",
+        "OPEN": "an expression",
+    }
+    return names.get(token.type, f"`{text}`")
+
+
+def open_brackets(stack: Sequence[Any]) -> list[Any]:
+    """The brackets `(` and `$(` that are open, innermost last."""
+    brackets: list[Any] = []
+    for one in stack:
+        if kind_of(one) in {"LPAR", "OPEN"}:
+            brackets.append(one)
+        elif kind_of(one) == "RPAR":
+            brackets.pop()
+    return brackets
+
+
+def unclosed(stack: Sequence[Any]) -> Fault:
+    """The innermost bracket that is open; one is."""
+    brackets = [one for one in stack if kind_of(one) == "LSQB"] + open_brackets(stack)
+    return not_closed(str(brackets[-1]), place_of(brackets[-1]))
+
+
+def not_closed(opening: str, place: Place) -> Fault:
+    """A bracket without its partner."""
+    return Fault("Y0102", f"this `{opening}` is not closed", f"close it with `{_CLOSING[opening]}`", place)

@@ -1,0 +1,114 @@
+"""The leaves of the syntax tree: what one token says, and where it stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Columns `start` to `end` (not included, from 1) of the statement's line number `row` (from 0)."""
+
+    row: int
+    start: int
+    end: int
+
+
+def place_of(token: Any) -> Place:
+    """Where a token of the parser stands."""
+    column = token.column
+    return Place(token.line - 1, column, column + len(token))
+
+
+def from_to(first: Place, last: Place) -> Place:
+    """From the beginning of one place to the end of another in its row."""
+    return Place(first.row, first.start, last.end)
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number as written and its value (infinite where the text overflows a float)."""
+
+    text: str
+    value: float
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Percent:
+    """A percentage as written and its value in percent."""
+
+    text: str
+    value: float
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A name as written; `name` is its upper-case form."""
+
+    text: str
+    place: Place
+
+    @property
+    def name(self) -> str:
+        """The name in the form in which names are compared."""
+        return self.text.upper()
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text in quotes; `text` has the quotes."""
+
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Other:
+    """Something that is none of the above (`30-5`, `0,5`): checked where it stands."""
+
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class FrameName:
+    """A frame's name in braces; `text` has the braces."""
+
+    text: str
+    place: Place
+
+    @property
+    def name(self) -> str:
+        """The name without braces, in upper case."""
+        return self.text[1:-1].strip().upper()
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number with its own unit, `60 (mm)`: in an expression, or among the arguments of CALL."""
+
+    number: Number
+    unit: Word
+    place: Place
+
+    @property
+    def text(self) -> str:
+        """The number and its unit in their usual form."""
+        return f"{self.number.text} ({self.unit.text})"
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A name in the head of a SUB, and the unit in which it counts there."""
+
+    word: Word
+    unit: Word | None
+    place: Place
+
+    @property
+    def text(self) -> str:
+        """The name and its unit in their usual form."""
+        return f"{self.word.text} ({self.unit.text})" if self.unit else self.word.text

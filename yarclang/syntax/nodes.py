@@ -1,0 +1,103 @@
+"""The nodes of expressions, made as soon as Lark has read what they are made of."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from yarclang.diagnostics import suggest
+from yarclang.syntax.expressions import (
+    Binary,
+    BinaryOperator,
+    Bracket,
+    Expression,
+    Function,
+    Name,
+    Unary,
+    UnaryOperator,
+)
+from yarclang.syntax.faults import Fault, FaultError
+from yarclang.syntax.leaves import Number, Place, Quantity, Word, from_to, place_of
+from yarclang.syntax.words import CONSTANTS, FUNCTIONS, OPERATORS
+from yarclang.units import UNITS
+
+
+class Nodes:
+    """The nodes of expressions, each made by the rule or alias of its name in the grammar."""
+
+    def name(self, children: list[Any]) -> Name:
+        """A name that stands for a number."""
+        (token,) = children
+        return named(str(token), place_of(token))
+
+    def number(self, children: list[Any]) -> Number:
+        """A number."""
+        (token,) = children
+        return Number(str(token), float(token), place_of(token))
+
+    def quantity(self, children: list[Any]) -> Quantity:
+        """A number with its unit."""
+        number, _, unit, end = children
+        value = self.number([number])
+        return Quantity(value, Word(str(unit), place_of(unit)), from_to(value.place, place_of(end)))
+
+    def bracket(self, children: list[Any]) -> Bracket:
+        """An expression in brackets."""
+        opening, inner, closing = children
+        return Bracket(inner, from_to(place_of(opening), place_of(closing)))
+
+    def unary(self, children: list[Any]) -> Unary:
+        """A sign or NOT, and its operand."""
+        sign, operand = children
+        operator = cast("UnaryOperator", str(sign).upper())
+        return Unary(operator, operand, from_to(place_of(sign), operand.place))
+
+    def binary(self, children: list[Any]) -> Binary:
+        """An operator between two operands."""
+        left, sign, right = children
+        operator = cast("BinaryOperator", str(sign).upper())
+        return Binary(operator, left, right, from_to(left.place, right.place))
+
+    def function(self, children: list[Any]) -> Function:
+        """A function and its arguments, as many as it takes."""
+        token, _, *arguments, closing = children
+        word = Word(str(token), place_of(token))
+        place = from_to(word.place, place_of(closing))
+        values = tuple(one for one in arguments if getattr(one, "type", None) != "COMMA")
+        _check_function(word, values, place)
+        return Function(word, values, place)
+
+
+def named(text: str, place: Place) -> Name:
+    """The node of a name.
+
+    Raises:
+        FaultError: it is a function or an operator.
+    """
+    if text.upper() in FUNCTIONS or text.upper() in OPERATORS:
+        kind = "a function" if text.upper() in FUNCTIONS else "an operator"
+        help_ = f"write {text.upper()}(...)" if text.upper() in FUNCTIONS else "choose another name"
+        raise FaultError(Fault("Y0101", f"{text.upper()} is {kind} and stands for no number", help_, place))
+    return Name(text, place)
+
+
+def _check_function(word: Word, arguments: tuple[Expression, ...], place: Place) -> None:
+    if word.name not in FUNCTIONS:
+        help_ = suggest(word.text, FUNCTIONS) or f"the functions are {' '.join(FUNCTIONS)}"
+        message = f"no function is named {word.text}"
+        if word.name in CONSTANTS:
+            message, help_ = f"{word.name} is a number and takes no argument", "take the brackets away"
+        elif all(isinstance(one, Name) and one.text.lower() in UNITS for one in arguments) and arguments:
+            message = f"only a number has a unit behind it; {word.text} has that of its declaration"
+            help_ = "take the bracket away, or write the number: 60 (mm)"
+        raise FaultError(Fault("Y0109", message, help_, word.place))
+    least, most = FUNCTIONS[word.name]
+    given = len(arguments)
+    if given < least or (most is not None and given > most):
+        wanted = f"{least} or more arguments" if most is None else f"{least} argument{'s' * (least > 1)}"
+        message = f"{word.name} takes {wanted}, {given} {'is' if given == 1 else 'are'} given"
+        help_ = {1: f"write {word.name}(A)", 2: f"write {word.name}(A, B)"}[least]
+        if word.name == "ATAN2":
+            help_ = "write ATAN2(y, x)"
+        if given > least:
+            help_ += "; the decimal sign is a point"
+        raise FaultError(Fault("Y0110", message, help_, place))

@@ -86,7 +86,7 @@ def test_what_is_not_carried_out_is_answered_as_it_says(rewrite_golden):
     )
     if rewrite_golden:
         shown = rewritten(_NOT_YET, today)
-    assert len(_NOT_YET_ROW.findall(shown)) == len(shown.splitlines()) > 30
+    assert 0 < len(_NOT_YET_ROW.findall(shown)) == len(shown.splitlines())
     assert all(CATALOGUE[code].severity == "error" for _, code in _NOT_YET_ROW.findall(shown))
     assert shown == today
 

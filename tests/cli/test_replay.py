@@ -14,7 +14,7 @@ from report.made_up_runs import ANCHOR, made, progress, samples, whole, write
 
 from yarclang.cli.yarc import main
 from yarclang.runtime.notices import Changed
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import State
 
 CODE = "from yarclang.cli.yarc import main; main()"

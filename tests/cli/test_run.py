@@ -41,7 +41,7 @@ def test_a_dry_run(workshop, simulator):
 
 def test_twice(workshop):
     text = workshop.yarc("run", "p.yarc", "--times", "2", "--rate", "4", "--no-log")
-    assert text.count("P0020 MOVEJ  0.9 s to 1.8 s of 2.7 s\n") == 2
+    assert text.count("P0020 MOVEJ  0.7 s to 1.4 s of 2.1 s\n") == 2
     assert "pass 2 of 2\n" in text
     assert "p.yarc: done 2 times; INDUSTRIAL6 stands where it ends, to a count" in text
 

@@ -8,7 +8,7 @@ import time
 import pytest
 from click.testing import CliRunner
 
-from tests.cli.run_processes import assert_on_path, off_the_path, places, run_on
+from tests.cli.run_processes import assert_on_path, command_at, off_the_path, places, run_on
 from yarclang.cli import performing
 from yarclang.cli.yarc import main as yarc
 from yarclang.runtime.performance import perform
@@ -24,7 +24,7 @@ def test_kill_9(workshop):
     time.sleep(1.4)  # the buffer lasts for a second
     stands = simulator.stands()
     assert_on_path(stands)
-    time.sleep(1.0)
+    time.sleep(0.5)
     assert simulator.stands() == pytest.approx(stands, abs=1e-4)  # for good
 
     address = simulator.address
@@ -42,7 +42,7 @@ def test_kill_9(workshop):
     assert places(ended) == pytest.approx(stands, abs=2e-3)
     refused = workshop.here(*run_on(simulator), status=1)
     assert "the robot doesn't stand where p.yarc starts: J1 +" in refused
-    index = ("P0010", "P0020", "P0030")[int(off_the_path(stands)[1] / 0.9)]
+    index = command_at(off_the_path(stands)[1])
     text = workshop.yarc(*run_on(simulator, "--from", index, "--yes"))
     assert re.search(rf"doesn't stand where {index} MOVEJ starts: .*\nan approach takes \d\.\d s", text)
     assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text

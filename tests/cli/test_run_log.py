@@ -62,13 +62,12 @@ def test_what_stands_in_it(workshop):
         "came to its end",
     ):
         assert words in replayed
-    assert workshop.here("plot", log, "-o", "run.svg")
 
 
 def test_a_part_stands_in_the_whole(workshop):
     text = workshop.yarc("run", "p.yarc", "--from", "P0020", "--rate", "3", "--log", "run.mcap")
-    assert "P0020 MOVEJ  0.9 s to 1.8 s of 2.7 s\n" in text
+    assert "P0020 MOVEJ  0.7 s to 1.4 s of 2.1 s\n" in text
     assert "P0010" not in text
     replayed = workshop.here("replay", "run.mcap", "--speed", "max")
-    assert re.search(r"P0020 MOVEJ  (0\.9|1\.\d) s of 2.7 s", replayed)
+    assert re.search(r"P0020 MOVEJ  (0\.[789]|1\.\d) s of 2.1 s", replayed)
     assert workshop.yarc("run", "p.yarc", "--rate", "9", "--log", "run.mcap").count("log: run-2.mcap\n") == 1

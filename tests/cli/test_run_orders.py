@@ -10,7 +10,7 @@ import pytest
 from tests.cli.run_processes import assert_on_path, places, run_on
 
 HOME = [0.0] * 6
-MOVES = "P0010 MOVEJ  0.0 s to 0.9 s of 2.7 s"
+MOVES = "P0010 MOVEJ  0.0 s to 0.7 s of 2.1 s"
 """The first line that is written while the robot moves."""
 
 
@@ -66,7 +66,7 @@ def test_a_termination_ends_it_on_its_path(simulator, process, number):
 
 
 def test_yarc_stop_and_going_on(workshop, simulator, process):
-    time.sleep(1.0)  # into the second command
+    time.sleep(0.6)  # into the second command
     assert "ended" in workshop.here("stop")
     text = process.end(1)
     assert "p.yarc: stopped on its path\n" in text

@@ -19,7 +19,7 @@ from yarclang.runtime.job import Job
 from yarclang.runtime.log import RunLog
 from yarclang.runtime.log_record import Anchor
 from yarclang.runtime.notices import Changed, Notice, Progress
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import State
 
 ANCHOR = Anchor(5000.0, 1_790_000_000_000_000_000)

@@ -17,7 +17,7 @@ from yarclang.report.run_plot import draw_run
 from yarclang.report.run_text import moments_of
 from yarclang.runtime.log_record import METADATA
 from yarclang.runtime.notices import Changed, Hold, Progress, Remark
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import State
 
 

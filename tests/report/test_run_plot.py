@@ -21,7 +21,7 @@ from yarclang.report.run_planned import planned_motion
 from yarclang.report.run_plot import draw_run
 from yarclang.report.run_tracking import tracking_of
 from yarclang.runtime.notices import Changed, Remark
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import State
 
 T = ANCHOR.clock

@@ -21,7 +21,7 @@ from yarclang.report.run_text import (
 )
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.notices import Changed, Progress, Remark
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import State
 
 T = ANCHOR.clock

@@ -29,7 +29,8 @@ from yarclang.runtime.notices import (
     Remark,
     Resume,
 )
-from yarclang.runtime.performance import Ended, connect, perform
+from yarclang.runtime.outcome import Ended
+from yarclang.runtime.performance import connect, perform
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned
 

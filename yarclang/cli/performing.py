@@ -25,8 +25,8 @@ from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.job import Job
 from yarclang.runtime.log import FOLDER, RunLog
 from yarclang.runtime.notices import Fail, Resume
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.performance import (
-    Ended,
     connect,
     end_what_runs,
     look,

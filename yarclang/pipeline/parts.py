@@ -7,7 +7,19 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.hir import Array, Gap, JointGoal, JointMove, Origin, Program, Timing
+from yarclang.hir import (
+    Array,
+    Else,
+    EndWhen,
+    Gap,
+    JointGoal,
+    JointMove,
+    Origin,
+    Program,
+    Step,
+    Timing,
+    When,
+)
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
 from yarclang.robot.model import Robot
@@ -46,8 +58,29 @@ def part(plan: MotionPlan, request: Request, first: int, last: int | None = None
     motion = plan.motions[first]
     steps = plan.program.steps
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
-    program = replace(plan.program, start=motion.curve.points[0], steps=steps[motion.step : end])
+    chosen = steps[motion.step : end]
+    if (inside := _cut_way(chosen)) is not None:
+        message = "a program can't be begun or paused inside a WHEN: which way is taken isn't known"
+        help_ = "begin in front of the WHEN, or behind its END"
+        return Result(None, (Diagnostic("Y1164", message, plan.program.source, inside.origin.span, help_),))
+    program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
     return _compiled(program, request)
+
+
+def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
+    """The first part of a WHEN whose other parts aren't there."""
+    opened: list[When] = []
+    for step in steps:
+        match step:
+            case When():
+                opened.append(step)
+            case Else() if not opened:
+                return step
+            case EndWhen() if not opened:
+                return step
+            case EndWhen():
+                opened.pop()
+    return opened[0] if opened else None
 
 
 def motion_number(plan: MotionPlan, index: str) -> int | Diagnostic:

@@ -22,7 +22,7 @@ from mcap.writer import Writer
 from yarclang.runtime.job import Job
 from yarclang.runtime.log_record import Anchor, Begun, Item, Ordered, Record
 from yarclang.runtime.notices import Changed, Notice, Order
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 
 FOLDER = Path("yarc-runs")
 """Where logs go if nobody says where."""

@@ -17,7 +17,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Progress, Remark
-from yarclang.runtime.performance import Ended
+from yarclang.runtime.outcome import Ended
 
 FORMAT = "1"
 """Of what stands in the messages; another one can't be read as this one is."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,10 +10,13 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Connect, Connected, Lost, Script, Stopped, Trouble, Unreachable, Wait
 from yarclang.runtime.inspection import Inspection, Item, inspect
 from yarclang.runtime.job import Job
+from yarclang.runtime.legs import perform_legs
 from yarclang.runtime.link import Link, measure
 from yarclang.runtime.messages import Control
 from yarclang.runtime.notices import Abort
 from yarclang.runtime.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIENCE, Interrupted, Operation
+from yarclang.runtime.outcome import Ended
+from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.protocol import GREETING
 from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
 from yarclang.runtime.state import Event, State
@@ -27,23 +29,6 @@ _AGAIN_EACH = 0.5
 
 _PATIENCE_AT_REST = 10.0
 """How long a controller may be busy where it is only asked where the robot stands [s]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Ended:
-    """How a run has ended.
-
-    `what` says why it didn't end well, `remedy` what to do; `joints` (n,) [rad or m] is where the robot is commanded to stand (None: not
-    known), `command` what was executed, `done` how far the program was [s].
-    """
-
-    well: bool
-    what: str = ""
-    remedy: str = ""
-    joints: Array | None = None
-    command: str = ""
-    command_index: str = ""
-    done: float = 0.0
 
 
 def connect(operation: Operation) -> Script[None]:
@@ -107,6 +92,20 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
     if operation.state is not State.STOP:
         what = f"nothing is begun in state {operation.state.value}"
         return Ended(False, what, "look at the controller first: `yarc doctor`")
+    work = perform_legs(operation, job, _stream) if job.legs else _stream(operation, job)
+    ended = yield from work
+    if ended.well and job.outputs:
+        try:
+            yield from Outputs(job).secure(operation)
+        except (Trouble, Lost) as trouble:
+            what = f"the program has ended, but its outputs can't be made safe: {trouble}"
+            operation.go(Event.FAULT, what)
+            return Ended(False, what, "look at them", ended.joints)
+    return ended
+
+
+def _stream(operation: Operation, job: Job) -> Script[Ended]:
+    """Run a job without barriers."""
     stream = Stream(operation, job)
     try:
         yield from away_from_start(operation, job)
@@ -160,6 +159,7 @@ def _settle(operation: Operation, stream: Stream, event: Event, what: str, remed
             # better on the path than dry, some lines later
             yield from operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
         joints = yield from _end_at_rest(operation, robot)
+        yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
         operation.go(event, what)
         return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None)
@@ -200,6 +200,7 @@ def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
                 yield from operation.hold_all(robot.controller.hold_time)
                 yield from _greet(operation)
                 joints = yield from _end_at_rest(operation, robot)
+                yield from Outputs(stream.job).secure(operation)
             except Lost as lost:
                 outcome = Unreachable(str(lost))
             except Trouble as trouble:

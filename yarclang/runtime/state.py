@@ -56,7 +56,13 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,
         },
-        _S.STOP: {_E.LOAD: _S.INIT, _E.STOP: _S.STOP, _E.FAULT: _S.FAULT, _E.LOST: _S.DISCONNECTED},
+        _S.STOP: {
+            _E.LOAD: _S.INIT,
+            _E.HOLD: _S.HOLD,  # at a barrier: for an input, or the operator
+            _E.STOP: _S.STOP,
+            _E.FAULT: _S.FAULT,
+            _E.LOST: _S.DISCONNECTED,
+        },
         _S.INIT: {_E.BEGIN: _S.MOVE, _E.STOP: _S.STOP, _E.FAULT: _S.FAULT, _E.LOST: _S.DISCONNECTED},
         _S.MOVE: {
             _E.HOLD: _S.HOLD,
@@ -68,6 +74,7 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         _S.HOLD: {
             _E.HOLD: _S.HOLD,
             _E.RESUME: _S.MOVE,
+            _E.END: _S.STOP,  # of a barrier
             _E.STOP: _S.STOP,
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,

@@ -15,6 +15,7 @@ from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import URGENT, Interrupted, Operation
+from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
 from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
@@ -74,6 +75,7 @@ class Stream:
         self.operation = operation
         self.job = job
         self.rotary = Rotary(operation, job)
+        self.outputs = Outputs(job)
         self.feed = self.rotary.feed
         self.begun = False
         self._refilling = False
@@ -121,6 +123,7 @@ class Stream:
         """Make the buffer and fill it; nothing moves."""
         operation, rotary = self.operation, self.rotary
         yield from rotary.define()
+        yield from self.outputs.remember(operation)
         percent = 100.0 * operation.override
         yield from operation.ask(f"%{percent:g}")
         if percent != 100.0:
@@ -269,6 +272,9 @@ class Stream:
         robot = self.job.robot
         yield from self.operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, why)
+        if self.job.outputs:
+            yield from self.rotary.close()
+            yield from self.outputs.secure(self.operation)
 
     def _hold_for_person(self) -> Script[None]:
         """Hold until a person wants it otherwise; what was ordered before the hold is overtaken by it."""
@@ -323,6 +329,7 @@ class Stream:
             yield from operation.ask(f"{ARMED}=0")
         elif armed == _HELD:
             yield from operation.ask(f"{ARMED}=1")
+        yield from self.outputs.restore(operation, feed.sent - feed.at_most)
         if feed.left:
             yield from self.rotary.open()
         yield from operation.ask("R")

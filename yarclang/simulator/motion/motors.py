@@ -205,8 +205,8 @@ class Motor:
             duration, np.array([[position], [velocity], [-math.copysign(rate, velocity) / 2.0], [0.0]])
         )
         self._start(time, [piece], float(piece.position(duration)[0]))
-        # it stops already
-        self.aborting, self.trip = True, None
+        # it stops already; a stop that takes no time is over
+        self.aborting, self.trip = self.profile is not None, None
 
     def home(self, time: float) -> None:
         """Search home: the flag is found at position 0, at Ixx23, and stays the zero of the positions (assumed; Ixx26 isn't

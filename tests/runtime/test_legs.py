@@ -1,0 +1,250 @@
+"""Programs with barriers: outputs, dwells, waits on inputs, holds, and the ways of a WHEN, in both targets."""
+
+import numpy as np
+import pytest
+from programs import compiled
+
+from tests.runtime.virtual import World
+from yarclang.backend_pmac.settings import settings_text
+from yarclang.certify.judge import certify
+from yarclang.pipeline.jobs import job_of_text
+from yarclang.robot.actuation import from_counts
+from yarclang.runtime.notices import Abort, Changed, Resume, Stop
+from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.state import State
+from yarclang.simulator.commissioning import commissioned
+
+HEAD = "INPUT DOOR M11\nOUTPUT GLUE M1 OFF\nOUTPUT LAMP M2\n"
+OUT = "MOVEJ 20 0 0 0 0 0 [1] (deg,s)"
+HOME = "MOVEJ 0 0 0 0 0 0 [1] (deg,s)"
+
+
+def world(robot):
+    machine = commissioned(robot, settings_text(robot))
+    made = World(machine)
+    for line in ("M1->*", "M2->*", "M11->*", "M1=0", "M2=0", "M11=0"):
+        assert machine.command(line, 7).error is None
+    made.perform(connect(made.operation))
+    return made
+
+
+def value(made, name):
+    return float(made.machine.command(name, 7).items[0])
+
+
+def job(robot, *lines, target="rotary"):
+    text = HEAD + "\n".join(lines) + "\n"
+    program, _ = compiled(text, robot.name, target=target)
+    return program if target == "prog" else job_of_text(program.text, robot, "legs").value
+
+
+def joints(made, robot):
+    counts = made.machine.positions(motors=robot.controller.motors)
+    return np.degrees(from_counts(robot, counts))
+
+
+def states(made):
+    return [one.state for one in made.told if isinstance(one, Changed)]
+
+
+@pytest.fixture
+def robot(industrial6):
+    return industrial6
+
+
+def test_an_output_is_set_when_the_motion_before_it_has_ended(robot):
+    made = world(robot)
+    run = job(robot, f"P10 {OUT}", "P20 SET LAMP ON", f"P30 {HOME}", "P40 SET LAMP 2.5")
+    seen = []
+    for k in range(400):
+        made.at.append(
+            (made.now + 0.01 * k, lambda: seen.append((value(made, "M2"), joints(made, robot)[0])))
+        )
+    assert made.perform(perform(made.operation, run)).well
+    before = [place for lamp, place in seen if lamp == 0.0]
+    on = [place for lamp, place in seen if lamp == 1.0]
+    assert before[-1] == pytest.approx(20.0, abs=1e-3)
+    assert on[0] == pytest.approx(20.0, abs=1e-3)
+    assert on[-1] == pytest.approx(0.0, abs=1e-3)
+    assert value(made, "M2") == 2.5
+
+
+def test_a_wait_for_an_input(robot):
+    made = world(robot)
+    made.at.append((made.now + 3.0, lambda: made.machine.command("M11=1", 7)))
+    ended = made.perform(
+        perform(made.operation, job(robot, f"P10 {OUT}", "P20 WAIT DOOR ON [5] (s)", f"P30 {HOME}"))
+    )
+    assert ended.well
+    assert State.HOLD in states(made)
+    assert made.now > 4.0
+
+
+def test_an_input_that_never_comes(robot):
+    made = world(robot)
+    ended = made.perform(
+        perform(made.operation, job(robot, f"P10 {OUT}", "P20 WAIT DOOR ON [2] (s)", f"P30 {HOME}"))
+    )
+    assert not ended.well
+    assert "P0020 WAIT has waited 2 s for DOOR (M11) to be ON: it is OFF" in ended.what
+    assert ended.command_index == "P0020"
+    assert np.degrees(ended.joints)[0] == pytest.approx(20.0, abs=1e-3)
+    assert made.operation.state is State.FAULT
+
+
+@pytest.mark.parametrize(("door", "lamp"), [(0, 1.0), (1, 0.0)])
+def test_ways(robot, door, lamp):
+    made = world(robot)
+    made.machine.command(f"M11={door}", 7)
+    lines = (
+        "WHEN DOOR OFF",
+        f"P10 {OUT}",
+        "P20 SET LAMP ON",
+        f"P30 {HOME}",
+        "ELSE",
+        "P40 DMOVEJ 0 5 0 0 0 0 [1] (deg,s)",
+        f"P50 {HOME}",
+        "END",
+        f"P60 {OUT}",
+    )
+    seen = []
+    for k in range(200):
+        made.at.append((made.now + 0.02 * k, lambda: seen.append(joints(made, robot)[1])))
+    ended = made.perform(perform(made.operation, job(robot, *lines)))
+    assert ended.well
+    assert value(made, "M2") == lamp
+    assert (max(seen) > 4.9) == bool(door)
+    assert joints(made, robot)[0] == pytest.approx(20.0, abs=1e-3)
+
+
+def test_nested_ways(robot):
+    made = world(robot)
+    lines = (
+        "WHEN DOOR ON",
+        f"P10 {OUT}",
+        f"P20 {HOME}",
+        "ELSE",
+        "WHEN DOOR OFF",
+        "P30 SET LAMP 3",
+        "ELSE",
+        "P40 SET LAMP 4",
+        "END",
+        "END",
+        f"P60 {OUT}",
+    )
+    assert made.perform(perform(made.operation, job(robot, *lines))).well
+    assert value(made, "M2") == 3.0
+
+
+def test_outputs_are_safe_while_the_operator_is_waited_for(robot):
+    made = world(robot)
+    run = job(robot, "P10 SET GLUE ON", f"P20 {OUT}", 'P30 HOLD "look"', f"P40 {HOME}")
+    seen = {}
+    made.at.append((made.now + 0.7, lambda: seen.setdefault("moving", value(made, "M1"))))
+    made.at.append((made.now + 2.0, lambda: seen.setdefault("held", value(made, "M1"))))
+    made.at.append((made.now + 3.0, lambda: made.operation.orders.append(Resume())))
+    made.at.append((made.now + 3.6, lambda: seen.setdefault("resumed", value(made, "M1"))))
+    assert made.perform(perform(made.operation, run)).well
+    assert seen == {"moving": 1.0, "held": 0.0, "resumed": 1.0}
+    assert value(made, "M1") == 0.0, "the program has ended"
+
+
+@pytest.mark.parametrize("order", [Stop(), Abort()])
+def test_a_stop_at_a_barrier(robot, order):
+    made = world(robot)
+    run = job(robot, "P10 SET GLUE ON", f"P20 {OUT}", "P30 WAIT DOOR ON [50] (s)", f"P40 {HOME}")
+    made.at.append((made.now + 3.0, lambda: made.operation.orders.append(order)))
+    ended = made.perform(perform(made.operation, run))
+    assert not ended.well
+    assert made.now < 5.0
+    assert value(made, "M1") == 0.0
+    assert made.operation.state is State.STOP
+    assert joints(made, robot)[0] == pytest.approx(20.0, abs=1e-3)
+
+
+def test_outputs_are_safe_behind_a_stop_in_motion(robot):
+    made = world(robot)
+    made.at.append((made.now + 0.6, lambda: made.operation.orders.append(Stop())))
+    ended = made.perform(perform(made.operation, job(robot, "P10 SET GLUE ON", f"P20 {OUT}")))
+    assert not ended.well
+    assert value(made, "M1") == 0.0
+
+
+def test_a_program_buffer_waits_by_itself(robot):
+    machine = commissioned(robot, settings_text(robot))
+    program = job(
+        robot,
+        "P10 SET LAMP ON",
+        f"P20 {OUT}",
+        "P30 WAIT DOOR ON [2] (s)",
+        "WHEN DOOR ON",
+        f"P40 {HOME}",
+        "ELSE",
+        "P45 SET LAMP 9",
+        f"P46 {HOME}",
+        "END",
+        'P50 HOLD "look"',
+        f"P60 {OUT}",
+        target="prog",
+    )
+    for line in program.text.splitlines():
+        if not line.startswith(";"):
+            assert machine.command(line).error is None, line
+    for line in ("M1->*", "M2->*", "M11->*", "M11=0", "&1B1R"):
+        assert machine.command(line).error is None, line
+    machine.advance(2.0)
+    assert machine.command("M2").items == ("1",)
+    machine.advance(4.0)
+    assert machine.messages() == ("YARC: DOOR IS NOT 1 AFTER 2 S",)
+    machine.command("R")
+    machine.advance(4.0)
+    assert machine.messages() == ("YARC: DOOR IS NOT 1 AFTER 2 S",), "R doesn't get past it"
+    machine.command("M11=1")
+    machine.command("R")
+    machine.advance(3.0)
+    assert machine.messages() == ("YARC: look",)
+    assert machine.command("M2").items == ("1",)
+    machine.command("R")
+    machine.advance(3.0)
+    assert not machine.systems[1].running
+    assert machine.command("P1").items[0].startswith(("20", "19.99"))
+
+
+PROGRAM = f"P10 {OUT}\nP20 SET LAMP ON\nP30 WAIT DOOR ON [5] (s)\nWHEN DOOR ON\nP40 {HOME}\nELSE\nP50 {HOME}\nEND\nP60 WAIT [1] (s)\n"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("M2=1\n", ""),  # an output is left out
+        ("M2=1\n", "M2=0\n"),
+        ("M2=1\n", "M2=1\nM2=1\n"),
+        ("DWELL1000\n", "DWELL100\n"),
+        ("DWELL1000\n", ""),
+        ("STOP\n", "DWELL0\n"),  # a barrier that isn't one
+        (" M11=1 5 ", " M11=0 5 "),
+        (" M11=1 5 ", " M11=1 50 "),
+        (" wait ", " hold "),
+        ("M1=0\nENDIF", "M1=1\nENDIF"),  # the safe value
+        ("DWELL0\nM2=1", "M2=1"),  # while the robot moves
+    ],
+)
+def test_the_certificate_refuses_another_flow(robot, change):
+    program, _ = compiled(HEAD + PROGRAM, robot.name)
+    assert change[0] in program.text
+    changed = program.text.replace(*change, 1)
+    judged = certify(changed, program.program, robot, robot.tolerance, {})
+    assert any(one.is_error for one in judged.diagnostics), change
+
+
+def test_a_part_never_begins_or_ends_inside_a_when(robot):
+    from yarclang.pipeline.parts import part
+    from yarclang.pipeline.stages import Request
+
+    program, _ = compiled(HEAD + PROGRAM, robot.name)
+    request = Request(robot)
+    assert part(program.plan, request, 0).value is not None
+    for first, last in ((1, None), (2, None), (0, 2), (1, 2)):
+        refused = part(program.plan, request, first, last)
+        assert refused.value is None
+        assert [one.code for one in refused.diagnostics] == ["Y1164"]

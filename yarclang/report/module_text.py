@@ -1,0 +1,213 @@
+"""A module's reference, from its comments.
+
+The comment at the top of the file says what the module is for. The comment right above a SUB says what the
+SUB does; indented lines in it describe a parameter each, by its name and unit as in the SUB's head and two
+blanks, or give a call as an example:
+
+    ! Retracts straight along the tool's z axis.
+    !   {TOOL}  tool that is moved
+    !   DISTANCE (mm)  length of the straight line
+    !   CALL APPROACH.OUT {GRIPPER} 100
+    SUB OUT {TOOL} DISTANCE (mm)
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import PurePath
+from textwrap import wrap
+
+from yarclang.syntax.ast import FrameName, Module, Parameter, Statement, Value
+
+WIDTH = 96
+"""Columns of a text."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterText:
+    """A parameter of a SUB: as in the head, `{AT}` or `T (s)`, and what the comment says of it."""
+
+    name: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class SubText:
+    """A SUB: what it does, the parameters of its head in their order, and a call.
+
+    `strangers` are parameters that the comment describes and the head doesn't have.
+    """
+
+    name: str
+    purpose: str
+    parameters: tuple[ParameterText, ...]
+    strangers: tuple[str, ...]
+    example: str
+
+    @property
+    def head(self) -> str:
+        """Name and parameters as in the text."""
+        return " ".join((self.name, *(one.name for one in self.parameters)))
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleText:
+    """A module: what it is for, in paragraphs, and its SUBs."""
+
+    name: str
+    paragraphs: tuple[str, ...]
+    subs: tuple[SubText, ...]
+
+    @property
+    def title(self) -> str:
+        """The first sentence."""
+        return re.split(r"(?<=\.)\s", self.paragraphs[0], maxsplit=1)[0] if self.paragraphs else ""
+
+
+def describe_module(module: Module) -> ModuleText:
+    """What a module's comments and the heads of its SUBs say."""
+    name = PurePath(module.source.name).stem.upper()
+    comments = {line: re.sub(r"^!+ ?", "", text).rstrip() for line, text in module.comment_lines}
+    subs = [one for one in module.statements if one.index is None and one.name.name == "SUB"]
+    first = min(comments, default=0)
+    above_all = min((one.line for one in module.statements), default=first + 1)
+    top: list[str] = []
+    if first and first < above_all:
+        top = _downwards(comments, first)
+        # a comment that stands right above the first SUB is the SUB's
+        if first + len(top) in {one.line for one in subs}:
+            top = []
+    return ModuleText(name, _paragraphs(top), tuple(_sub(one, comments, name) for one in subs))
+
+
+def module_listing(modules: list[ModuleText]) -> str:
+    """A line a module."""
+    width = max((len(one.name) for one in modules), default=0) + 2
+    return "\n".join(
+        f"{one.name:{width}}{one.title or '(no comment says what it is for)'}" for one in modules
+    )
+
+
+def module_plain(module: ModuleText) -> str:
+    """The reference for a terminal."""
+    lines = [module.name, ""]
+    for paragraph in module.paragraphs:
+        lines += [*_wrapped(paragraph, "  "), ""]
+    lines += [f"  USE {module.name}", ""]
+    for sub in module.subs:
+        lines += [*_wrapped(f"{module.name}.{sub.head}", "", "    ")]
+        lines += _wrapped(sub.purpose, "  ")
+        width = max((len(one.name) for one in sub.parameters), default=0) + 2
+        for one in sub.parameters:
+            lines += _wrapped(one.meaning, f"    {one.name:{width}}", " " * (4 + width))
+        lines += [*_wrapped(f"for example: {sub.example}", "  "), ""]
+    return "\n".join(lines).rstrip()
+
+
+def module_markdown(module: ModuleText) -> str:
+    """The reference as Markdown."""
+    lines = [f"# {module.name}", ""]
+    for paragraph in module.paragraphs:
+        lines += [_marked(paragraph), ""]
+    lines += ["```", f"USE {module.name}", "```", ""]
+    for sub in module.subs:
+        lines += [f"## {module.name}.{sub.name}", ""]
+        if sub.purpose:
+            lines += [_marked(sub.purpose), ""]
+        if sub.parameters:
+            lines += ["| parameter | meaning |", "|---|---|"]
+            lines += [f"| `{one.name}` | {_marked(one.meaning)} |" for one in sub.parameters]
+            lines.append("")
+        lines += ["```", sub.example, "```", ""]
+    return "\n".join(lines).rstrip()
+
+
+def _sub(statement: Statement, comments: dict[int, str], module: str) -> SubText:
+    values = [value for waypoint in statement.waypoints for value in waypoint.values]
+    head = [_head_name(value) for value in values]
+    name, wanted = (head[0], head[1:]) if head else ("", [])
+    purpose, meanings, example = _parts(_upwards(comments, statement.line - 1))
+    parameters = tuple(ParameterText(one, meanings.get(_plain(one), "")) for one in wanted)
+    known = {_plain(one) for one in wanted}
+    strangers = tuple(one for one in meanings if one not in known)
+    # without a call in the comment: the parameters stand for themselves
+    example = example or " ".join(("CALL", f"{module}.{name}", *(one.split(" (")[0] for one in wanted)))
+    return SubText(name, purpose, parameters, strangers, example)
+
+
+def _head_name(value: Value) -> str:
+    """A word of the head in its usual form: names in upper case, units in lower case."""
+    if isinstance(value, FrameName):
+        return f"{{{value.name}}}"
+    if isinstance(value, Parameter) and value.unit is not None:
+        return f"{value.word.name} ({value.unit.text.lower()})"
+    return value.text.upper()
+
+
+def _parts(lines: list[str]) -> tuple[str, dict[str, str], str]:
+    """A SUB's comment: what it does, its parameters, the call."""
+    purpose: list[str] = []
+    meanings: dict[str, str] = {}
+    example, last, margin = "", "", 0
+    for line in lines:
+        text = line.strip()
+        indent = len(line) - len(line.lstrip())
+        if indent < 2:
+            purpose.append(text)
+            last = ""
+        elif re.match(r"CALL\s", text, re.IGNORECASE):
+            example, last = text, ""
+        elif last and indent > margin:
+            meanings[last] = f"{meanings[last]} {text}"
+        else:
+            word, _, meaning = text.partition("  ")
+            last, margin = _plain(word), indent
+            meanings[last] = meaning.strip()
+    return " ".join(purpose).strip(), meanings, example
+
+
+def _plain(parameter: str) -> str:
+    """A parameter as it is compared: `t(S)` and `T (s)` are the same."""
+    word, bracket, unit = parameter.partition("(")
+    return f"{word.strip().upper()} ({unit.rstrip(') ').lower()})" if bracket else word.strip().upper()
+
+
+def _downwards(comments: dict[int, str], line: int) -> list[str]:
+    """The comment that begins in a line."""
+    found = []
+    while line in comments:
+        found.append(comments[line])
+        line += 1
+    return found
+
+
+def _upwards(comments: dict[int, str], line: int) -> list[str]:
+    """The comment that ends in a line."""
+    found = []
+    while line in comments:
+        found.append(comments[line])
+        line -= 1
+    return found[::-1]
+
+
+def _paragraphs(lines: list[str]) -> tuple[str, ...]:
+    """Lines put together; an empty one parts."""
+    blocks = "\n".join(line.strip() for line in lines).split("\n\n")
+    return tuple(" ".join(block.split()) for block in blocks if block.strip())
+
+
+def _marked(text: str) -> str:
+    """A text in Markdown: what would be read as markup is taken literally."""
+    return re.sub(r"([*_|<>`\\])", r"\\\1", text)
+
+
+def _wrapped(text: str, first: str, then: str | None = None) -> list[str]:
+    return wrap(
+        text,
+        WIDTH,
+        initial_indent=first,
+        subsequent_indent=first if then is None else then,
+        break_long_words=False,
+        break_on_hyphens=False,
+    ) or ([first.rstrip()] if first.strip() else [])

@@ -90,3 +90,11 @@ def test_a_controller_that_resets(workshop):
     ((simulator, text),) = runs(workshop, f"reset@line{LINE}")
     assert_told(text, ".*reset", EXECUTED)
     assert "motor 1: it is open-loop" in workshop.here(*run_on(simulator), status=1)
+
+
+def test_before_anything_moves(workshop):
+    """A link that is lost while the program is loaded."""
+    ((simulator, text),) = runs(workshop, "drop@line40")
+    assert_told(text, "the connection was lost: ", "\n  nothing had moved\n")
+    assert "to go on" not in text
+    assert simulator.stands() == pytest.approx(np.zeros(6), abs=1e-6)

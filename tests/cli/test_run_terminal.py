@@ -84,6 +84,22 @@ def test_an_approach_is_asked_for(workshop, simulator, answer, status):
     assert simulator.stands()[0] == pytest.approx(0.0 if status else 2.0, abs=1e-4)
 
 
+def test_aborted_on_the_way_to_the_start(workshop, simulator):
+    workshop.write(
+        "q.yarc", "ROBOT INDUSTRIAL6\nSTART 9 0 0 0 0 0 (deg)\nP0010 MOVEJ 8 0 0 0 0 0 [0.5] (deg,s)\n"
+    )
+    terminal = workshop.terminal(*run_on(simulator, "--approach", "--yes", program="q.yarc"))
+    terminal.wait_for("\x1b[Kto the start  0.")
+    terminal.type("\x03")
+    terminal.wait_for("hold: ")
+    terminal.type("\x03")
+    text = terminal.end(1)
+    assert "q.yarc: aborted: off its path\n" in text
+    assert "  it was on its way to the start\n" in text
+    assert f"  to go on: yarc run q.yarc --to {simulator.address} --tm 10 --approach\n" in text
+    assert 0.0 < simulator.stands()[0] < 9.0
+
+
 def test_a_window_that_is_closed(workshop, simulator):
     """The log says how it ended."""
     terminal = workshop.terminal(*run_on(simulator)[:-1], "--log", "run.mcap")

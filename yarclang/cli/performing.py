@@ -113,6 +113,8 @@ class _Run:
         self.terminal: Terminal
         self.where = f"--to {address} --robot {robot_argument(self.robot, options['robot'])}"
         self.passes = 0
+        self.on_the_way = False
+        self._moved = False
         self._log: RunLog | None = None
 
     async def whole(self) -> int:
@@ -246,10 +248,12 @@ class _Run:
         """The way to the start, then the program."""
         if way is not None:
             self.display.begin(way, instead="to the start")
+            self.on_the_way = True
             ended = await self._perform(way)
             if not ended.well:
                 # its command is none of the program's
                 return replace(ended, command="", command_index="", done=0.0)
+            self.on_the_way = False
         ended = Ended(True)
         for number, job in enumerate(self._jobs()):
             if number and self.loaded.steps and (stopped := await self._pause(job, number)) is not None:
@@ -286,7 +290,9 @@ class _Run:
     async def _perform(self, job: Job) -> Ended:
         if self._log is not None:
             self._log.begin(job)
-        return await self.session.perform(perform(self.session.operation, job))
+        ended = await self.session.perform(perform(self.session.operation, job))
+        self._moved = self._moved or ended.well or bool(ended.command)
+        return ended
 
     async def _rescue(self) -> None:
         """Behind a bug of ours: bring the robot to rest and end what runs, if that can be done. Nothing of the session is trusted."""
@@ -335,18 +341,36 @@ class _Run:
             yield "  where it stands isn't known: look at the robot"
         else:
             yield f"  {self.robot.name} stands at {described(self.robot, ended.joints)}"
-        index = ended.command_index
-        plan, joints = self.loaded.plan, ended.joints
-        found = None
-        if ended.command and plan is not None and joints is not None:
-            found = resting_place(plan, self.loaded.program, joints, ended.done)
+        if not self._moved:
+            yield "  nothing had moved"
+        elif self.on_the_way:
+            yield "  it was on its way to the start"
+            yield from self._going_on(self._first_option)
+        elif ended.command:
+            yield from self._in_command(ended)
+
+    def _in_command(self, ended: Ended) -> Iterator[str]:
+        """Which command was executed, and how to go on with it."""
+        plan, index, found = self.loaded.plan, ended.command_index, None
+        if plan is not None and ended.joints is not None:
+            found = resting_place(plan, self.loaded.program, ended.joints, ended.done)
         if found is not None:
             index = found.command.index
             yield f"  on its path, in {found.command.title}, {found.done:.2f} s into the program"
-        elif ended.command:
+        else:
             yield f"  it was executing {ended.command}, {ended.done:.1f} s into the program"
-        if self.again and index and index != "-" and plan is not None and joints is not None:
-            yield f"  to go on: {self.again} --from {index}"
+        if plan is not None and ended.joints is not None and index not in ("", "-"):
+            yield from self._going_on(f"--from {index}")
+
+    def _going_on(self, option: str) -> Iterator[str]:
+        if self.again:
+            yield f"  to go on: {self.again} {option}"
+
+    @property
+    def _first_option(self) -> str:
+        """What was given for the way to the start."""
+        first = self.loaded.rest.commands[:1]
+        return f"--from {first[0].index}" if self.loaded.begins_within and first else "--approach"
 
     def _wrong(self, what: str, remedy: str) -> None:
         """Say what is wrong, behind what the screen shows."""

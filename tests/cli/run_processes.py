@@ -271,7 +271,12 @@ class Workshop:
     def __init__(self, folder):
         self.folder = folder
         self._home = Path(tempfile.mkdtemp(prefix="yarc-"))  # its sockets need a short path
-        self.environment = {**os.environ, "XDG_RUNTIME_DIR": str(self._home)}
+        self.environment = {
+            # a process whose files are limited would leave half a module behind
+            "PYTHONDONTWRITEBYTECODE": "1",
+            **os.environ,
+            "XDG_RUNTIME_DIR": str(self._home),
+        }
         self._processes = []
         self.write("p.yarc", ROUND)
 

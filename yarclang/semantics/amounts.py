@@ -91,12 +91,14 @@ def binary(operator: str, left: Amount, right: Amount) -> Amount:
         case "/" | "%":
             found = _quotient(operator, left, right)
         case "+" | "-":
-            one, other, unit = _together(f"{left} {operator} {right}", left, right)
+            one, other, unit = _together(operator, left, right)
             found = Amount(one + other if operator == "+" else one - other, unit)
         case _:
-            one, other, _ = _together(f"{left} {operator} {right}", left, right)
+            one, other, _ = _together(operator, left, right)
             return Amount(float(_COMPARED[operator](one, other)))
-    return _finite(found, f"{left} {operator} {right}")
+    if not math.isfinite(found.value):
+        raise AmountError("Y0410", f"{left} {operator} {right} is too large to be computed")
+    return found
 
 
 _COMPARED: dict[str, Callable[[float, float], bool]] = {
@@ -109,12 +111,13 @@ _COMPARED: dict[str, Callable[[float, float], bool]] = {
 }
 
 
-def _together(what: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
+def _together(operator: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
     """Two numbers in one unit: that of the left one, or of the one that has any."""
     unit = left.unit or right.unit
     if unit is None:
         return left.value, right.value, None
     if left.unit and right.unit and left.unit.kind != right.unit.kind:
+        what = f"{operator}({left}, {right})" if operator.isalnum() else f"{left} {operator} {right}"
         message = f"{what}: {_a(left.unit.kind)} and {_a(right.unit.kind)} don't go together"
         raise AmountError("Y0307", message, "check the units")
     return left.in_unit(unit), right.in_unit(unit), unit
@@ -146,14 +149,8 @@ def _quotient(operator: str, left: Amount, right: Amount) -> Amount:
     if left.unit is None:
         message = f"{left} {operator} {right}: a plain number can't be divided by {_a(right.unit.kind)}"
         raise AmountError("Y0307", message, "check the units")
-    one, other, unit = _together(f"{left} {operator} {right}", left, right)
+    one, other, unit = _together(operator, left, right)
     return Amount(one / other) if operator == "/" else Amount(math.fmod(one, other), unit)
-
-
-def _finite(amount: Amount, what: str) -> Amount:
-    if not math.isfinite(amount.value):
-        raise AmountError("Y0410", f"{what} is too large to be computed")
-    return amount
 
 
 def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
@@ -168,7 +165,7 @@ def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
             angle = first.in_unit(UNITS["deg"]) if first.unit else first.value
             return Amount(_TRIGONOMETRY[name](math.radians(angle)))
         case "ATAN2":
-            one, other, _ = _together(f"ATAN2({first}, {arguments[1]})", first, arguments[1])
+            one, other, _ = _together(name, first, arguments[1])
             return Amount(math.degrees(math.atan2(one, other)), UNITS["deg"])
         case "SQRT":
             value = first.plain("what SQRT is taken of")
@@ -178,7 +175,7 @@ def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
         case "MIN" | "MAX":
             found = first
             for another in arguments[1:]:
-                a, b, unit = _together(f"{name}({found}, {another})", found, another)
+                a, b, unit = _together(name, found, another)
                 found = Amount(min(a, b) if name == "MIN" else max(a, b), unit)
             return found
         case "ABS":

@@ -20,7 +20,7 @@ from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.poses import check_limits, constant, rotation_of
 from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope
 from yarclang.semantics.units import amount, missing_unit, number_fault, resolve_units
-from yarclang.syntax.ast import Statement, Value, Word
+from yarclang.syntax.ast import FrameName, Statement, Value, Word
 from yarclang.syntax.words import RESERVED
 from yarclang.units import Kind, Unit
 
@@ -44,10 +44,28 @@ def may_be_declared(
     if "." in name:
         findings.add("Y0211", f"{word.text}: a name has no point in it", span, "choose another name")
         return False
-    if scope.name(name) is not None and name not in robot.positions:
+    found = scope.name(name)
+    of_robot = isinstance(found, JointPosition) and found.q is robot.positions.get(name)
+    if found is not None and not of_robot:
         findings.add("Y0206", f"{name} is declared already", span, "choose another name")
         return False
     return True
+
+
+def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> bool:
+    """Whether a frame's name can be given a meaning here; a finding says why it can't."""
+    name, span = frame.name, statement.span(frame.place)
+    if name in FIXED_FRAMES:
+        message = f"{{{name}}} comes from the robot and can't be declared"
+        findings.add("Y0211", message, span, "choose another name")
+    elif scope.frame(name) is not None:
+        findings.add("Y0206", f"{{{name}}} is declared already", span, "choose another name")
+    elif re.fullmatch(r"[A-Z_][A-Z0-9_]*", name) is None:
+        help_ = "names have letters, digits and _"
+        findings.add("Y0211", f"{frame.text} is no name of a frame", span, help_)
+    else:
+        return True
+    return False
 
 
 def declare_frame(
@@ -64,22 +82,8 @@ def declare_frame(
             example,
         )
         return
-    name, span = statement.moving.name, statement.span(statement.moving.place)
-    if name in FIXED_FRAMES:
-        findings.add(
-            "Y0211", f"{{{name}}} comes from the robot and can't be declared", span, "choose another name"
-        )
-        return
-    if scope.frame(name) is not None:
-        findings.add("Y0206", f"{{{name}}} is declared already", span, "choose another name")
-        return
-    if re.fullmatch(r"[A-Z_][A-Z0-9_]*", name) is None:
-        findings.add(
-            "Y0211",
-            f"{statement.moving.text} is no name of a frame",
-            span,
-            "names have letters, digits and _",
-        )
+    name = statement.moving.name
+    if not frame_may_be_declared(statement, statement.moving, scope, findings):
         return
     values = Values.POSE_QUAT if statement.name.name == "FRAME_QUAT" else Values.POSE_RPY
     numbers = _numbers(statement, values, tuple(_values(statement)), scope, defaults, robot, findings)

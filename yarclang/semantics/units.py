@@ -71,7 +71,11 @@ def amount(item: Value, scope: Scope, statement: Statement, findings: Collector)
     try:
         match item:
             case Computed(expression=expression):
-                return evaluate(expression, scope)
+                found = evaluate(expression, scope)
+                if abs(found.value) <= LARGEST_NUMBER:
+                    return found
+                message = f"{item.text} is {found}: beyond the largest value, {LARGEST_NUMBER:,.0f}"
+                findings.add("Y0403", message, statement.span(item.place))
             case Quantity():
                 return quantity(item)
             case Number(value=value):

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from yarclang.diagnostics import Collector, Diagnostic, suggest
 from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
 from yarclang.robot.model import Robot
@@ -22,11 +24,13 @@ from yarclang.semantics.naming import (
     declare_joints,
     declare_number,
     declare_signal,
+    frame_may_be_declared,
     may_be_declared,
 )
-from yarclang.semantics.scope import KINDS, Input, JointPosition, Library, Named, Routine, Scope
+from yarclang.semantics.parts import refuse_parts
+from yarclang.semantics.scope import KINDS, Frame, Input, JointPosition, Library, Named, Routine, Scope
 from yarclang.semantics.to_hir import origin_of, to_step
-from yarclang.semantics.units import amount
+from yarclang.semantics.units import amount, number_fault
 from yarclang.source import Span
 from yarclang.syntax.ast import (
     Block,
@@ -54,6 +58,9 @@ _AT_THE_TOP = ("ROBOT", "CELL", "USE", "DEFAULT", "START")
 _ONCE = ("ROBOT", "CELL", "DEFAULT", "START")
 
 
+_NOT_FOR_BLOCKS = ("a moving frame", "a motion time", "units", "a base frame", "options")
+
+
 class TooManyCommands(Exception):  # noqa: N818 - ends the unrolling, and is told as a finding
     """The program is longer than is ever planned."""
 
@@ -65,7 +72,11 @@ class Sub:
     block: Block
     scope: Scope
     file: File
-    called: bool = False
+
+    @property
+    def name(self) -> str:
+        """Its name in upper case."""
+        return _values(self.block.head)[0].text.upper()
 
 
 @dataclass(slots=True, eq=False)
@@ -105,10 +116,12 @@ class _Unroller:
         self._start: Array | None = None
         self._collectors: list[Collector] = []
         self._names: dict[tuple[int, int], ResolvedName | None] = {}
+        self._files: list[File] = []  # they live as long as the keys that are made of them
         self._loading: list[str] = []
         self._modules: dict[str, Library] = {}
         self._calls: list[Sub] = []
         self._commands = 0
+        self._whens = 0
         self._ended: str | None = None
         self._told_unreachable = False
 
@@ -116,8 +129,11 @@ class _Unroller:
         """The whole program."""
         file = self._file(module, is_program=True)
         try:
-            self._nodes(self._arranged(module, file), file, file.scope, ())
+            nodes = self._arranged(module, file)
+            self._resolve_all(nodes, file)
+            self._nodes(nodes, file, file.scope, ())
         except TooManyCommands:
+            self._steps.clear()  # what isn't whole needn't be planned
             message = f"the program has more than {MOST_COMMANDS:,} commands when its loops are unrolled"
             file.findings.place = ""
             file.findings.add(
@@ -133,7 +149,9 @@ class _Unroller:
         findings = Collector(module.source)
         self._collectors.append(findings)
         scope = Scope(Scope.of_robot(self._robot))
-        return File(findings, scope, Defaults(scope), is_program)
+        file = File(findings, scope, Defaults(scope), is_program)
+        self._files.append(file)
+        return file
 
     def _arranged(self, module: Module, file: File) -> tuple[Node, ...]:
         arranged = arrange(module)
@@ -147,7 +165,7 @@ class _Unroller:
 
     def _nodes(self, nodes: tuple[Node, ...], file: File, scope: Scope, place: tuple[str, ...]) -> None:
         for node in nodes:
-            file.findings.place = ">".join(place)
+            file.findings.place = _shown(place)
             if isinstance(node, Block):
                 self._block(node, file, scope, place)
             elif node.index is None and node.name.name in DECLARATIONS:
@@ -180,6 +198,7 @@ class _Unroller:
 
     def _repeat(self, block: Block, file: File, scope: Scope, place: tuple[str, ...]) -> None:
         head = block.head
+        refuse_parts(head, _NOT_FOR_BLOCKS, file.findings)
         values = _values(head)
         word = values[0] if values and isinstance(values[0], Word) else None
         count = self._count(head, values[1:] if word else values, file, scope)
@@ -204,18 +223,23 @@ class _Unroller:
                 "Y0401", "REPEAT wants a name and a number, or a number", head.whole_span, example
             )
             return None
+        span = head.span(values[0].place)
+        if (fault := number_fault(values[0])) is not None:
+            file.findings.add(fault[0], fault[1], span, fault[2])
+            return None
         found = amount(values[0], scope, head, file.findings)
         if found is None:
             return None
-        span = head.span(values[0].place)
-        if found.unit is not None or found.value != int(found.value) or found.value < 0:
+        whole = round(found.value)
+        # 3 * 0.1 * 10 is meant as 3
+        if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
             file.findings.add("Y0414", f"REPEAT {found}: a whole number, 0 or more, is wanted", span, example)
             return None
-        if found.value > MOST_COMMANDS:
-            message = f"REPEAT {found.value:,.0f}: a program has at most {MOST_COMMANDS:,} commands"
+        if whole > MOST_COMMANDS:
+            message = f"REPEAT {whole:,}: a program has at most {MOST_COMMANDS:,} commands"
             file.findings.add("Y1004", message, span, "make the loop shorter")
             return None
-        return int(found.value)
+        return whole
 
     def _when(self, block: Block, file: File, scope: Scope, place: tuple[str, ...]) -> None:
         when = read_when(block.head, scope, file.findings)
@@ -224,11 +248,13 @@ class _Unroller:
             return
         self._steps.append(when)
         self._count_command()
+        self._whens += 1
         self._nodes(block.body, file, Scope(scope), place)
         if block.otherwise is not None:
             head = block.otherwise_head or block.head
             self._steps.append(Else(replace(origin_of(head, "ELSE", file.findings), place=when.origin.place)))
             self._nodes(block.otherwise, file, Scope(scope), place)
+        self._whens -= 1
         end = block.end or block.head
         self._steps.append(EndWhen(replace(origin_of(end, "END", file.findings), place=when.origin.place)))
 
@@ -312,7 +338,9 @@ class _Unroller:
         inner.findings.found += loaded.diagnostics
         self._loading.append(word.name)
         try:
-            for node in self._arranged(module, inner):
+            nodes = self._arranged(module, inner)
+            self._resolve_all(nodes, inner)
+            for node in nodes:
                 self._module_node(node, inner)
         finally:
             self._loading.pop()
@@ -342,13 +370,38 @@ class _Unroller:
                 "Y0401", message, block.head.whole_span, "for example SUB DRILL {AT} DEPTH (mm)"
             )
             return
+        refuse_parts(block.head, _NOT_FOR_BLOCKS, file.findings)
         word = word.word if isinstance(word, Parameter) else word
         if may_be_declared(block.head, word, scope, self._robot, file.findings):
-            # what is declared behind it isn't known in it
-            scope.declare(word.name, Routine(Sub(block, _snapshot(scope), file)))
+            # what is declared behind it isn't known in it; its own name is, so that recursion is seen
+            sub = Sub(block, scope, file)
+            scope.declare(word.name, Routine(sub))
+            sub.scope = _snapshot(scope)
+            self._check_parameters(sub)
+
+    def _check_parameters(self, sub: Sub) -> None:
+        """Names of parameters are declared as others are, and their units are units."""
+        head, findings, seen = sub.block.head, sub.file.findings, Scope(sub.scope)
+        for parameter in _values(head)[1:]:
+            if isinstance(parameter, FrameName):
+                if frame_may_be_declared(head, parameter, seen, findings):
+                    seen.declare_frame(parameter.name, Frame(np.eye(4), on_flange=False))
+                continue
+            word = parameter.word if isinstance(parameter, Parameter) else parameter
+            if isinstance(word, Word) and may_be_declared(head, word, seen, self._robot, findings):
+                seen.declare(word.name, Amount(0.0))
+            if (
+                isinstance(parameter, Parameter)
+                and (unit := parameter.unit)
+                and unit.text.lower() not in UNITS
+            ):
+                help_ = suggest(unit.text, UNITS) or f"units are {', '.join(UNITS)}"
+                findings.add("Y0305", f"`{unit.text}` is no unit", head.span(unit.place), help_)
 
     def _call(self, statement: Statement, file: File, scope: Scope, place: tuple[str, ...]) -> None:
         findings = file.findings
+        findings.place = _shown(_at(place, _index(statement))) if place else ""
+        refuse_parts(statement, _NOT_FOR_BLOCKS, findings)
         values = _values(statement)
         if not values or not isinstance(word := values[0], Word):
             findings.add(
@@ -364,6 +417,8 @@ class _Unroller:
         if not isinstance(found, Routine) or not isinstance(sub := found.sub, Sub):
             if found is not None:
                 findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a SUB", span)
+            elif any(one.name == word.name and one.file is file for one in self._calls):
+                self._refuse_recursion(word, span, findings)
             else:
                 known = sorted(set(scope.names(Routine)))
                 help_ = suggest(word.text, known) or (f"there are {', '.join(known)}" if known else "")
@@ -371,7 +426,7 @@ class _Unroller:
             self._steps.append(Gap())
             return
         if sub in self._calls:
-            findings.add("Y0212", f"{word.text} calls itself", span, "a program must end: use REPEAT")
+            self._refuse_recursion(word, span, findings)
             self._steps.append(Gap())
             return
         inner = self._bound(statement, values[1:], sub, file, scope)
@@ -384,6 +439,12 @@ class _Unroller:
         finally:
             self._calls.pop()
             sub.file.findings.place = ""
+
+    def _refuse_recursion(self, word: Word, span: Span, findings: Collector) -> None:
+        names = [one.name for one in self._calls]
+        through = names[names.index(word.name.rpartition(".")[2]) + 1 :]
+        how = f"{word.text} calls itself" + (f" through {', '.join(through)}" if through else "")
+        findings.add("Y0212", how, span, "a program must end: use REPEAT")
 
     def _bound(
         self, statement: Statement, given: list[Value], sub: Sub, file: File, scope: Scope
@@ -399,7 +460,7 @@ class _Unroller:
         inner = Scope(sub.scope)
         fine = True
         for parameter, value in zip(wanted, given, strict=True):
-            fine &= self._bind(parameter, value, inner, statement, file, scope, sub)
+            fine &= self._bind(parameter, value, inner, statement, file, scope)
         return inner if fine else None
 
     def _bind(
@@ -410,7 +471,6 @@ class _Unroller:
         statement: Statement,
         file: File,
         scope: Scope,
-        sub: Sub,
     ) -> bool:
         """One parameter; a finding where the argument is of another kind."""
         findings, span = file.findings, statement.span(value.place)
@@ -423,7 +483,7 @@ class _Unroller:
                 inner.declare_frame(parameter.name, frame)
             return frame is not None
         word = parameter.word if isinstance(parameter, Parameter) else parameter
-        unit = _unit_of(parameter, sub)
+        unit = _unit_of(parameter)
         meaning: Named | None
         if isinstance(value, FrameName):
             findings.add("Y0411", f"{word.text} isn't a frame", span)
@@ -480,7 +540,7 @@ class _Unroller:
             self._call(statement, file, scope, place)
             return
         where = _at(place, _index(statement))
-        file.findings.place = ">".join(where) if place else ""
+        file.findings.place = _shown(where) if place else ""
         step: Step | None
         if word in ACTIONS:
             step = read_action(statement, scope, file.defaults, file.findings)
@@ -491,6 +551,10 @@ class _Unroller:
                 if name is not None
                 else None
             )
+        if isinstance(step, Stop) and self._whens:
+            message = "STOP in a WHEN is not carried out by this version"
+            file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
+            step = None
         self._steps.append(step or Gap())
         if isinstance(step, Stop):
             self._ended = step.origin.label or "STOP"
@@ -501,6 +565,15 @@ class _Unroller:
         if key not in self._names:
             self._names[key] = resolve_name(statement, self._context.profiles, file.findings)
         return self._names[key]
+
+    def _resolve_all(self, nodes: tuple[Node, ...], file: File) -> None:
+        """Names of commands are looked up even where nothing leads to them."""
+        for node in nodes:
+            if isinstance(node, Block):
+                self._resolve_all((*node.body, *(node.otherwise or ())), file)
+            elif node.index is not None or node.name.name not in DECLARATIONS:
+                if node.name.name not in (*ACTIONS, "CALL"):
+                    self._resolved(node, file)
 
     def _count_command(self, count: int = 1) -> None:
         self._commands += count or 1
@@ -513,15 +586,15 @@ def _snapshot(scope: Scope) -> Scope:
     return scope.copy()
 
 
-def _unit_of(parameter: Value, sub: Sub) -> Unit | None:
+def _unit_of(parameter: Value) -> Unit | None:
     if not isinstance(parameter, Parameter) or parameter.unit is None:
         return None
-    unit = UNITS.get(parameter.unit.text.lower())
-    if unit is None:
-        span = sub.block.head.span(parameter.unit.place)
-        help_ = suggest(parameter.unit.text, UNITS) or f"units are {', '.join(UNITS)}"
-        sub.file.findings.add("Y0305", f"`{parameter.unit.text}` is no unit", span, help_)
-    return unit
+    return UNITS.get(parameter.unit.text.lower())
+
+
+def _shown(place: tuple[str, ...]) -> str:
+    """A place as messages show it."""
+    return ">".join(part for part in place if part)
 
 
 def _index(statement: Statement) -> str:

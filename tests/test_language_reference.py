@@ -1,7 +1,7 @@
 """docs/language.md says what the program does: its examples are compiled, its tables are compared.
 
 `pytest tests/test_language_reference.py --rewrite-golden` writes the table of codes and the answers of
-section 7 anew.
+section 8 anew.
 """
 
 import re
@@ -40,7 +40,7 @@ def robot_of(program: str) -> str:
 
 
 def answer(line: str) -> str:
-    """The one code that a line of section 7 is answered with."""
+    """The one code that a line of section 8 is answered with."""
     command = "" if line.startswith("P0") else "\nP0020 STOP"
     found = codes(planned(f"DEFAULT {{TCP}} [20] (mm,deg,s) {{B}}\n{line}{command}")[1])
     (code,) = found

@@ -289,8 +289,9 @@ class Workshop:
         arguments = [word for fault in faults for word in ("--fault", fault)]
         return Simulator(self.start("sim", "--robot", robot, "--port", "0", *arguments), robot)
 
-    def start(self, *arguments, **options):
-        process = Process([*YARC, *arguments], self.folder, self.environment, **options)
+    def start(self, *arguments, variables=None, **options):
+        environment = {**self.environment, **(variables or {})}
+        process = Process([*YARC, *arguments], self.folder, environment, **options)
         self._processes.append(process)
         return process
 

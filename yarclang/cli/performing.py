@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import shlex
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -14,7 +15,7 @@ from yarclang import __version__
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controllers import robot_argument
 from yarclang.cli.loading import Loaded, job_of_compiled
-from yarclang.cli.resting import resting_place
+from yarclang.cli.resting import motion_before, resting_place
 from yarclang.cli.running import Display, OrderedSession, Screen, Terminal
 from yarclang.cli.show import show_findings
 from yarclang.cli.table import checked_table
@@ -352,6 +353,13 @@ class _Run:
     def _in_command(self, ended: Ended) -> Iterator[str]:
         """Which command was executed, and how to go on with it."""
         plan, index, found = self.loaded.plan, ended.command_index, None
+        if ended.command not in {command.title for command in self.loaded.program.commands}:
+            # what isn't a motion is stood at: what goes on begins in front of it
+            yield f"  it stood at {ended.command}"
+            if plan is not None:
+                before = motion_before(plan, index)
+                yield from self._going_on(f"--from {shlex.quote(before)}" if before else "")
+            return
         if plan is not None and ended.joints is not None:
             found = resting_place(plan, self.loaded.program, ended.joints, ended.done)
         if found is not None:
@@ -360,17 +368,19 @@ class _Run:
         else:
             yield f"  it was executing {ended.command}, {ended.done:.1f} s into the program"
         if plan is not None and ended.joints is not None and index not in ("", "-"):
-            yield from self._going_on(f"--from {index}")
+            yield from self._going_on(f"--from {shlex.quote(index)}")
 
     def _going_on(self, option: str) -> Iterator[str]:
         if self.again:
-            yield f"  to go on: {self.again} {option}"
+            yield f"  to go on: {self.again} {option}".rstrip()
 
     @property
     def _first_option(self) -> str:
         """What was given for the way to the start."""
         first = self.loaded.rest.commands[:1]
-        return f"--from {first[0].index}" if self.loaded.begins_within and first else "--approach"
+        return (
+            f"--from {shlex.quote(first[0].index)}" if self.loaded.begins_within and first else "--approach"
+        )
 
     def _wrong(self, what: str, remedy: str) -> None:
         """Say what is wrong, behind what the screen shows."""

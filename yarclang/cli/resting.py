@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.hir import Gap
 from yarclang.motion.plan import MotionPlan
 from yarclang.robot.model import Array
 from yarclang.runtime.job import Job, JobCommand
@@ -18,6 +19,9 @@ _ROUNDS = 2
 
 _ON_PATH = 5e-3
 """How far from the path, in axis units [deg or mm], a robot at rest on it may be: its text has rounded numbers."""
+
+_AS_NEAR = 1e-4
+"""Places whose distances differ by less are equally near [deg or mm]."""
 
 _EARLIER = 2.0
 """How far what was heard may be ahead of the robot [segments]."""
@@ -53,18 +57,34 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
     last = min(plan.duration, since + (program.capacity + _EARLIER) * segment)
     times = np.linspace(first, last, max(3, int((last - first) / _STEP)))
     off = np.pad(_off(plan, times, joints), 1, constant_values=np.inf)
-    # a path may come by twice: the first time counts
+    found: list[tuple[float, float]] = []
     for near in np.flatnonzero((off[1:-1] <= off[:-2]) & (off[1:-1] <= off[2:])):
         time, step = float(times[near]), float(times[1] - times[0])
         for _ in range(_ROUNDS):
             tried = np.clip(np.linspace(time - step, time + step, _FINER), first, last)
             distances = _off(plan, tried, joints)
             time, step = float(tried[np.argmin(distances)]), 2.0 * step / _FINER
-        if distances.min() <= _ON_PATH:
-            at = min(int(np.searchsorted(plan.starts, time, side="right")), len(plan.motions)) - 1
-            there = program.commands[at]
-            return Resting(there, there.begins + time - float(plan.starts[at]))
-    return None
+        found.append((float(distances.min()), time))
+    best = min(found)[0]
+    if best > _ON_PATH:
+        return None
+    # a path may come by twice: the first time counts
+    time = min(one for distance, one in found if distance < best + _AS_NEAR)
+    at = min(int(np.searchsorted(plan.starts, time, side="right")), len(plan.motions)) - 1
+    there = program.commands[at]
+    return Resting(there, there.begins + time - float(plan.starts[at]))
+
+
+def motion_before(plan: MotionPlan, index: str) -> str:
+    """The index of the last motion in front of a step with an index, such as a WAIT; empty where there is none."""
+    steps = [
+        (number, step.origin.index)
+        for number, step in enumerate(plan.program.steps)
+        if not isinstance(step, Gap)
+    ]
+    at = next((number for number, name in steps if name == index), 0)
+    moved = {motion.step for motion in plan.motions}
+    return next((name for number, name in reversed(steps) if number < at and number in moved), "")
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:

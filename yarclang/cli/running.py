@@ -236,7 +236,11 @@ class Display:
         """How it ends is told when all of it is known. Again and again, only what is out of the ordinary counts."""
         if change.state is State.FAULT or (change.state is State.STOP and not self._instead):
             return True
-        return self._brief and before is not State.HOLD and change.state in (State.INIT, State.MOVE)
+        ordinary = before is not State.HOLD and change.state in (State.INIT, State.MOVE)
+        left_out = self._brief and ordinary
+        # a program that waits for an input, say, is loaded leg by leg
+        self._brief = self._brief or change.state is State.MOVE
+        return left_out
 
 
 class Terminal:

@@ -24,6 +24,8 @@ Listener = Callable[[Notice], None]
 REPLY_TIME = 1.0
 """A reply that takes longer is lost [s]."""
 
+_TURN = 0.005
+
 CONNECT_TIME = 5.0
 """A connection that takes longer can't be made [s]."""
 
@@ -161,8 +163,11 @@ class Session:
             events = connection.receive(data, self._now()) if data else ()
             if not events and wire.closed:
                 events = connection.close()
-            if not events:
-                events = connection.check(self._now())
+            if not events and not data:
+                # a process that has slept past the deadline finds its reply only in the next turn of the loop
+                await asyncio.sleep(_TURN)
+                data = wire.take()
+                events = connection.receive(data, self._now()) if data else connection.check(self._now())
             if more := connection.outgoing():
                 wire.send(more)
             if events:

@@ -26,7 +26,7 @@ class Amount:
         Raises:
             AmountError: it is of another kind.
         """
-        if self.unit is None:
+        if self.unit is None or self.unit is unit:
             return self.value
         if self.unit.kind != unit.kind:
             raise AmountError(

@@ -212,8 +212,10 @@ class _Unroller:
             if word is not None:
                 inner.declare(word.name, Amount(float(number)))
             label = f"{word.name}={number}" if word is not None else f"#{number}"
+            before = self._commands
             self._nodes(block.body, file, inner, _looped(place, label))
-            self._count_command(0)
+            if self._commands == before:
+                self._count_command()  # loops around nothing end as well
 
     def _count(self, head: Statement, values: list[Value], file: File, scope: Scope) -> int | None:
         """How often a REPEAT repeats."""
@@ -571,12 +573,13 @@ class _Unroller:
         for node in nodes:
             if isinstance(node, Block):
                 self._resolve_all((*node.body, *(node.otherwise or ())), file)
-            elif node.index is not None or node.name.name not in DECLARATIONS:
-                if node.name.name not in (*ACTIONS, "CALL"):
-                    self._resolved(node, file)
+            elif node.index is None and node.name.name in DECLARATIONS:
+                continue
+            elif node.name.name not in (*ACTIONS, "CALL"):
+                self._resolved(node, file)
 
-    def _count_command(self, count: int = 1) -> None:
-        self._commands += count or 1
+    def _count_command(self) -> None:
+        self._commands += 1
         if self._commands > MOST_COMMANDS:
             raise TooManyCommands
 

@@ -1,0 +1,128 @@
+"""WAIT, SET, HOLD and WHEN, and the options of motions."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from programs import checked, codes, planned
+
+from yarclang.hir import Dwell, Else, EndWhen, Hold, JointMove, SetOutput, WaitInput, When
+
+HEAD = "DEFAULT {TCP} [MIN] (mm,deg,s) {B}\nINPUT DOOR M11\nOUTPUT GLUE M1 OFF\nJOINTS LOW 0 0 0 0 20 0\n"
+
+
+def one(line):
+    program, found = checked(f"{HEAD}P0010 {line}")
+    (step,) = program.steps
+    return step, codes(found)
+
+
+@given(st.integers(1, 3_600_000))
+def test_a_wait_is_a_dwell_of_its_time(ms):
+    step, found = one(f"WAIT [{ms}] (ms)")
+    assert isinstance(step, Dwell)
+    assert step.duration == pytest.approx(ms / 1000)
+    assert found == []
+
+
+def test_steps():
+    text = 'P0010 WAIT DOOR ON [5]\nP0020 WAIT DOOR 3\nP0030 SET GLUE ON\nP0040 SET GLUE $(1.5+2)\nP0050 HOLD "go ! on"'
+    program, found = checked(HEAD + text)
+    first, second, third, fourth, fifth = program.steps
+    assert isinstance(first, WaitInput)
+    assert (first.value, first.timeout, second.value, second.timeout) == (1.0, 5.0, 3.0, None)
+    assert isinstance(third, SetOutput)
+    assert (third.output.name, third.value, fourth.value) == ("GLUE", 1.0, 3.5)
+    assert isinstance(fifth, Hold)
+    assert fifth.text == "go ! on"
+    assert codes(found) == ["Y1003"]
+    (output,) = program.outputs
+    assert (output.signal.variable, output.safe) == ("M1", 0.0)
+
+
+def test_when_keeps_both_ways():
+    text = "WHEN DOOR OFF\nP0010 MOVEJ LOW\nELSE\nREPEAT 2\nP0020 MOVEJ LOW\nEND\nEND"
+    kinds = [type(step) for step in checked(HEAD + text)[0].steps]
+    assert kinds == [When, JointMove, Else, JointMove, JointMove, EndWhen]
+    assert "Y1002" not in codes(planned(HEAD + text)[1])
+
+
+@pytest.mark.parametrize(
+    ("text", "end"),
+    [
+        ("WHEN DOOR OFF\nP0010 MOVEJ LOW\nEND", 7),
+        ("WHEN DOOR OFF\nP0010 MOVEJ LOW\nELSE\nP0020 MOVEJ 5 0 0 0 0 0\nEND", 9),
+        (
+            "WHEN DOOR OFF\nWHEN DOOR ON\nP0010 MOVEJ LOW\nELSE\nP0015 MOVEJ LOW\nEND\nELSE\nP0020 HOLD\nEND",
+            13,
+        ),
+    ],
+)
+def test_ways_that_end_apart_are_one_finding_where_they_meet(text, end):
+    found = [each for each in planned(HEAD + text)[1] if each.code == "Y1002"]
+    assert [each.span.line for each in found] == [end]
+
+
+def test_stop_in_a_when_is_refused_and_what_follows_stays():
+    program, found = checked(f"{HEAD}WHEN DOOR OFF\nP0010 STOP\nEND\nP0020 MOVEJ LOW")
+    assert codes(found) == ["Y0207"]
+    assert isinstance(program.steps[-1], JointMove)
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("WAIT", "Y0406"),
+        ("WAIT [0]", "Y0407"),
+        ("WAIT [3601]", "Y0407"),
+        ("WAIT [MIN]", "Y0407"),
+        ("WAIT [$(5 (mm))]", "Y0307"),
+        ("WAIT DOOR [5]", "Y0401"),
+        ("WAIT GLUE ON [5]", "Y0209"),
+        ("WAIT DOR ON [5]", "Y0210"),
+        ("WAIT {TCP} [5]", "Y0408"),
+        ("SET GLUE", "Y0401"),
+        ("SET DOOR ON", "Y0209"),
+        ("SET GLUE OPEN", "Y0402"),
+        ("SET GLUE $(2 (mm))", "Y0307"),
+        ("SET GLUE ON [5]", "Y0408"),
+        ("HOLD 5", "Y0401"),
+        ('HOLD "a" [5]', "Y0408"),
+        ("MOVEJ LOW ACC 101%", "Y0412"),
+        ("MOVEJ LOW ACC 30", "Y0412"),
+        ("MOVEJ LOW TOL -1", "Y0412"),
+        ("MOVEJ LOW TOL $(1 (s))", "Y0307"),
+        ("MOVEJ LOW NEAR HOME", "Y0412"),
+        ("MOVEJ_RPY 0 1174.4 1176 0 0 0 NEAR DOOR", "Y0209"),
+        ("MOVEJ_RPY 0 1174.4 1176 0 0 0 NEAR 5", "Y0412"),
+        ("MOVEJ LOW [0%]", "Y0407"),
+        ("MOVEJ LOW [$(5 (mm))%]", "Y0307"),
+    ],
+)
+def test_refused(line, code):
+    assert one(line)[1] == [code]
+
+
+def test_near_picks_the_solution():
+    pose = "MOVEJ_RPY 0 1174.4 1176 0 0 0"
+    ends = {}
+    for near in ("0 0 0 0 60 0", "0 0 0 170 -60 -170"):
+        text = f"{HEAD}JOINTS HERE {near}\nP0010 {pose} NEAR HERE"
+        plan, found = planned(text)
+        assert codes(found) == []
+        ends[near] = np.degrees(plan.motions[0].waypoints[-1])
+        goal = checked(text)[0].steps[0].goal
+        assert np.degrees(goal.near) == pytest.approx([float(part) for part in near.split()])
+    first, second = ends.values()
+    assert np.abs(first - second).max() > 90
+
+
+def test_time_and_acc_and_tol_reach_the_plan():
+    plain = one("MOVEJ LOW")[0].timing
+    assert (plain.duration, plain.share, plain.ramp) == (None, 1.0, 1.0)
+    step = one("MOVEL 0 1174.4 1176 0 0 0 [50%] ACC 30% TOL 0.05")[0]
+    assert (step.timing.share, step.timing.ramp) == (0.5, 0.3)
+    assert step.tolerance == pytest.approx(5e-5)
+    assert one("MOVEJ LOW [$(2*3)]")[0].timing.duration == 6.0
+    assert one("MOVEJ LOW [$(200 (ms))]")[0].timing.duration == pytest.approx(0.2)
+    assert one("MOVEJ LOW [$(5*5)%]")[0].timing.share == 0.25

@@ -1,0 +1,127 @@
+"""REPEAT, IF and CALL carried out: which commands, in which order, at which place."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from programs import checked, codes, planned
+
+from yarclang.diagnostics import grouped
+from yarclang.semantics import unroll
+
+DEFAULT = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
+
+
+def steps(program):
+    checked_program, found = checked(DEFAULT + program)
+    assert codes(found) == []
+    return checked_program.steps
+
+
+def first_joints(program):
+    return [round(float(np.degrees(step.goal.q[0])), 9) for step in steps(program)]
+
+
+@given(st.integers(0, 5), st.integers(0, 5))
+def test_nested_loops_count_from_zero(rows, columns):
+    program = f"LET N = {rows}\nREPEAT I $N\nREPEAT J {columns}\nP0010 MOVEJ $(10*I+J) 0 0 0 0 0\nEND\nEND\nP0020 STOP"
+    *moves, _ = steps(program)
+    expected = [(i, j) for i in range(rows) for j in range(columns)]
+    assert [step.origin.place for step in moves] == [f"P0010(I={i},J={j})" for i, j in expected]
+    assert np.allclose([np.degrees(step.goal.q[0]) for step in moves], [10 * i + j for i, j in expected])
+
+
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        ("REPEAT 3\nP0010 MOVEJ 1 0 0 0 0 0\nEND", [1, 1, 1]),
+        ("REPEAT $(3*0.1*10)\nP0010 MOVEJ 1 0 0 0 0 0\nEND", [1, 1, 1]),
+        ("REPEAT I 4\nIF I % 2 = 0\nP0010 MOVEJ $I 0 0 0 0 0\nELSE\nP0020 MOVEJ $(-I) 0 0 0 0 0\nEND\nEND", [0, -1, 2, -3]),
+        ("IF 0\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nP0020 MOVEJ 2 0 0 0 0 0", [2]),
+        ("IF 2 (cm) > 19 (mm)\nP0010 MOVEJ 1 0 0 0 0 0\nEND", [1]),
+        ("SUB S A (deg)\nP0010 MOVEJ $A 0 0 0 0 0\nEND\nP0020 CALL S 2\nP0030 CALL S 0.1 (rad)", [2, round(np.degrees(0.1), 9)]),
+        ("SUB S A (m)\nP0010 MOVEJ $(A / 1 (m)) 0 0 0 0 0\nEND\nP0020 CALL S 2000 (mm)\nP0030 CALL S 3", [2, 3]),
+        ("LET W = 5\nSUB S A\nP0010 MOVEJ $(A+W) 0 0 0 0 0\nEND\nP0020 CALL S $(W*2)", [15]),
+        ("SUB S P\nP0010 MOVEJ P\nEND\nJOINTS LOW 7 0 0 0 0 0\nP0020 CALL S LOW", None),
+    ],
+)  # fmt: skip
+def test_what_comes_of_it(program, expected):
+    if expected is None:
+        program, expected = program.replace(" P\n", " Q\n"), [7]
+    assert first_joints(program) == pytest.approx(expected)
+
+
+def test_places_from_outside_in():
+    program = (
+        "SUB INNER\nP0005 MOVEJ 1 0 0 0 0 0\nEND\nSUB OUTER\nREPEAT J 2\nP0010 CALL INNER\nEND\nEND\n"
+        "REPEAT I 2\nP0020 CALL OUTER\nEND\nP0030 CALL INNER\nP0040 MOVEJ 1 0 0 0 0 0"
+    )
+    assert [step.origin.label for step in steps(program)] == [
+        *(f"P0020(I={i})>P0010(J={j})>P0005" for i in (0, 1) for j in (0, 1)),
+        "P0030>P0005",
+        "P0040",
+    ]
+
+
+def test_frames_inputs_and_outputs_are_arguments():
+    program = (
+        "INPUT DOOR M11\nOUTPUT GLUE M1 OFF\nFRAME {TABLE} 100 0 0 0 0 0\n"
+        "SUB S {AT} EYE GUN\nP0010 WAIT EYE ON [2]\nP0020 SET GUN ON\nP0030 MOVEL 1 0 0 0 0 0 {AT}\nEND\n"
+        "P0040 CALL S {TABLE} DOOR GLUE"
+    )
+    wait, put, move = steps(program)
+    assert (wait.input.variable, wait.timeout, put.output.variable) == ("M11", 2.0, "M1")
+    assert move.goal.base_from_moving[0, 3] == pytest.approx(0.101)
+
+
+@pytest.mark.parametrize(
+    ("call", "part"),
+    [
+        ("CALL S", "wants 2 arguments ({AT} D (mm)), 0 given"),
+        ("CALL S {B} 1 2", "3 given"),
+        ("CALL S 1 2", "a frame is wanted for {AT}"),
+        ("CALL S {B} {B}", "D isn't a frame"),
+        ("CALL S {B} 1 (s)", "D: 1 s is a time"),
+        ("CALL S {B} HOME", "not a joint position"),
+        ("CALL S {B} NOTHING", "nothing is named NOTHING"),
+        ("CALL S {B} 0,5", "no argument"),
+    ],
+)
+def test_wrong_arguments(call, part):
+    program = f"{DEFAULT}SUB S {{AT}} D (mm)\nP0005 MOVEL 0 0 $D 0 0 0 {{AT}}\nEND\nP0010 {call}"
+    (found,) = checked(program)[1]
+    assert found.code == "Y0411"
+    assert part in found.message
+    assert found.span.line == 5
+
+
+@pytest.mark.parametrize(
+    ("program", "part", "line"),
+    [
+        ("SUB S\nP0010 CALL S\nEND\nP0020 CALL S", "S calls itself", 3),
+        ("SUB S\nP0010 CALL T\nEND\nSUB T\nP0020 CALL S\nEND\nP0030 CALL T", "T calls itself through S", 3),
+    ],
+)
+def test_recursion(program, part, line):
+    (found,) = checked(DEFAULT + program)[1]
+    assert (found.code, found.span.line) == ("Y0212", line)
+    assert part in found.message
+
+
+def test_a_fault_in_a_long_loop_is_one_finding():
+    found = planned(f"{DEFAULT}REPEAT I 10000\nP0010 MOVEJ $(1/(I-I)) 0 0 0 0 0\nEND")[1]
+    (one,) = grouped(found)
+    assert one.code == "Y0410"
+    assert "(at P0010(I=0), and 9,999 more times)" in one.message
+
+
+def test_most_commands(monkeypatch):
+    monkeypatch.setattr(unroll, "MOST_COMMANDS", 100)
+    loop = "REPEAT 10\nREPEAT {}\nP0010 MOVEJ HOME\nEND\nEND"
+    empty = "REPEAT 50\nREPEAT 50\nEND\nEND\nP0010 STOP"
+    assert codes(checked(DEFAULT + loop.format(9))[1]) == []
+    program, found = checked(DEFAULT + loop.format(11))
+    assert codes(found) == ["Y1004"]
+    assert len(program.steps) < 3
+    assert codes(checked(DEFAULT + empty)[1]) == ["Y1004"]
+    assert codes(checked(f"{DEFAULT}REPEAT 101\nP0010 STOP\nEND")[1]) == ["Y1004"]

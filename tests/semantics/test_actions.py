@@ -48,19 +48,19 @@ def test_when_keeps_both_ways():
 
 
 @pytest.mark.parametrize(
-    ("text", "end"),
+    ("text", "line"),
     [
-        ("WHEN DOOR OFF\nP0010 MOVEJ LOW\nEND", 7),
-        ("WHEN DOOR OFF\nP0010 MOVEJ LOW\nELSE\nP0020 MOVEJ 5 0 0 0 0 0\nEND", 9),
+        ("WHEN DOOR OFF\nP0010 MOVEJ LOW\nEND", 5),
+        ("WHEN DOOR OFF\nP0010 MOVEJ LOW\nELSE\nP0020 MOVEJ 5 0 0 0 0 0\nEND", 5),
         (
             "WHEN DOOR OFF\nWHEN DOOR ON\nP0010 MOVEJ LOW\nELSE\nP0015 MOVEJ LOW\nEND\nELSE\nP0020 HOLD\nEND",
-            13,
+            5,
         ),
     ],
 )
-def test_ways_that_end_apart_are_one_finding_where_they_meet(text, end):
+def test_ways_that_end_apart_are_one_finding_at_the_when(text, line):
     found = [each for each in planned(HEAD + text)[1] if each.code == "Y1002"]
-    assert [each.span.line for each in found] == [end]
+    assert [each.span.line for each in found] == [line]
 
 
 def test_stop_in_a_when_is_refused_and_what_follows_stays():

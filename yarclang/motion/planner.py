@@ -94,6 +94,7 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
 class _Ways:
     """A WHEN that isn't ended: where the robot stood before it, and where its first way ends, once there is a second."""
 
+    when: When
     before: Array | None
     first: Array | None = None
     parted: bool = False
@@ -111,7 +112,7 @@ class _Planner:
         """Where the robot stands behind a step that doesn't move it: elsewhere only at the ways of a WHEN."""
         match step:
             case When():
-                ways.append(_Ways(stands))
+                ways.append(_Ways(step, stands))
             case Else():
                 ways[-1].first, ways[-1].parted = stands, True
                 return ways[-1].before
@@ -121,7 +122,7 @@ class _Planner:
                 if stands is None or other is None:
                     return None
                 if not self._same(stands, other):
-                    findings.add(*messages.ways_part(self.robot, stands, other, step.origin))
+                    findings.add(*messages.ways_part(self.robot, stands, other, ended.when.origin))
                     return None
         return stands
 

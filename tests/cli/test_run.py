@@ -52,6 +52,38 @@ def test_twice_from_a_command(workshop):
     assert (text.count("P0010 MOVEJ"), text.count("P0030 MOVEJ")) == (1, 2)
 
 
+WAITS = """\
+ROBOT INDUSTRIAL6
+INPUT READY M11
+P0010 WAIT READY ON [0.5] (s)
+P0020 MOVEJ 3 0 0 0 0 0 [0.5] (deg,s)
+P0030 HOLD "look"
+P0040 MOVEJ 0 0 0 0 0 0 [0.5] (deg,s)
+"""
+
+
+@pytest.mark.parametrize("options", [[], ["--step"]])
+def test_a_wait_comes_first(workshop, simulator, options):
+    workshop.write("q.yarc", WAITS)
+    text = workshop.yarc(*run_on(simulator, *options, program="q.yarc"), status=1)
+    assert "error: P0010 WAIT has waited 0.5 s for READY (M11) to be ON: it is OFF" in text
+    assert "  it stood at P0010 WAIT\n" in text
+    assert (simulator.stands() == 0.0).all()
+    assert simulator.complaints() == []
+
+
+def test_stopped_at_a_hold(workshop, simulator):
+    """What goes on begins in front of it."""
+    workshop.write("q.yarc", WAITS)
+    process = workshop.start(*run_on(simulator, "--from", "P0020", program="q.yarc"))
+    process.wait_for("P0030 HOLD holds: look; Enter or `yarc resume` goes on")
+    workshop.here("stop")
+    text = process.end(1)
+    assert "q.yarc: stopped\n  INDUSTRIAL6 stands at J1 3.000 deg, " in text
+    assert "  it stood at P0030 HOLD\n" in text
+    assert text.endswith(f"  to go on: yarc run q.yarc --to {simulator.address} --tm 10 --from P0020\n")
+
+
 @pytest.mark.parametrize("again", [["--loop"], ["--times", "2"]])
 def test_a_loop_must_be_closed(workshop, simulator, again):
     workshop.write("q.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 -3 0 0 0 [1] (deg,s)\n")

@@ -56,9 +56,8 @@ def test_a_second_ctrl_c_aborts(workshop, simulator, process):
     assert simulator.stands() == pytest.approx(HOME, abs=1e-4)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_termination_ends_it_on_its_path(simulator, process, number):
-    process.signal(number)
+def test_a_termination_ends_it_on_its_path(simulator, process):
+    process.signal(signal.SIGTERM)
     text = process.end(1)
     assert "p.yarc: stopped on its path\n" in text
     assert_on_path(simulator.stands(), text)

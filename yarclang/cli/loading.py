@@ -138,24 +138,38 @@ def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Lo
         if compiled.value is None or has_errors(found):
             return Result(None, found)
         plan = compiled.value.plan
-        number = motion_number(plan, first) if first is not None else 0
-        if isinstance(number, Diagnostic):
-            return Result(None, (*found, number))
-        # what else is to be said of a part was said of the whole
-        wanted = [(number, len(plan.motions))] if number else []
-        if options["step"]:
-            wanted += [(one, one + 1) for one in range(number, len(plan.motions))]
         name = "stdin" if file == STANDARD else Path(file).name
         source = plan.program.source.text
         program = _job(compiled.value, name, source)
+        number = _number(plan, program, first) if first is not None else 0
+        if isinstance(number, Diagnostic):
+            return Result(None, (*found, number))
+        # what else is to be said of a part was said of the whole
+        shorter = first is not None and plan.motions[number].step > 0
+        wanted = [(number, len(plan.motions))] if shorter else []
+        if options["step"]:
+            wanted += [(one, one + 1) for one in range(number, len(plan.motions))]
         parts: list[Job] = []
         for begin, end in wanted:
-            made = part(plan, request, begin, end)
+            made = part(_with_what_comes_first(plan) if first is None else plan, request, begin, end)
             if made.value is None or has_errors(made.diagnostics):
                 return Result(None, (*found, *made.diagnostics))
-            parts.append(_job(made.value, name, source, float(plan.starts[begin])))
-    rest = parts.pop(0) if number else program
+            parts.append(_job(made.value, name, source, program.commands[begin].begins))
+    rest = parts.pop(0) if shorter else program
     return Result(Loaded(program, rest, tuple(parts), plan, first is not None), found)
+
+
+def _with_what_comes_first(plan: MotionPlan) -> MotionPlan:
+    """A plan in which the steps in front of the first motion, such as a WAIT, belong to it."""
+    return replace(plan, motions=(replace(plan.motions[0], step=0), *plan.motions[1:]))
+
+
+def _number(plan: MotionPlan, program: Job, first: str) -> int | Diagnostic:
+    """The number of a motion by its index, or by its place among loops and calls, as a run tells it."""
+    places = [command.index.upper() for command in program.commands]
+    if len(places) == len(plan.motions) and first.upper() in places:
+        return places.index(first.upper())
+    return motion_number(plan, first)
 
 
 def _job(compiled: Compiled, name: str, source: str, offset: float = 0.0) -> Job:

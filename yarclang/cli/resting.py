@@ -75,16 +75,15 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
     return Resting(there, there.begins + time - float(plan.starts[at]))
 
 
-def motion_before(plan: MotionPlan, index: str) -> str:
-    """The index of the last motion in front of a step with an index, such as a WAIT; empty where there is none."""
-    steps = [
-        (number, step.origin.index)
+def motion_before(plan: MotionPlan, place: str) -> str:
+    """The place of the last motion in front of a step at a place, such as a WAIT; empty where there is none."""
+    places = {
+        number: step.origin.label
         for number, step in enumerate(plan.program.steps)
         if not isinstance(step, Gap)
-    ]
-    at = next((number for number, name in steps if name == index), 0)
-    moved = {motion.step for motion in plan.motions}
-    return next((name for number, name in reversed(steps) if number < at and number in moved), "")
+    }
+    at = next((number for number, name in places.items() if name == place), 0)
+    return next((places[one.step] for one in reversed(plan.motions) if one.step < at), "")
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:

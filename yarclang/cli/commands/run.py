@@ -83,9 +83,11 @@ def _check_compiled_usage(first: str | None, options: dict[str, Any]) -> None:
         raise click.UsageError(f"{', '.join(names)}: only with the program itself, the .yarc file")
 
 
-def _again(file: str, to: Address | None, options: dict[str, Any]) -> str:
-    """The command line without what is for one run only; empty for a simulator, which is gone with its run, and standard input."""
-    if to is None or file == "-":
+def _again(file: str, to: Address | None, options: dict[str, Any]) -> str | None:
+    """The command line without what is for one run only; empty for standard input, None for a simulator of our own."""
+    if to is None:
+        return None
+    if file == "-":
         return ""
     words = ["yarc", "run", file, "--to", str(to)]
     for name in ("robot", "start", "tolerance", "tm"):

@@ -8,7 +8,7 @@ the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FL
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,21 @@ from numpy.typing import NDArray
 from yarclang.source import SourceFile, Span
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameLink:
+    """A frame, and how it sits in the next one towards {B} or {FLANGE}.
+
+    `name` is without braces; `parent_from_frame` (4, 4). `parent` is None for {B} and {FLANGE} themselves, `source` and `span` for
+    frames that come from the robot.
+    """
+
+    name: str
+    parent_from_frame: Array
+    parent: FrameLink | None = None
+    source: SourceFile | None = None
+    span: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +50,10 @@ class Origin:
     """The unit in which it stands there."""
     place: str = ""
     """Of a command in a loop or a SUB, what led to it, from outside in, and itself: P0020(I=2)>P0010."""
+    moving: FrameLink | None = field(default=None, compare=False)
+    """The frame that is moved, where one is said."""
+    base: FrameLink | None = field(default=None, compare=False)
+    """The frame in which the values are given, where one is said."""
 
     @property
     def label(self) -> str:
@@ -85,16 +104,30 @@ class PoseDelta:
 
 
 @dataclass(frozen=True, slots=True)
+class Reading:
+    """A number that is a distance or an angle, as the motions that it belongs to say.
+
+    `length` [m] is how it reads as a distance, `angle` [rad] as an angle; None where the command has no such unit. Of a
+    speed, each is per s.
+    """
+
+    length: float | None
+    angle: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Timing:
     """How long a motion takes: `duration` [s], or the shortest that the limits allow (None).
 
     `share` is how much of the limits of velocity, acceleration and jerk the shortest may use (`[50%]`), `ramp`
-    how much of those of acceleration and jerk any motion may use (`ACC 30%`).
+    how much of those of acceleration and jerk any motion may use (`ACC 30%`). `speed` is the cruise speed of the
+    moving frame (`[V 250]`): of its origin, or, where that stands still, its angular speed. The duration is None then.
     """
 
     duration: float | None
     share: float = 1.0
     ramp: float = 1.0
+    speed: Reading | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,6 +135,8 @@ class JointMove:
     """Straight in joint space.
 
     `tolerance` [m], here and below, is how far the moving frame may be from the path; None: what the robot says.
+    `blend` is how far from the end the path may be left to flow into the next motion without a stop; None: the
+    motion ends at rest.
     """
 
     origin: Origin
@@ -109,6 +144,7 @@ class JointMove:
     profile: str
     timing: Timing
     tolerance: float | None = None
+    blend: Reading | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,6 +156,43 @@ class LineMove:
     profile: str
     timing: Timing
     tolerance: float | None = None
+    blend: Reading | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArcMove:
+    """The moving frame's origin goes along the circle through where it stands, `via` (3,) [m, in {B}] and the goal; it
+    turns about one fixed axis, the short way, in step with the arc.
+    """
+
+    origin: Origin
+    via: Array
+    goal: PoseGoal
+    profile: str
+    timing: Timing
+    tolerance: float | None = None
+    blend: Reading | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseSplineMove:
+    """One C2 curve of the moving frame from where it stands through all way-points, which have one `flange_from_moving`.
+
+    Positions and unit quaternions (each with the sign nearer to the one before) are natural cubic splines over
+    u, the quaternions normalised. u grows from way-point to way-point by the root of the squares of the distance and of
+    `TURN_CHORD` times the angle; neighbours that are equal count once.
+    """
+
+    origin: Origin
+    waypoints: tuple[PoseGoal, ...]
+    profile: str
+    timing: Timing
+    tolerance: float | None = None
+    blend: Reading | None = None
+
+
+TURN_CHORD = 0.1
+"""How much of a spline's parameter [m] a turn of 1 rad between two way-points takes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,6 +206,7 @@ class SplineMove:
     profile: str
     timing: Timing
     tolerance: float | None = None
+    blend: Reading | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +295,7 @@ class Gap:
     """A command with errors: what it does, and where the robot stands behind it, isn't known."""
 
 
-Motion = JointMove | LineMove | SplineMove
+Motion = JointMove | LineMove | ArcMove | SplineMove | PoseSplineMove
 Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
 Step = Motion | Action | Stop | Gap
 

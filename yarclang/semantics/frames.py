@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
-from yarclang.hir import Array
 from yarclang.semantics.scope import BASE, Frame, Scope
 from yarclang.syntax.ast import FrameName, Statement
 
 _OLD_NAMES = {"T": "TCP", "TOOL": "TCP", "ROOT": BASE}
 
 
-def moving_frame(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> Array | None:
-    """The transform flange_from_moving (4, 4) of the frame that a command moves."""
+def moving_frame(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
+    """The frame that a command moves: one on the flange."""
     found = known_frame(statement, frame, scope, findings)
     if found is None:
         return None
@@ -22,7 +21,7 @@ def moving_frame(statement: Statement, frame: FrameName, scope: Scope, findings:
         message = f"{frame.text} stands still: it can't be moved"
         findings.add("Y0303", message, statement.span(frame.place), f"move one of {_listed(tools)}")
         return None
-    return found.transform
+    return found
 
 
 def base_axes(

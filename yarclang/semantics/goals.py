@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector, suggest
-from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal, Timing
+from yarclang.hir import Array, FrameLink, JointDelta, JointGoal, PoseDelta, PoseGoal, Timing
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.context import Defaults
@@ -37,6 +37,8 @@ class Line:
     scope: Scope
     units: Mapping[Kind, Unit] | None
     findings: Collector
+    links: tuple[FrameLink | None, FrameLink | None] = (None, None)
+    """The frame that is moved and that of the values, once the goals were read."""
     _told: set[str] = field(default_factory=set)
 
     def goals(self) -> tuple[object, ...]:
@@ -130,7 +132,7 @@ class Line:
                 return None if found is None else found.q
         return None
 
-    def _frames(self) -> tuple[Array, Frame] | None:
+    def _frames(self) -> tuple[Frame, Frame] | None:
         """The moving frame on the flange and the base axes; None for joint values or with errors."""
         statement, defaults = self.statement, self.defaults
         if self.values.of_joints or (_takes_names(self.name) and _all_named(statement)):
@@ -157,7 +159,10 @@ class Line:
             help_ = "write the base frame behind the units, as {B}, or in DEFAULT"
             message = f"{self.name.full} doesn't say in which frame its values are given"
             self.findings.add("Y0302", message, statement.head_span, help_)
-        return (moving, base) if moving is not None and base is not None else None
+        if moving is None or base is None:
+            return None
+        self.links = moving.link, base.link
+        return moving, base
 
     def _named_goal(self, waypoint: WayPoint) -> object | None:
         """A way-point that is one name of a joint position: for commands that take joint values, whatever the target."""
@@ -273,7 +278,7 @@ class Line:
         message, help_ = missing_unit(kind, _WHAT[kind])
         self.findings.add("Y0304", message, span, help_)  # type: ignore[arg-type]
 
-    def _goal(self, waypoint: WayPoint, numbers: Array, frames: tuple[Array, Frame] | None) -> object | None:
+    def _goal(self, waypoint: WayPoint, numbers: Array, frames: tuple[Frame, Frame] | None) -> object | None:
         """One goal from values in SI."""
         span = self.statement.span(waypoint.place)
         values, findings = self.values, self.findings
@@ -285,7 +290,7 @@ class Line:
         rotation = rotation_of(values, numbers[3:], findings, span)
         if rotation is None or frames is None:
             return None
-        flange_from_moving, axes = frames
+        flange_from_moving, axes = frames[0].transform, frames[1]
         if values.is_delta:
             turned = np.abs(numbers[3:]).max() if not values.is_quaternion else 0.0
             cosine = (np.trace(rotation) - 1.0) / 2.0

@@ -10,7 +10,7 @@ import numpy as np
 from yarclang.commands.registry import commands
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector
-from yarclang.hir import Array, Output, Signal
+from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.context import Defaults
@@ -89,15 +89,16 @@ def declare_frame(
     numbers = _numbers(statement, values, tuple(_values(statement)), scope, defaults, robot, findings)
     base = _base(statement, scope, defaults, findings)
     # whatever is wrong with it, the name is known: what uses it isn't wrong as well
-    transform, on_flange = np.eye(4), False
+    transform, on_flange, link = np.eye(4), False, None
     if base is not None:
         on_flange = base.on_flange
         if numbers is not None:
             rotation = rotation_of(values, numbers[3:], findings, statement.whole_span)
             if rotation is not None:
                 transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
-            transform = base.transform @ transform
-    scope.declare_frame(name, Frame(constant(transform), on_flange))
+            link = FrameLink(name, constant(transform), base.link, findings.source, statement.whole_span)
+        transform = base.transform @ transform
+    scope.declare_frame(name, Frame(constant(transform), on_flange, link))
 
 
 def _base(statement: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> Frame | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from yarclang.hir import Array, Output, Signal
+from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount
 
@@ -21,10 +21,14 @@ FLANGE = "FLANGE"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A frame: `transform` (4, 4) is base_from_frame, or flange_from_frame of one that the robot carries."""
+    """A frame: `transform` (4, 4) is base_from_frame, or flange_from_frame of one that the robot carries.
+
+    `link` says what it is called, and how and where it was declared.
+    """
 
     transform: Array
     on_flange: bool
+    link: FrameLink | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,9 +87,11 @@ class Scope:
         scope = cls()
         for name, q in robot.positions.items():
             scope._names[name] = JointPosition(q)
-        scope._frames[BASE] = Frame(np.eye(4), on_flange=False)
+        scope._frames[BASE] = Frame(np.eye(4), on_flange=False, link=FrameLink(BASE, np.eye(4)))
+        flange = FrameLink(FLANGE, np.eye(4))
         for name, transform in robot.flange_from_frame.items():
-            scope._frames[name] = Frame(transform, on_flange=True)
+            link = flange if name == FLANGE else FrameLink(name, transform, flange)
+            scope._frames[name] = Frame(transform, on_flange=True, link=link)
         return scope
 
     def name(self, name: str) -> Named | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from yarclang.commands.spec import Arguments
 from yarclang.diagnostics import Collector
@@ -47,6 +48,7 @@ def to_step(
             resolve_time(statement, units, defaults, scope, findings) if units is not None else Timing(None)
         )
         timing, tolerance = line.limited(timing)
+        origin = replace(origin, moving=line.links[0], base=line.links[1])
     if any(found.is_error for found in findings.found[before:]):
         return None
     return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance))

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
 from yarclang.pipeline.sources import read_source
-from yarclang.robot.toml_places import find_places
 from yarclang.source import SourceFile, Span
+from yarclang.toml.places import find_places
 
 FILE_NAME = "yarc.toml"
 _KEYS = ("robot", "start")

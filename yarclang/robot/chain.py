@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from yarclang.robot.model import Chain
-from yarclang.robot.urdf import MOVING, Joint, Urdf, did_you_mean
+from yarclang.robot.urdf import MOVING, Joint, Urdf
 from yarclang.robot.urdf_xml import Element
+from yarclang.toml.file import did_you_mean
 
 
 def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | None:

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from yarclang.robot.drive_checks import check_drives
-from yarclang.robot.toml_file import TomlFile, right_length
-from yarclang.robot.toml_places import Path
-from yarclang.robot.urdf import Joint, Urdf, did_you_mean
+from yarclang.robot.urdf import Joint, Urdf
+from yarclang.toml.file import TomlFile, did_you_mean, right_length
+from yarclang.toml.places import Path
 from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
-    from yarclang.robot.draft import Draft
+    from yarclang.robot.draft import RobotDraft
     from yarclang.robot.schema import JointTable
 
 
@@ -24,7 +24,7 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _INDEX = re.compile(r"[Pp]\d+")
 
 
-def check_table(file: TomlFile, draft: Draft, chain: Sequence[Joint] | None) -> None:
+def check_table(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None) -> None:
     """All findings about the values of a robot.toml.
 
     Args:
@@ -43,7 +43,7 @@ def check_table(file: TomlFile, draft: Draft, chain: Sequence[Joint] | None) -> 
     check_drives(file, draft, size)
 
 
-def _likely_size(draft: Draft, tables: int) -> int:
+def _likely_size(draft: RobotDraft, tables: int) -> int:
     """How many joints the robot seems to have while the URDF can't tell: what most of the lists agree on."""
     actuation, motors, controller = draft.table.actuation, draft.table.motors, draft.table.controller
     lists: list[Sequence[object] | None] = []
@@ -54,7 +54,7 @@ def _likely_size(draft: Draft, tables: int) -> int:
     return max(sizes, key=sizes.count)
 
 
-def _check_joints(file: TomlFile, draft: Draft, chain: Sequence[Joint] | None) -> tuple[str, ...] | None:
+def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None) -> tuple[str, ...] | None:
     """The joints' names in order, or None where they aren't known."""
     tables: Mapping[str, JointTable] = draft.table.joints or {}
     kinds = {joint.name: joint.kind for joint in chain or ()}
@@ -97,7 +97,7 @@ def _check_joints(file: TomlFile, draft: Draft, chain: Sequence[Joint] | None) -
     return names
 
 
-def _check_joint(file: TomlFile, draft: Draft, name: str, table: JointTable, kind: str) -> None:
+def _check_joint(file: TomlFile, draft: RobotDraft, name: str, table: JointTable, kind: str) -> None:
     """The position limits of a joint; `kind` is empty for a table that belongs to no joint."""
     path: Path = ("joints", name, "position")
     limits = table.position
@@ -114,7 +114,9 @@ def _check_joint(file: TomlFile, draft: Draft, name: str, table: JointTable, kin
         file.say("Y1316", path, message, "Write position = [lower, upper].")
 
 
-def _check_positions(file: TomlFile, draft: Draft, names: Sequence[str], kinds: Mapping[str, str]) -> None:
+def _check_positions(
+    file: TomlFile, draft: RobotDraft, names: Sequence[str], kinds: Mapping[str, str]
+) -> None:
     tables = draft.table.joints or {}
     for position, values in (draft.table.positions or {}).items():
         path: Path = ("positions", position)
@@ -138,7 +140,7 @@ def _check_positions(file: TomlFile, draft: Draft, names: Sequence[str], kinds: 
             file.say("Y1317", (*path, at), message, "Move the position, or correct the limits.")
 
 
-def _check_names(file: TomlFile, draft: Draft) -> None:
+def _check_names(file: TomlFile, draft: RobotDraft) -> None:
     """The names that programs use: of the robot, its frames and positions."""
     named: list[tuple[Path, str, str]] = []
     if draft.table.name is not None:
@@ -161,7 +163,7 @@ def _check_names(file: TomlFile, draft: Draft) -> None:
         first.setdefault(key, name)
 
 
-def _check_frames(file: TomlFile, draft: Draft) -> None:
+def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
     """Sizes and parents of the frames."""
     frames = draft.table.frames
     upper = {name.upper(): name for name in frames if name.upper() not in RESERVED}
@@ -199,7 +201,7 @@ def _check_frames(file: TomlFile, draft: Draft) -> None:
         seen.update(path)
 
 
-def check_narrower(urdf: Urdf, draft: Draft, chain: Sequence[Joint]) -> None:
+def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:
     """Findings about limits of the URDF that are narrower than those of robot.toml, which count."""
     for joint in chain:
         table, limit = (draft.table.joints or {}).get(joint.name), joint.element.first("limit")

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -20,22 +19,21 @@ from yarclang.robot.chain import check_bodies, check_chain, find_links, frozen, 
 from yarclang.robot.checks import check_narrower, check_table
 from yarclang.robot.library import RobotSummary, find_robot, list_robots, stdlib_folder
 from yarclang.robot.model import Actuation, Array, Chain, Controller, JointKind, Limits, Robot, Tolerance
-from yarclang.robot.toml_file import TomlFile
-from yarclang.robot.toml_places import find_places
 from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
 from yarclang.robot.urdf_shapes import check_shapes
-from yarclang.source import SourceFile, Span
+from yarclang.source import SourceFile
+from yarclang.toml.file import TomlFile
+from yarclang.toml.places import find_places
+from yarclang.toml.reading import parse_toml, read_text
 from yarclang.units import DEG, MM, MS
 
 if TYPE_CHECKING:
-    from yarclang.robot.draft import Draft
+    from yarclang.robot.draft import RobotDraft
     from yarclang.robot.schema import RobotTable
 
 __all__ = ["RobotSummary", "list_robots", "load_robot", "stdlib_folder"]
 
 T = TypeVar("T")
-
-_LARGEST_FILE = 20_000_000
 
 
 def load_robot(name_or_path: str) -> Result[Robot]:
@@ -54,10 +52,10 @@ def load_robot(name_or_path: str) -> Result[Robot]:
         remedy = f"The robots are {names}; a robot of yours is named by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy
         return _nothing(Diagnostic("Y1301", f"There is no robot {name_or_path[:80]!r}.", help=remedy))
-    source = _read(path, "Name a folder with a robot.toml, or a robot of the library.")
+    source = read_text(path, "Name a folder with a robot.toml, or a robot of the library.")
     if isinstance(source, Diagnostic):
         return _nothing(source)
-    data = _parse_toml(source)
+    data = parse_toml(source)
     if isinstance(data, Diagnostic):
         return _nothing(data)
     return _load(path.parent.absolute(), source, data)
@@ -69,8 +67,7 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
 
     file = TomlFile(source, find_places(source))
     draft = read_draft(data)
-    for mistake in draft.mistakes:
-        file.say(mistake.code, mistake.path, mistake.message, mistake.help, at_key=mistake.at_key)
+    draft.tell(file)
     urdf, shapes = _open_urdf(file, folder, draft)
     moving: tuple[Joint, ...] | None = None
     if urdf is not None and urdf.sound:
@@ -96,12 +93,12 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     return Result(_assemble(folder, table, moving, chain, fingerprint), in_order(findings))
 
 
-def _open_urdf(file: TomlFile, folder: Path, draft: Draft) -> tuple[Urdf | None, dict[str, list[str]]]:
+def _open_urdf(file: TomlFile, folder: Path, draft: RobotDraft) -> tuple[Urdf | None, dict[str, list[str]]]:
     """The URDF with its findings, and the collision shapes of its links."""
     name = draft.table.urdf
     if name is None:
         return None, {}
-    source = _read(folder / name, "")
+    source = read_text(folder / name, "")
     if isinstance(source, Diagnostic) and source.source is not None:
         file.findings.append(source)
         return None, {}
@@ -237,52 +234,6 @@ def _fingerprint(table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[st
     values = table.model_dump(exclude={"urdf"})
     canonical = json.dumps([values, joints, dict(shapes)], sort_keys=True)
     return hashlib.sha256(canonical.encode()).hexdigest()
-
-
-def _parse_toml(source: SourceFile) -> dict[str, Any] | Diagnostic:
-    """The data of a TOML text, or what is wrong with it."""
-    import tomllib
-
-    remedy = "Correct the TOML at this place."
-    try:
-        return tomllib.loads(source.text)
-    except RecursionError:
-        return Diagnostic("Y1303", "Brackets are nested too deep.", source, Span.on_line(1, 1, 1), remedy)
-    except ValueError as error:
-        what, _, _ = str(error).partition(" (at ")
-        place = re.search(r"at line (\d+), column (\d+)", str(error))
-        line, column = (int(place[1]), int(place[2])) if place else (max(len(source.lines), 1), 1)
-        if "integer string conversion" in what:
-            digits = re.search(r"\d[\d_]{4000}", source.text)
-            what, line = "A whole number has too many digits", 1
-            if digits is not None:
-                line = source.text.count("\n", 0, digits.start()) + 1
-        return Diagnostic(
-            "Y1303", f"{what}: this is not TOML.", source, Span.on_line(line, column, column + 1), remedy
-        )
-
-
-def _read(path: Path, remedy: str) -> SourceFile | Diagnostic:
-    """The text of a file, or why there is none."""
-    name = path.name[:80]
-    try:
-        if path.is_dir():
-            return Diagnostic("Y1302", f"{name} is a folder, not a file.", help=remedy)
-        if path.stat().st_size > _LARGEST_FILE:
-            message = f"{name} has {path.stat().st_size:,} bytes, more than {_LARGEST_FILE:,}."
-            return Diagnostic("Y1302", message, help=remedy)
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        return Diagnostic("Y1302", f"{str(path)[-200:]!r} can't be read: {reason}.", help=remedy)
-    try:
-        return SourceFile(str(path), content.decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        text = content.decode("utf-8", errors="replace")
-        line = content[: error.start].count(b"\n") + 1
-        message = f"{name} is not UTF-8 text: byte {error.start:,} is 0x{content[error.start]:02x}."
-        remedy = "Save the file as UTF-8 text."
-        return Diagnostic("Y1302", message, SourceFile(str(path), text), Span.on_line(line, 1, 1), remedy)
 
 
 def _nothing(finding: Diagnostic) -> Result[Robot]:

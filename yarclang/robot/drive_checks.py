@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from yarclang.robot.model import Array
-from yarclang.robot.toml_file import TomlFile, right_length
-from yarclang.robot.toml_places import Path
+from yarclang.toml.file import TomlFile, right_length
+from yarclang.toml.places import Path
 
 if TYPE_CHECKING:
-    from yarclang.robot.draft import Draft
+    from yarclang.robot.draft import RobotDraft
 
 
 AXES = "XYZABCUVW"
@@ -26,13 +26,13 @@ LONGEST_TM = 4096.0
 WORST_CONDITION = 1e6
 
 
-def check_drives(file: TomlFile, draft: Draft, size: int) -> None:
+def check_drives(file: TomlFile, draft: RobotDraft, size: int) -> None:
     """All findings about [actuation], [motors] and [controller] of a robot with `size` joints."""
     _check_actuation(file, draft, size)
     _check_controller(file, draft, size)
 
 
-def _check_actuation(file: TomlFile, draft: Draft, size: int) -> None:
+def _check_actuation(file: TomlFile, draft: RobotDraft, size: int) -> None:
     actuation = draft.table.actuation
     if actuation is None:
         return
@@ -57,7 +57,7 @@ def _check_actuation(file: TomlFile, draft: Draft, size: int) -> None:
         _check_coupling(file, draft, np.array(coupling, dtype=np.float64).reshape(size, size))
 
 
-def _check_coupling(file: TomlFile, draft: Draft, coupling: Array) -> None:
+def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
     """Whether J can be inverted, and whether the controller can couple its axes."""
     axes = draft.table.controller.axes if draft.table.controller else None
     known = axes if axes is not None and len(axes) == len(coupling) and set(axes) <= set(AXES) else None
@@ -113,7 +113,7 @@ def _groups(
     return groups
 
 
-def _check_controller(file: TomlFile, draft: Draft, size: int) -> None:
+def _check_controller(file: TomlFile, draft: RobotDraft, size: int) -> None:
     motors, controller = draft.table.motors, draft.table.controller
     if motors is not None:
         if motors.numbers is not None:

@@ -1,32 +1,15 @@
 """The form of a robot.toml: its tables, keys and types, in the units of the file (deg, mm, counts, ms).
 
-A required key is optional to pydantic and stands in `required`: so that a file with one bad value
-can still be checked in all that doesn't depend on it. This module imports pydantic; import it late.
+This module imports pydantic; import it late.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-LARGEST = 1e12
-"""No number of a robot is larger, whatever its unit: beyond it, sums and products lose their digits."""
-LEAST = 1e-6
-"""The least speed, acceleration, jerk, tolerance."""
-
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[float, Field(ge=LEAST, le=LARGEST)]
-
-
-class Table(BaseModel):
-    """A table of the file: strict types, no other keys.
-
-    Validators are built when first used: only that of the whole file is.
-    """
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, defer_build=True)
-    required: ClassVar[tuple[str, ...]] = ()
+from yarclang.toml.tables import LEAST, Document, Number, Positive, Table
 
 
 class JointTable(Table):
@@ -44,8 +27,8 @@ class FrameTable(Table):
     """`[frames.NAME]`: mm, deg (roll, pitch, yaw), seen from the parent frame."""
 
     parent: str = "FLANGE"
-    xyz: list[Number] = [0.0, 0.0, 0.0]
-    rpy: list[Number] = [0.0, 0.0, 0.0]
+    xyz: list[Number] = Field(default=[0.0, 0.0, 0.0])
+    rpy: list[Number] = Field(default=[0.0, 0.0, 0.0])
 
 
 class ActuationTable(Table):
@@ -89,7 +72,7 @@ class ToleranceTable(Table):
     angle: Annotated[float, Field(ge=LEAST, le=180.0)] = 0.002
 
 
-class RobotTable(Table):
+class RobotTable(Document):
     """The whole file."""
 
     required = (
@@ -109,9 +92,33 @@ class RobotTable(Table):
     base: str | None = None
     flange: str | None = None
     joints: dict[str, JointTable] | None = None
-    frames: dict[str, FrameTable] = {}
+    frames: dict[str, FrameTable] = Field(default={})
     positions: dict[str, list[Number]] | None = None
     actuation: ActuationTable | None = None
     motors: MotorsTable | None = None
     controller: ControllerTable | None = None
     tolerance: ToleranceTable = Field(default_factory=ToleranceTable)
+    tables: ClassVar = {
+        "joints": JointTable,
+        "frames": FrameTable,
+        "actuation": ActuationTable,
+        "motors": MotorsTable,
+        "controller": ControllerTable,
+        "tolerance": ToleranceTable,
+    }
+    examples: ClassVar = {
+        "name": 'for example name = "INDUSTRIAL6".',
+        "urdf": 'for example urdf = "industrial6.urdf", a file beside the robot.toml.',
+        "base": 'for example base = "base_link", the link of the URDF that is {B}.',
+        "flange": 'for example flange = "flange", the link of the URDF that is {FLANGE}.',
+        "joints": "it has one table [joints.NAME] for each joint of the URDF.",
+        "positions": "it needs HOME = [...], one value a joint.",
+        "actuation": "it needs K = [...] and J = [[...], ...], as in counts = K J q + a0.",
+        "motors": "it needs numbers = [...] and velocity = [...] in counts/ms.",
+        "controller": 'it needs axes = ["X", ...] and feedback = ["P1", ...].',
+        "velocity": "for example velocity = 60, in deg/s or mm/s (counts/ms in [motors], a list).",
+        "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2.",
+        "jerk": "for example jerk = 2000, in deg/s^3 or mm/s^3.",
+        "HOME": "HOME = [...], one value a joint in deg or mm.",
+        "J": "J = [[...], ...], a row a motor and a column a joint; the unit matrix without coupling.",
+    }

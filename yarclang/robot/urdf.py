@@ -8,15 +8,15 @@ it would stumble on is found here first.
 from __future__ import annotations
 
 import bisect
-import difflib
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
+from yarclang.toml.file import did_you_mean
 
 MOVING = ("revolute", "continuous", "prismatic")
 """The joint types of a robot arm; `fixed` joins two links to one body."""
@@ -163,7 +163,7 @@ def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
             _check_attributes(urdf, extra, needed)
     if len(urdf.findings) > before or not (ends[0] and ends[1] and xyz and rpy and direction):
         return None
-    unit = tuple(part / length for part in direction)
+    unit = tuple(part / length for part in direction) if length else direction  # a fixed joint needs none
     return Joint(name, kind, ends[0], ends[1], xyz, rpy, unit, lower, upper, velocity, joint)
 
 
@@ -265,12 +265,3 @@ def _loops(above: dict[str, Joint]) -> Iterator[list[Joint]]:
             start = list(path).index(here)
             yield sorted(chain[start:], key=lambda joint: joint.element.start)
         seen.update(path)
-
-
-def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """The help line for a name that isn't one of `names`."""
-    known = sorted(names)
-    near = difflib.get_close_matches(name, known, 1, 0.6)
-    shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
-    listed = f"There {'are' if len(known) > 1 else 'is only'} {shown}." if known else "There is none."
-    return f"Did you mean {near[0]}? {listed}" if near else listed

@@ -8,7 +8,7 @@ import tomllib
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from yarclang.robot.toml_places import find_places
+from yarclang.toml.places import find_places
 from yarclang.source import SourceFile
 
 

@@ -1,13 +1,14 @@
-"""A robot.toml with the places of its values, and the findings about it."""
+"""A TOML file with the places of its values, and the findings about it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from yarclang.diagnostics import Diagnostic
-from yarclang.robot.toml_places import Path, Places
 from yarclang.source import SourceFile
+from yarclang.toml.places import Path, Places
 
 
 @dataclass(slots=True)
@@ -35,3 +36,12 @@ def right_length(
     message = f"{name} has {len(values)} {what}{'s' * (len(values) != 1)}, but the robot has {size} {per}s."
     file.say("Y1309", path, message, f"Give one {what} a {per}, from the base to the flange.")
     return False
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """The help line for a name that isn't one of `names`."""
+    known = sorted(names)
+    near = difflib.get_close_matches(name, known, 1, 0.6)
+    shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
+    listed = f"There {'are' if len(known) > 1 else 'is only'} {shown}." if known else "There is none."
+    return f"Did you mean {near[0]}? {listed}" if near else listed

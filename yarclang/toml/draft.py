@@ -1,0 +1,201 @@
+"""Reading the tables of a TOML file: what pydantic says of them, in words for the user."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from pydantic import ValidationError
+
+from yarclang.toml.file import TomlFile
+from yarclang.toml.places import Path
+from yarclang.toml.tables import LARGEST, LEAST, Document, Table
+
+D = TypeVar("D", bound=Document)
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """What is wrong with the form of the file, where."""
+
+    code: str
+    path: Path
+    message: str
+    help: str
+    at_key: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Draft(Generic[D]):
+    """A file as far as it can be read: `table` lacks what is `dropped`, each with a mistake."""
+
+    table: D
+    dropped: frozenset[Path]
+    mistakes: tuple[Mistake, ...]
+
+    def tell(self, file: TomlFile) -> None:
+        """Adds the mistakes to the findings of the file."""
+        for mistake in self.mistakes:
+            file.say(mistake.code, mistake.path, mistake.message, mistake.help, at_key=mistake.at_key)
+
+
+def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
+    """The tables of a file, without the keys whose values have the wrong form.
+
+    Args:
+        data: what tomllib made of the file; bad keys are taken out of it.
+        document: the form that the file should have.
+    """
+    mistakes: list[Mistake] = []
+    dropped: set[Path] = set()
+    excused: set[Path] = set()
+    try:
+        table = document.model_validate(data)
+    except ValidationError as error:
+        mistakes = [_mistake(document, data, detail, excused) for detail in error.errors(include_url=False)]
+        dropped = {_prune(data, mistake.path) for mistake in mistakes}
+        table = document.model_validate(data)  # what is left has no error: no key depends on another here
+    for missing in _missing(table):
+        if missing not in dropped and missing not in excused:
+            mistakes.append(missing_mistake(document, missing))
+    return Draft(table, frozenset(dropped), tuple(mistakes))
+
+
+def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excused: set[Path]) -> Mistake:
+    """The words for one error of pydantic."""
+    path: Path = tuple(detail["loc"])
+    kind: str = detail["type"]
+    name, value, context = spoken(path), detail.get("input"), detail.get("ctx", {})
+    if kind == "extra_forbidden":
+        return _unknown_key(document, data, path, excused)
+    if kind in _TYPES and not (kind == "float_type" and type(value) is int):  # an int beyond the floats
+        wanted = _wanted(document, path) or _TYPES[kind]
+        return Mistake("Y1306", path, f"{name} is {_kind(value)}, but must be {wanted}.", f"Write {wanted}.")
+    shown = _shown(value)
+    if kind == "literal_error":
+        expected = str(context.get("expected")).replace("'", '"')
+        message = f"{name} is {shown}, but must be {expected}."
+        near = difflib.get_close_matches(str(value), expected.split('"')[1::2], 1, 0.6)
+        return Mistake("Y1308", path, message, f"Did you mean {near[0]}?" if near else f"Write {expected}.")
+    if isinstance(value, (int, float)) and abs(value) <= LARGEST and ("ge" in context or "le" in context):
+        bound = "at least 0.000001" if context.get("ge") == LEAST else ""
+        bound = bound or (
+            f"at least {context['ge']:,g}" if "ge" in context else f"at most {context['le']:,.7g}"
+        )
+        message = f"{name} is {shown}, but must be {bound}."
+        return Mistake("Y1308", path, message, f"Give a value of {bound}.")
+    message = f"{name} is {shown}, but must be a finite number of at most 1e12."
+    return Mistake("Y1307", path, message, "Write the number out; nan and inf are no numbers here.")
+
+
+_TYPES = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "string_type": 'a text in "quotes"',
+    "list_type": "a list in [brackets]",
+    "dict_type": "a table",
+    "model_type": "a table",
+}
+
+
+def _wanted(document: type[Document], path: Path) -> str | None:
+    """What a table says that its key takes; an entry of a list has only its type."""
+    key = path[-1]
+    return _table_at(document, path[:-1]).wanted.get(key) if isinstance(key, str) else None
+
+
+def _unknown_key(document: type[Document], data: dict[str, Any], path: Path, excused: set[Path]) -> Mistake:
+    """The words for a key that the table doesn't have; a required key that was meant is excused."""
+    *above, key = path
+    table = _table_at(document, tuple(above))
+    fields = tuple(table.model_fields)
+    here: Any = data
+    for part in above:
+        here = here[part]
+    near = difflib.get_close_matches(str(key), [field for field in fields if field not in here], 1, 0.6)
+    known = ", ".join(fields)
+    message = f"{_table(path)} has no key {key}."
+    if not near:
+        return Mistake("Y1305", path, message, f"Remove it; the keys are {known}.", at_key=True)
+    if near[0] in table.required:
+        excused.add((*above, near[0]))
+    return Mistake("Y1305", path, message, f"Did you mean {near[0]}? The keys are {known}.", at_key=True)
+
+
+def _table_at(document: type[Document], path: Path) -> type[Table]:
+    return document.tables[str(path[0])] if path and path[0] in document.tables else document
+
+
+def _missing(document: Document) -> Iterator[Path]:
+    """The required keys that aren't there."""
+    tables: list[tuple[Path, Table]] = [((), document)]
+    for key in document.tables:
+        content = getattr(document, key)
+        if isinstance(content, Table):
+            tables.append(((key,), content))
+        elif isinstance(content, dict):
+            tables += [((key, name), table) for name, table in content.items()]
+        else:
+            tables += [((key, number), table) for number, table in enumerate(content or ())]
+    for path, table in tables:
+        yield from ((*path, key) for key in table.required if getattr(table, key) is None)
+
+
+def missing_mistake(document: type[Document], path: Path) -> Mistake:
+    """The words for a required key that isn't there."""
+    key = str(path[-1])
+    example = document.examples.get(key)
+    if len(path) == 1 and example is not None and example.startswith("it "):
+        message, remedy = f"The table [{key}] is missing.", f"Add it; {example}"
+    else:
+        message = f"{_table(path)} lacks {key}." if len(path) > 1 else f"The file lacks {key}."
+        remedy = f"Add it; {example or f'{key} = [...], one entry a joint.'}"
+    return Mistake("Y1304", path, message, remedy, at_key=True)
+
+
+def _prune(data: dict[str, Any], path: Path) -> Path:
+    """Takes the innermost key of `path` out of the data; a list of values goes as a whole. Returns the key's path."""
+    end = max(at for at, part in enumerate(path) if isinstance(part, str)) + 1
+    *above, key = path[:end]
+    here: Any = data
+    for part in above:
+        here = here[part] if isinstance(part, int) else here.get(part, {})
+    here.pop(key, None)
+    return path[:end]
+
+
+def spoken(path: Path) -> str:
+    """A path in words: `K[3] of [actuation]`, entries counted from 1 as the joints are."""
+    last = max(at for at, part in enumerate(path) if isinstance(part, str))
+    name = str(path[last]) + "".join(f"[{part + 1}]" for part in path[last + 1 :] if isinstance(part, int))
+    return f"{name} of {table_name(path[:last])}" if last else name
+
+
+def table_name(path: Path) -> str:
+    """A table in words: `[joints.J1]`, or `[[obstacles]] number 2`."""
+    if len(path) > 1 and isinstance(path[1], int):
+        return f"[[{path[0]}]] number {path[1] + 1}"
+    return f"[{'.'.join(str(part) for part in path)}]"
+
+
+def _table(path: Path) -> str:
+    last = max(at for at, part in enumerate(path) if isinstance(part, str))
+    return table_name(path[:last]) if last else "The file"
+
+
+def _shown(value: Any) -> str:
+    """A value as a message prints it, cut where it is long."""
+    if isinstance(value, int) and abs(value) >= 10**15:
+        return "a whole number of more than 15 digits"
+    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _kind(value: Any) -> str:
+    for kind, name in ((bool, "true or false"), (dict, "a table"), (list, "a list")):
+        if isinstance(value, kind):
+            return name
+    return f"the text {_shown(value)}" if isinstance(value, str) else _shown(value)

@@ -1,0 +1,58 @@
+"""Bytes to a TOML text and its data, or one finding that says why not."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.source import SourceFile, Span
+
+_LARGEST_FILE = 20_000_000
+
+
+def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
+    """The text of a file, or why there is none (without a place, unless it is in that very file)."""
+    name = path.name[:80]
+    try:
+        if path.is_dir():
+            return Diagnostic("Y1302", f"{name} is a folder, not a file.", help=remedy)
+        if path.stat().st_size > _LARGEST_FILE:
+            message = f"{name} has {path.stat().st_size:,} bytes, more than {_LARGEST_FILE:,}."
+            return Diagnostic("Y1302", message, help=remedy)
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        return Diagnostic("Y1302", f"{str(path)[-200:]!r} can't be read: {reason}.", help=remedy)
+    try:
+        return SourceFile(str(path), content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        text = content.decode("utf-8", errors="replace")
+        line = content[: error.start].count(b"\n") + 1
+        message = f"{name} is not UTF-8 text: byte {error.start:,} is 0x{content[error.start]:02x}."
+        remedy = "Save the file as UTF-8 text."
+        return Diagnostic("Y1302", message, SourceFile(str(path), text), Span.on_line(line, 1, 1), remedy)
+
+
+def parse_toml(source: SourceFile) -> dict[str, Any] | Diagnostic:
+    """The data of a TOML text, or what is wrong with it."""
+    import tomllib
+
+    remedy = "Correct the TOML at this place."
+    try:
+        return tomllib.loads(source.text)
+    except RecursionError:
+        return Diagnostic("Y1303", "Brackets are nested too deep.", source, Span.on_line(1, 1, 1), remedy)
+    except ValueError as error:
+        what, _, _ = str(error).partition(" (at ")
+        place = re.search(r"at line (\d+), column (\d+)", str(error))
+        line, column = (int(place[1]), int(place[2])) if place else (max(len(source.lines), 1), 1)
+        if "integer string conversion" in what:
+            digits = re.search(r"\d[\d_]{4000}", source.text)
+            what, line = "A whole number has too many digits", 1
+            if digits is not None:
+                line = source.text.count("\n", 0, digits.start()) + 1
+        return Diagnostic(
+            "Y1303", f"{what}: this is not TOML.", source, Span.on_line(line, column, column + 1), remedy
+        )

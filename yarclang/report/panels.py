@@ -49,7 +49,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, trace: Trace, bars: tuple[Bar,
     if trace.motors_bind:
         note = "colours as the joints', in the motors' order"
         panels.append(_Panel("motor speed", trace.motors, motors, note, height=0.6))
-    factor, unit = _time_unit(float(trace.times[-1]))
+    factor, unit = time_unit(float(trace.times[-1]))
     grid = figure.add_gridspec(
         len(panels) + 1,
         1,
@@ -63,7 +63,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, trace: Trace, bars: tuple[Bar,
     times = trace.times / factor
     ribbon = figure.add_subplot(grid[0])
     ribbon.set_xlim(float(times[0]), float(times[-1]))
-    _draw_ribbon(ribbon, bars, factor)
+    draw_ribbon(ribbon, bars, factor)
     for row, panel in enumerate(panels):
         axes = figure.add_subplot(grid[row + 1], sharex=ribbon)
         peak = peak_of(trace, panel.values)
@@ -93,7 +93,7 @@ class _Panel:
     height: float = 1.0
 
 
-def _time_unit(duration: float) -> tuple[float, str]:
+def time_unit(duration: float) -> tuple[float, str]:
     """How many seconds the unit of the time axis has, and its name."""
     if duration < 600.0:
         return 1.0, "s"
@@ -173,7 +173,7 @@ def _mark_boundaries(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
             axes.axvline(bar.start / factor, color=colour, linewidth=0.7, zorder=1)
 
 
-def _draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
+def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
     """The commands as coloured bars, with their indices and names where there is room for them."""
     axes.set_ylim(0.0, 1.0)
     axes.set_axis_off()

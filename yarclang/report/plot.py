@@ -63,7 +63,7 @@ def draw(plan: MotionPlan, format_: Format) -> bytes:
                 "grid.linewidth": 0.6,
             }
         )
-        return _saved(_figure(plan), format_)
+        return saved(_figure(plan), format_)
 
 
 def _figure(plan: MotionPlan) -> Figure:
@@ -107,7 +107,8 @@ def printable(text: str) -> str:
     return "".join(character if character.isprintable() else "·" for character in text)
 
 
-def _saved(figure: Figure, format_: Format) -> bytes:
+def saved(figure: Figure, format_: Format) -> bytes:
+    """A picture as the bytes of a file, the same each time."""
     buffer = io.BytesIO()
     metadata: dict[str, Any] = dict(_UNDATED[format_])
     with warnings.catch_warnings():

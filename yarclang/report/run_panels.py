@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from yarclang.report.palette import MOST_BARS, Bar, joint_style
-from yarclang.report.panels import _draw_ribbon as draw_ribbon
-from yarclang.report.panels import _time_unit as time_unit
+from yarclang.report.panels import draw_ribbon, time_unit
 from yarclang.report.run_course import Mark, Span
 from yarclang.report.run_log import RecordedRun
 from yarclang.report.run_planned import Planned

@@ -6,8 +6,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from yarclang.report.palette import joint_style
-from yarclang.report.plot import SIZE, Format, duration_text, printable
-from yarclang.report.plot import _saved as saved
+from yarclang.report.plot import SIZE, Format, duration_text, printable, saved
 from yarclang.report.run_course import marks_of, outcome_text, spans_of
 from yarclang.report.run_log import RecordedRun
 from yarclang.report.run_panels import (

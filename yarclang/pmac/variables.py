@@ -1,5 +1,11 @@
 """Variables of the controller that yarclang uses, and where they live (TSRM 43, 96-98, 177-193, 281-287)."""
 
+from __future__ import annotations
+
+import re
+from collections.abc import Container
+from dataclasses import dataclass
+
 ARMED = "P8100"
 """1 while a rotary program wants its buffer guarded, 2 after the guard has held the motion, else 0."""
 
@@ -42,3 +48,29 @@ def actual_position(motor: int) -> tuple[str, str]:
 def rotary_full(system: int) -> tuple[str, str]:
     """M-variable of the rotary-full bit of a coordinate system, and its address."""
     return ROTARY_FULL, f"Y:${0x203F + 0x100 * (system - 1):06X},16,1"
+
+
+_VARIABLE = re.compile(r"([MPQ])([0-9]{1,4})")
+_OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
+"""Variables that yarclang itself uses: the guard's, and the motors' positions."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignalVariable:
+    """The variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy."""
+
+    name: str | None
+    fault: str = ""
+    remedy: str = ""
+
+
+def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:
+    """What a text in upper case names; `feedback` are the variables in which a robot tells its positions."""
+    found = _VARIABLE.fullmatch(text)
+    if found is None or int(found[2]) > 8191:
+        fault = "is no variable of the controller: M, P or Q and 0 to 8191"
+        return SignalVariable(None, fault, "for example M11")
+    name = f"{found[1]}{int(found[2])}"
+    if _OUR_OWN.fullmatch(name) or name in feedback:
+        return SignalVariable(None, "is used by yarclang itself", "choose another variable")
+    return SignalVariable(name)

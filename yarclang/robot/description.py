@@ -25,6 +25,7 @@ from yarclang.source import SourceFile
 from yarclang.toml.file import TomlFile
 from yarclang.toml.places import find_places
 from yarclang.toml.reading import parse_toml, read_text
+from yarclang.transforms import rpy_rotation
 from yarclang.units import DEG, MM, MS
 
 if TYPE_CHECKING:
@@ -211,13 +212,8 @@ def _frames(table: RobotTable) -> dict[str, Array]:
 
 def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
     """parent_from_frame (4, 4) of a place [mm] and R = Rz(yaw) Ry(pitch) Rx(roll) [deg]."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(np.array(rpy) * DEG), np.cos(np.array(rpy) * DEG)
     pose = np.eye(4)
-    pose[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
+    pose[:3, :3] = rpy_rotation(np.array(rpy) * DEG)
     pose[:3, 3] = np.array(xyz) * MM
     return pose
 

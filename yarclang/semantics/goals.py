@@ -15,11 +15,12 @@ from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.frames import base_axes, known_frame, moving_frame
 from yarclang.semantics.names import ResolvedName
-from yarclang.semantics.poses import check_limits, constant, rotation_of
+from yarclang.semantics.poses import check_limits, rotation_of
 from yarclang.semantics.scope import KINDS, Frame, JointPosition, Scope
 from yarclang.semantics.times import acceleration_share
 from yarclang.semantics.units import amount, missing_unit, number_fault
 from yarclang.syntax.ast import Computed, Number, Option, Statement, Value, WayPoint, Word
+from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
 
 _WHAT = {"length": "the lengths", "angle": "the angles", "time": "the time"}

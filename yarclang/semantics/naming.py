@@ -11,26 +11,25 @@ from yarclang.commands.registry import commands
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, FrameLink, Output, Signal
+from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.frames import base_axes
 from yarclang.semantics.parts import refuse_parts
-from yarclang.semantics.poses import check_limits, constant, rotation_of
+from yarclang.semantics.poses import check_limits, rotation_of
 from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope
 from yarclang.semantics.units import amount, missing_unit, number_fault, resolve_units
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
 from yarclang.syntax.words import RESERVED
+from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
 
 FIXED_FRAMES = (BASE, "FLANGE", "TCP")
 """They come from the robot."""
 
 _INDEX = re.compile(r"P[0-9]+")
-_VARIABLE = re.compile(r"([MPQ])([0-9]{1,4})")
-_OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
-"""Variables that yarclang itself uses: the guard's, and the motors' positions."""
 
 
 def may_be_declared(
@@ -175,15 +174,11 @@ def declare_signal(statement: Statement, scope: Scope, robot: Robot, findings: C
     if not may_be_declared(statement, word, scope, robot, findings):
         return None
     span = statement.span(variable.place)
-    found = _VARIABLE.fullmatch(variable.name)
-    if found is None or int(found[2]) > 8191:
-        message = f"{variable.text} is no variable of the controller: M, P or Q and 0 to 8191"
-        findings.add("Y0413", message, span, "for example M11")
+    found = signal_variable(variable.name, robot.controller.feedback)
+    if found.name is None:
+        findings.add("Y0413", f"{variable.text} {found.fault}", span, found.remedy)
         return None
-    if _OUR_OWN.fullmatch(variable.name) or variable.name in robot.controller.feedback:
-        findings.add("Y0413", f"{variable.text} is used by yarclang itself", span, "choose another variable")
-        return None
-    signal = Signal(word.name, f"{found[1]}{int(found[2])}")
+    signal = Signal(word.name, found.name)
     if kind == "INPUT":
         scope.declare(word.name, Input(signal))
         return None

@@ -9,8 +9,7 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import Array
 from yarclang.robot.model import Robot
 from yarclang.source import Span
-
-QUATERNION_TOLERANCE = 1e-3
+from yarclang.transforms import QUATERNION_TOLERANCE, quaternion_rotation, rpy_rotation
 
 
 def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
@@ -42,30 +41,4 @@ def rotation_of(values: Values, numbers: Array, findings: Collector, span: Span)
         message = f"the quaternion qx qy qz qw has the norm {norm:.6g}, not 1"
         findings.add("Y0404", message, span, "the order is qx qy qz qw, with the real part last")
         return None
-    x, y, z, w = numbers / norm
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def rpy_rotation(rpy: Array) -> Array:
-    """Rz(yaw) Ry(pitch) Rx(roll) of `rpy` (3,) = roll pitch yaw [rad], as (3, 3)."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def constant(values: Array) -> Array:
-    """The values as a read-only array of floats."""
-    values = np.ascontiguousarray(values, dtype=np.float64)
-    values.setflags(write=False)
-    return values
+    return quaternion_rotation(numbers)

@@ -1,0 +1,1 @@
+"""The robot's surroundings: cell.toml, read, checked and in SI."""

@@ -1,0 +1,206 @@
+"""Reading a cell: its cell.toml becomes a `Cell` for a robot, or findings at its lines.
+
+pydantic is imported where it is first used.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from yarclang.cell.model import Array, Cell, CellOutput
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.pmac.variables import signal_variable
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile, Span
+from yarclang.toml.file import TomlFile
+from yarclang.toml.places import Path, find_places
+from yarclang.toml.reading import parse_toml, read_text
+
+if TYPE_CHECKING:
+    from yarclang.cell.measures import Measures
+    from yarclang.cell.schema import CellTable
+    from yarclang.toml.draft import Draft
+
+FROM_THE_ROBOT = ("B", "FLANGE", "TCP")
+"""Frames that can't be declared: every robot has them."""
+
+IsWord = Callable[[str], bool]
+"""Whether a name in upper case is a word of the language."""
+
+_NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """What a cell's names are checked against: the language's words, and, where it is known, the robot."""
+
+    is_word: IsWord
+    robot: Robot | None = None
+
+
+def load_cell(path: FilePath, names: Names) -> Result[Cell]:
+    """Reads a cell.toml for the robot of `names`.
+
+    Returns:
+        The cell, or None and all mistakes. A file that isn't there is a finding without a place.
+    """
+    source = read_text(path, "Name a cell.toml, seen from the folder of the program.")
+    if isinstance(source, Diagnostic):
+        return Result(None, (source,))
+    return read_cell(source, path.parent, names)
+
+
+def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell]:
+    """The cell of a text.
+
+    Args:
+        source: the text of a cell.toml.
+        folder: where it stands; mesh files are seen from there.
+        names: without a robot, all is checked that holds for any.
+
+    Returns:
+        None where there are errors, and always without a robot: joint values are those of one.
+    """
+    data = parse_toml(source)
+    if isinstance(data, Diagnostic):
+        return Result(None, (data,))
+    return _read(source, folder, names, data)
+
+
+def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, Any]) -> Result[Cell]:
+    from yarclang.cell.bodies import Surroundings, read_obstacle, read_zone
+    from yarclang.cell.frames import resolve_frames
+    from yarclang.cell.measures import Measures
+    from yarclang.cell.schema import CellTable, spelled_out
+    from yarclang.toml.draft import read_draft
+
+    file = TomlFile(source, find_places(source))
+    draft = read_draft(spelled_out(data), CellTable)
+    draft.tell(file)
+    table = draft.table
+    measures = Measures(file)
+    measures.read_common(table.units)
+    measures.doubtful |= ("units",) in draft.dropped
+    _check_names(file, draft, names)
+    frames = resolve_frames(table.frames, measures)
+    declared = {name.upper() for name in table.frames} | {
+        str(path[1]).upper() for path in draft.dropped if path[0] == "frames" and len(path) > 1
+    }
+    around = Surroundings(measures, frames, frozenset(declared), folder, names.robot, draft.dropped)
+    obstacles = [read_obstacle(one, ("obstacles", at), around) for at, one in enumerate(table.obstacles)]
+    zones = [read_zone(one, ("zones", at), around) for at, one in enumerate(table.zones)]
+    joints = _joints(table, measures, names.robot)
+    inputs = {
+        name.upper(): variable
+        for name, entry in table.inputs.items()
+        if (variable := _variable(entry.variable, ("inputs", name, "variable"), file, names.robot))
+    }
+    outputs = {
+        name.upper(): CellOutput(variable, entry.safe)
+        for name, entry in table.outputs.items()
+        if (variable := _variable(entry.variable, ("outputs", name, "variable"), file, names.robot))
+    }
+    findings = in_order(file.findings)
+    if has_errors(findings) or names.robot is None:
+        return Result(None, findings)
+    cell = Cell(
+        source,
+        MappingProxyType(frames),
+        MappingProxyType(joints),
+        MappingProxyType(inputs),
+        MappingProxyType(outputs),
+        tuple(one for one in obstacles if one is not None),
+        tuple(one for one in zones if one is not None),
+        MappingProxyType(_places(file, table)),
+    )
+    return Result(cell, findings)
+
+
+def _joints(table: CellTable, measures: Measures, robot: Robot | None) -> dict[str, Array]:
+    from yarclang.cell.windows import joint_position
+
+    found: dict[str, Array] = {}
+    for name, entry in table.joints.items():
+        path: Path = ("joints", name)
+        units = measures.of_entry(entry.units, path)
+        if entry.values is not None:
+            # the values may stand under the name itself
+            at = path if (*path, "values") not in measures.file.places.values else (*path, "values")
+            q = joint_position(name, entry.values, at, units, measures, robot)
+            if q is not None:
+                found[name.upper()] = q
+    return found
+
+
+def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None) -> str | None:
+    """The controller's variable of an input or output; None with a finding."""
+    if text is None:
+        return None
+    variable = signal_variable(text.upper(), robot.controller.feedback if robot else ())
+    if variable.name is None:
+        file.say("Y0413", path, f"{text[:40]} {variable.fault}.", f"{variable.remedy.capitalize()}.")
+    return variable.name
+
+
+_WHAT = {
+    "frames": "frame",
+    "joints": "joint position",
+    "inputs": "input",
+    "outputs": "output",
+    "obstacles": "obstacle",
+    "zones": "zone",
+}
+
+
+def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
+    """Names follow the language's rules; what programs see is there once, and so are obstacles and zones."""
+    first: dict[tuple[str, str], str] = {}
+    for path, name in _named(draft.table):
+        key, upper = str(path[0]), name.upper()
+        what = _WHAT[key]
+        space = key if key == "frames" else "bodies" if key in ("obstacles", "zones") else "names"
+        at_key = space != "bodies"
+        if not _NAME.fullmatch(upper):
+            message = f'The {what} has the name "{name[:40]}", which a program can\'t write.'
+            file.say(
+                "Y1310", path, message, "Use ASCII letters, digits and _, not a digit first.", at_key=at_key
+            )
+        elif space == "names" and names.is_word(upper):
+            message = f"{name[:40]} is a word of the language, and can't be the name of an {what}."
+            file.say(
+                "Y1310", path, message.replace("an joint", "a joint"), "Choose another name.", at_key=True
+            )
+        elif space == "frames" and upper in FROM_THE_ROBOT:
+            message = f"The frame {{{upper}}} comes from the robot, and can't be declared."
+            file.say("Y1310", path, message, "Choose another name.", at_key=True)
+        elif (space, upper) in first:
+            other = first[space, upper]
+            message = (
+                f"{name} is there already, as the {other}: a name is one thing, and is read in any case."
+            )
+            file.say("Y1311", path, message, "Give one of the two another name.", at_key=at_key)
+        first.setdefault((space, upper), f"{what} {name} in line {file.places.of_key(path).line}")
+
+
+def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
+    """Everything that has a name, and where, in the order of the file's tables."""
+    for key in ("frames", "joints", "inputs", "outputs"):
+        yield from (((key, name), name) for name in getattr(table, key))
+    for key in ("obstacles", "zones"):
+        for at, entry in enumerate(getattr(table, key)):
+            if entry.name is not None:
+                yield (key, at, "name"), entry.name
+
+
+def _places(file: TomlFile, table: CellTable) -> Mapping[tuple[str, str], Span]:
+    """Where the names that programs see stand."""
+    return {
+        (str(path[0]), name.upper()): file.places.of_key(path)
+        for path, name in _named(table)
+        if len(path) == 2
+    }

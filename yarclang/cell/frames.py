@@ -1,0 +1,91 @@
+"""The frames of a cell: chains in any order, each under {B} or {FLANGE}."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from yarclang.cell.measures import Measures
+from yarclang.cell.model import CellFrame, Mount
+from yarclang.cell.schema import FrameTable
+from yarclang.toml.draft import spoken
+from yarclang.toml.file import TomlFile, did_you_mean
+from yarclang.toml.places import Path
+from yarclang.transforms import constant
+
+ROOTS: Mapping[str, Mount] = {
+    "B": Mount(constant(np.eye(4)), on_flange=False),
+    "FLANGE": Mount(constant(np.eye(4)), on_flange=True),
+}
+"""What a cell's frames hang on at last: they come from the robot, whichever it is."""
+
+
+def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict[str, CellFrame]:
+    """The frames by name in upper case, parents first; findings where a chain doesn't end at {B} or {FLANGE}.
+
+    Frames with mistakes, and what hangs on them, aren't there.
+    """
+    upper = {name.upper(): name for name in tables}
+    parents: dict[str, str] = {}
+    local = {}
+    for name, table in tables.items():
+        path: Path = ("frames", name)
+        units = measures.of_entry(table.units, path)
+        pose = measures.transform(table, path, units)
+        if table.parent is None or upper[name.upper()] != name:
+            continue  # it was said that the parent is missing, or that the name is there twice
+        parent = known_frame(table.parent, (*path, "parent"), upper, measures.file)
+        if parent is not None:
+            parents[name.upper()] = parent
+            if pose is not None:
+                local[name.upper()] = pose
+    for circle in _circles(parents):
+        message = f"The frames {', '.join(circle)} hang on each other in a circle."
+        if len(circle) == 1:
+            message = f"The frame {circle[0]} hangs on itself."
+        remedy = 'Give one of them parent = "B", or "FLANGE".'
+        measures.file.say("Y1330", ("frames", upper[circle[0]], "parent"), message, remedy)
+    placed: dict[str, CellFrame] = {}
+    waiting = dict(local)
+    while ready := [name for name in waiting if parents[name] in ROOTS or parents[name] in placed]:
+        for name in ready:
+            parent, pose = parents[name], waiting.pop(name)
+            under = mount_of(parent, placed)
+            mount = Mount(constant(under.transform @ pose), under.on_flange)
+            placed[name] = CellFrame(name, parent, pose, mount)
+    return placed
+
+
+def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlFile) -> str | None:
+    """The name in upper case of a frame that the cell has, or that every robot has; else None and a finding.
+
+    `frames` are those of the file by their names in upper case.
+    """
+    wanted = name.upper()
+    if wanted in ROOTS or wanted in frames:
+        return wanted
+    remedy = did_you_mean(wanted, {*ROOTS, *frames} - {str(path[1]).upper()})
+    if wanted == "TCP":
+        remedy = "{TCP} is another one for each robot: name FLANGE, or a frame of this file."
+    file.say("Y1329", path, f"{spoken(path)} is {name[:40]}, which isn't a frame of this file.", remedy)
+    return None
+
+
+def mount_of(name: str, frames: Mapping[str, CellFrame]) -> Mount:
+    """Where a frame sits that is a root, or among `frames`."""
+    return ROOTS[name] if name in ROOTS else frames[name].mount
+
+
+def _circles(parents: Mapping[str, str]) -> Iterator[list[str]]:
+    """The circles of frames, each once."""
+    seen: set[str] = set()
+    for start in parents:
+        path: list[str] = []
+        here = start
+        while here in parents and here not in seen and here not in path:
+            path.append(here)
+            here = parents[here]
+        if here in path:
+            yield path[path.index(here) :]
+        seen.update(path)

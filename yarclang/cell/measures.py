@@ -1,0 +1,109 @@
+"""Numbers of a cell.toml to SI: the units that hold for an entry, and transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from yarclang.cell.model import Array
+from yarclang.cell.schema import Placed
+from yarclang.diagnostics import suggest
+from yarclang.toml.draft import spoken, table_name
+from yarclang.toml.file import TomlFile
+from yarclang.toml.places import Path
+from yarclang.transforms import QUATERNION_TOLERANCE, constant, quaternion_rotation, rpy_rotation
+from yarclang.units import UNITS, Kind, Unit, units_of
+
+
+@dataclass(slots=True)
+class Measures:
+    """The units of a file, and what is to say about them."""
+
+    file: TomlFile
+    common: Mapping[Kind, Unit] = field(default_factory=dict)
+    """The units at the top of the file."""
+    doubtful: bool = False
+    """Whether those couldn't be read, so that a missing unit isn't another mistake."""
+
+    def read_common(self, text: str | None) -> None:
+        """The `units` at the top of the file."""
+        found = self._parsed(text, ("units",))
+        self.common, self.doubtful = found or {}, found is None
+
+    def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
+        """The units that hold for the table at `path`; None with a finding where its own can't be read."""
+        own = self._parsed(text, (*path, "units"))
+        return None if own is None else {**self.common, **own}
+
+    def factor(self, units: Mapping[Kind, Unit] | None, kind: Kind, path: Path) -> float | None:
+        """What turns the value at `path` into SI; None with a finding where there is no unit."""
+        if units is None:
+            return None
+        if kind in units:
+            return units[kind].factor
+        if not self.doubtful:
+            names = " or ".join(units_of(kind)[:2])
+            remedy = f'Name one ({names}) in units at the top of the file, as in units = "mm,deg", or in this table.'
+            self.file.say("Y0304", path, f"{spoken(path)} needs a unit of {kind}.", remedy)
+        return None
+
+    def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
+        """frame_from_it (4, 4) [m] of what has a place in a frame; None with findings."""
+        made, sound = np.eye(4), True
+        if placed.rpy is not None and placed.quat is not None:
+            message = f"{table_name(path)} has rpy and quat: two orientations."
+            self.file.say("Y1370", (*path, "quat"), message, "Remove one of them.", at_key=True)
+            return None
+        for key, size in (("xyz", 3), ("rpy", 3), ("quat", 4)):
+            sound &= self.sized(getattr(placed, key), size, (*path, key))
+        if not sound:
+            return None
+        if placed.xyz is not None:
+            factor = self.factor(units, "length", (*path, "xyz"))
+            sound &= factor is not None
+            made[:3, 3] = np.array(placed.xyz) * (factor or 1.0)
+        if placed.rpy is not None:
+            factor = self.factor(units, "angle", (*path, "rpy"))
+            sound &= factor is not None
+            made[:3, :3] = rpy_rotation(np.array(placed.rpy) * (factor or 1.0))
+        if placed.quat is not None:
+            quaternion = np.array(placed.quat)
+            norm = float(np.linalg.norm(quaternion))
+            if abs(norm - 1.0) > QUATERNION_TOLERANCE:
+                message = f"{spoken((*path, 'quat'))} has the norm {norm:.6g}, not 1."
+                self.file.say(
+                    "Y0404", (*path, "quat"), message, "The order is x y z w, with the real part last."
+                )
+                return None
+            made[:3, :3] = quaternion_rotation(quaternion)
+        return constant(made) if sound else None
+
+    def sized(self, values: Sequence[object] | None, size: int, path: Path) -> bool:
+        """Whether a list has so many entries, if it is there; else a finding."""
+        if values is None or len(values) == size:
+            return True
+        message = f"{spoken(path)} must have {size} values, but has {len(values)}."
+        self.file.say("Y1309", path, message, f"Write {_SHAPES[size]}.")
+        return False
+
+    def _parsed(self, text: str | None, path: Path) -> dict[Kind, Unit] | None:
+        """The units of a text such as "mm,deg"; None with a finding."""
+        found: dict[Kind, Unit] = {}
+        for name in (text or "").split(",") if text is not None else ():
+            unit = UNITS.get(name.strip().lower())
+            if unit is None:
+                near = suggest(name.strip(), UNITS).capitalize()
+                remedy = f'{near} Write units as in units = "mm,deg"; there are {", ".join(UNITS)}.'
+                self.file.say("Y0305", path, f'"{name.strip()[:40]}" is no unit.', remedy.strip())
+                return None
+            if unit.kind in found:
+                message = f"{found[unit.kind].name} and {unit.name} are both units of {unit.kind}."
+                self.file.say("Y0306", path, message, "Leave one of them.")
+                return None
+            found[unit.kind] = unit
+        return found
+
+
+_SHAPES = {2: "[least, largest]", 3: "three numbers, [0, 0, 0]", 4: "four numbers, [0, 0, 0, 1]"}

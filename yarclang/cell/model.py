@@ -1,0 +1,162 @@
+"""A cell as the stages see it: plain data in SI units, already checked, for one robot.
+
+`yarclang.cell.description` makes it from a cell.toml. Arrays are float64 and read-only. Transforms are named so that
+neighbours cancel: `base_from_x` maps coordinates of x to the robot's {B}, `flange_from_x` to its {FLANGE}.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.source import SourceFile, Span
+
+Array = NDArray[np.float64]
+Rule = Literal["allowed", "forbidden", "slow"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mount:
+    """Where something sits: `transform` (4, 4) [m] is base_from_it, or, with `on_flange`, flange_from_it."""
+
+    transform: Array
+    on_flange: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellFrame:
+    """A frame of the cell: how it sits in its parent, `parent_from_frame` (4, 4) [m], and what that makes in all.
+
+    `parent` is B, FLANGE, or the name of another frame of the cell.
+    """
+
+    name: str
+    parent: str
+    parent_from_frame: Array
+    mount: Mount
+
+
+@dataclass(frozen=True, slots=True)
+class CellOutput:
+    """An output: the controller's variable, and its value at any stop, hold or fault (None: it stays as it is)."""
+
+    variable: str
+    safe: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Box:
+    """A box around its frame's origin: `size` (3,) are its whole edges along x, y, z [m]."""
+
+    size: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A sphere around its frame's origin [m]."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """A cylinder around its frame's z axis; `length` [m] is halved by the origin."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class Capsule:
+    """All points within `radius` [m] of a piece of the frame's z axis; its `length` [m], without the caps, is halved by the origin."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """The triangles of a file, whose coordinates times `unit` are in m; `digest` is the SHA-256 of its bytes."""
+
+    path: Path
+    unit: float
+    digest: str
+
+
+Shape = Box | Sphere | Cylinder | Capsule | Mesh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Obstacle:
+    """A body that the robot must not touch, or, with a mount on the flange, a body that it carries.
+
+    `margin` [m] is how far everything else stays away from it at least.
+    """
+
+    name: str
+    shape: Shape
+    mount: Mount
+    margin: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoxRegion:
+    """The points in a box that stands still: `size` (3,) whole edges [m] around the origin of `base_from_box` (4, 4)."""
+
+    base_from_box: Array
+    size: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HalfSpace:
+    """The points p in {B} with normal . p >= offset: `normal` (3,) has the norm 1, `offset` is in m."""
+
+    normal: Array
+    offset: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointWindow:
+    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]; infinite for joints that the window leaves open."""
+
+    lower: Array
+    upper: Array
+
+
+Region = BoxRegion | HalfSpace | JointWindow
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Zone:
+    """A region with a rule: to stay inside (`allowed`), to stay outside (`forbidden`), or to go at most at `speed` [m/s] inside (`slow`).
+
+    `speed` is None for the other rules. Points are those of the moving frame.
+    """
+
+    name: str
+    rule: Rule
+    region: Region
+    speed: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """A cell for a robot: names for programs, and bodies and zones in the order of the file.
+
+    Names are in upper case. `frames` has parents before what hangs on them; `joints` are joint positions (n,) [rad or m]; `inputs` are
+    the controller's variables. `places` says where a name stands in `source`, by the table (frames, joints, inputs, outputs) and the name.
+    """
+
+    source: SourceFile
+    frames: Mapping[str, CellFrame]
+    joints: Mapping[str, Array]
+    inputs: Mapping[str, str]
+    outputs: Mapping[str, CellOutput]
+    obstacles: tuple[Obstacle, ...]
+    zones: tuple[Zone, ...]
+    places: Mapping[tuple[str, str], Span]

@@ -1,0 +1,144 @@
+"""The form of a cell.toml: its tables, keys and types, in the units that it names.
+
+This module imports pydantic; import it late.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from yarclang.toml.tables import LARGEST, Document, Number, Positive, Table
+
+Margin = Annotated[float, Field(ge=0.0, le=LARGEST)]
+
+
+class Placed(Table):
+    """What has a place in a frame: x y z, and roll pitch yaw or a quaternion x y z w."""
+
+    xyz: list[Number] | None = None
+    rpy: list[Number] | None = None
+    quat: list[Number] | None = None
+    units: str | None = None
+
+
+class FrameTable(Placed):
+    """`[frames.NAME]`."""
+
+    required = ("parent",)
+    parent: str | None = None
+
+
+class JointsTable(Table):
+    """`[joints]` NAME = [...], or `[joints.NAME]` with values and units."""
+
+    required = ("values",)
+    values: list[Number] | None = None
+    units: str | None = None
+
+
+class InputTable(Table):
+    """`[inputs]` NAME = "M11", or `[inputs.NAME]` with a variable."""
+
+    required = ("variable",)
+    variable: str | None = None
+
+
+class OutputTable(Table):
+    """`[outputs]` NAME = "M1", or `[outputs.NAME]` with a variable and a safe value."""
+
+    required = ("variable",)
+    wanted: ClassVar = {"safe": '"ON", "OFF" or a number'}
+    variable: str | None = None
+    safe: Number | None = None
+
+
+class ObstacleTable(Placed):
+    """`[[obstacles]]`; which sizes it has depends on its shape."""
+
+    required = ("name", "shape", "frame")
+    name: str | None = None
+    shape: Literal["box", "sphere", "cylinder", "capsule", "mesh"] | None = None
+    frame: str | None = None
+    size: list[Positive] | None = None
+    radius: Positive | None = None
+    length: Positive | None = None
+    file: str | None = None
+    margin: Margin = 0.0
+
+
+class ZoneTable(Placed):
+    """`[[zones]]`; what describes it depends on its shape."""
+
+    required = ("name", "rule", "shape")
+    name: str | None = None
+    rule: Literal["allowed", "forbidden", "slow"] | None = None
+    shape: Literal["box", "half-space", "joints"] | None = None
+    frame: str | None = None
+    size: list[Positive] | None = None
+    normal: list[Number] | None = None
+    joints: dict[str, list[Number]] | None = None
+    speed: Positive | None = None
+
+
+class CellTable(Document):
+    """The whole file."""
+
+    units: str | None = None
+    frames: dict[str, FrameTable] = Field(default={})
+    joints: dict[str, JointsTable] = Field(default={})
+    inputs: dict[str, InputTable] = Field(default={})
+    outputs: dict[str, OutputTable] = Field(default={})
+    obstacles: list[ObstacleTable] = Field(default=[])
+    zones: list[ZoneTable] = Field(default=[])
+    wanted: ClassVar = {
+        "obstacles": "tables, each under [[obstacles]]",
+        "zones": "tables, each under [[zones]]",
+        "units": 'a text such as "mm,deg"',
+    }
+    tables: ClassVar = {
+        "frames": FrameTable,
+        "joints": JointsTable,
+        "inputs": InputTable,
+        "outputs": OutputTable,
+        "obstacles": ObstacleTable,
+        "zones": ZoneTable,
+    }
+    examples: ClassVar = {
+        "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',
+        "values": "values = [...], one a joint.",
+        "variable": 'for example variable = "M11".',
+        "name": 'for example name = "TABLE": findings speak of it by its name.',
+        "shape": 'for example shape = "box".',
+        "frame": 'frame = "B", or the name of the frame in which x y z count.',
+        "rule": 'rule = "allowed", "forbidden" or "slow".',
+        "size": "size = [x, y, z], the whole edges.",
+        "radius": "for example radius = 40.",
+        "length": "for example length = 200, along z.",
+        "file": 'for example file = "press.stl", seen from the folder of this file.',
+        "normal": "normal = [0, 0, 1], the direction into the half space.",
+        "joints": "joints = { J1 = [-90, 90] }, the least and the largest value of each joint that matters.",
+        "speed": "for example speed = 250, in the units of length and time.",
+    }
+
+
+def spelled_out(data: dict[str, Any]) -> dict[str, Any]:
+    """The data of a file with its short forms written out: READY = [...], DOOR = "M11", safe = "OFF"."""
+    made = dict(data)
+    for key, inner in (("joints", "values"), ("inputs", "variable"), ("outputs", "variable")):
+        table = made.get(key)
+        if isinstance(table, dict):
+            made[key] = {
+                name: dict(entry) if isinstance(entry, dict) else {inner: entry}
+                for name, entry in table.items()
+            }
+    outputs = made.get("outputs")
+    for entry in outputs.values() if isinstance(outputs, dict) else ():
+        safe = entry.get("safe")
+        if isinstance(safe, str) and safe.upper() in _STATES:
+            entry["safe"] = _STATES[safe.upper()]
+    return made
+
+
+_STATES = {"ON": 1.0, "OFF": 0.0}

@@ -1,0 +1,90 @@
+"""What a cell says in joint values: named joint positions, and windows of zones. Both are those of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from yarclang.cell.measures import Measures
+from yarclang.cell.model import Array, JointWindow
+from yarclang.robot.model import Robot
+from yarclang.toml.draft import spoken
+from yarclang.toml.file import did_you_mean, right_length
+from yarclang.toml.places import Path
+from yarclang.transforms import constant
+from yarclang.units import Kind, Unit
+
+Units = Mapping[Kind, Unit] | None
+
+
+def joint_position(
+    name: str, values: Sequence[float], path: Path, units: Units, measures: Measures, robot: Robot | None
+) -> Array | None:
+    """A joint position (n,) [rad or m] within the limits of a robot; None with findings, or where there is no robot.
+
+    Without a robot it is an arm of turning joints for all that is known: some unit of angle or length must be there.
+    """
+    if robot is None:
+        if units is not None and not units.keys() & {"angle", "length"}:
+            measures.factor(units, "angle", path)
+        return None
+    if not right_length(measures.file, path, values, robot.size, "value", "joint"):
+        return None
+    factors = [measures.factor(units, kind, path) for kind in dict.fromkeys(_kinds(robot))]
+    if units is None or None in factors:
+        return None
+    q = np.array(values) * [units[kind].factor for kind in _kinds(robot)]
+    excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
+    joint = int(np.argmax(excess))
+    if excess[joint] <= 1e-9:
+        return constant(q)
+    unit, scale = robot.axis_unit_names[joint], robot.axis_units[joint]
+    lower, upper = robot.limits.lower[joint] / scale, robot.limits.upper[joint] / scale
+    message = (
+        f"{name} has joint {robot.joint_names[joint]} at {q[joint] / scale:.6g} {unit}, "
+        f"{excess[joint]:.6g} {unit} outside of its limits {lower:g} to {upper:g}."
+    )
+    measures.file.say(
+        "Y1317", (*path, joint), message, f"Move the position, or take it out for {robot.name}."
+    )
+    return None
+
+
+def joint_window(
+    joints: Mapping[str, Sequence[float]], path: Path, units: Units, measures: Measures, robot: Robot | None
+) -> JointWindow | None:
+    """The joint positions of a zone; None with findings, or where there is no robot."""
+    sound = bool(joints)
+    if not joints:
+        measures.file.say("Y1308", path, "The joint window names no joint.", "Write { J1 = [-90, 90] }.")
+    for name, ends in joints.items():
+        if not measures.sized(ends, 2, (*path, name)):
+            sound = False
+        elif ends[0] >= ends[1]:
+            message = (
+                f"{spoken((*path, name))} begins at {ends[0]:g}, which isn't below its end, {ends[1]:g}."
+            )
+            measures.file.say("Y1316", (*path, name), message, "Write [least, largest].")
+            sound = False
+    if robot is None or units is None:
+        return None
+    lower, upper = np.full(robot.size, -np.inf), np.full(robot.size, np.inf)
+    known = {name.upper(): at for at, name in enumerate(robot.joint_names)}
+    for name, ends in joints.items():
+        at = known.get(name.upper())
+        if at is None:
+            message = f"{robot.name} has no joint {name[:40]}."
+            measures.file.say("Y1372", (*path, name), message, did_you_mean(name.upper(), known), at_key=True)
+            sound = False
+            continue
+        factor = measures.factor(units, _kinds(robot)[at], (*path, name))
+        if factor is None:
+            sound = False
+        elif sound:
+            lower[at], upper[at] = np.array(ends) * factor
+    return JointWindow(constant(lower), constant(upper)) if sound else None
+
+
+def _kinds(robot: Robot) -> tuple[Kind, ...]:
+    return tuple("length" if unit == "mm" else "angle" for unit in robot.axis_unit_names)

@@ -1,0 +1,33 @@
+"""Family 13, third part: a cell.toml, the robot's surroundings. What it shares with a robot.toml stands there."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y1370",
+        "two-orientations",
+        "error",
+        "an entry has two orientations",
+        "Roll pitch yaw and a quaternion say the same thing in two ways; where both are given, one of them would be passed over.",
+        "rpy = [0, 0, 90]\nquat = [0, 0, 0.7071, 0.7071]",
+        "rpy = [0, 0, 90]",
+    ),
+    Finding(
+        "Y1371",
+        "moving-zone",
+        "error",
+        "a zone hangs on a frame that the robot carries",
+        "A zone is a region of the cell, and stands still. A body that the robot carries is an obstacle under FLANGE.",
+        '[[zones]]\nname = "BENCH"\nrule = "forbidden"\nshape = "box"\nframe = "FLANGE"\nsize = [600, 400, 300]',
+        '[[zones]]\nname = "BENCH"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [600, 400, 300]',
+    ),
+    Finding(
+        "Y1372",
+        "no-such-joint",
+        "error",
+        "the robot has no such joint",
+        "A joint window speaks of the joints of the program's robot by their names. Without the joint, the window would hold nothing back.",
+        "joints = { A1 = [-90, 90] }",
+        "joints = { J1 = [-90, 90] }",
+    ),
+)

@@ -1,0 +1,42 @@
+"""Rotations from what people write: roll pitch yaw, and quaternions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+QUATERNION_TOLERANCE = 1e-3
+"""How far the norm of a quaternion that is given may be from 1."""
+
+
+def rpy_rotation(rpy: Array) -> Array:
+    """Rz(yaw) Ry(pitch) Rx(roll) of `rpy` (3,) = roll pitch yaw [rad], as (3, 3)."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def quaternion_rotation(quaternion: Array) -> Array:
+    """The rotation (3, 3) of a quaternion (4,) x y z w, which is divided by its norm (not 0)."""
+    x, y, z, w = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def constant(values: Array) -> Array:
+    """The values as a read-only array of floats."""
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    values.setflags(write=False)
+    return values

@@ -275,6 +275,8 @@ IN_TOML = [
     ("Y1303", "velocity = 60  ", "velocity = 60 deg", "60 deg"),
     ("Y1303", "velocity = 60  ", "velocity = " + "9" * 5000, "99999"),
     ("Y1304", 'name = "INDUSTRIAL6"\n', "", ""),
+    ("Y1362", 'base = "', 'ignored_joints = ["J9"]\nbase = "', "J9"),
+    ("Y1362", 'base = "', 'ignored_joints = ["J1"]\nbase = "', "J1"),
     ("Y1304", 'flange = "flange" ', "# ", ""),
     ("Y1304", J1, J1.replace("velocity", "# "), "[joints.J1]"),
     ("Y1304", "HOME =", "START =", "[positions]"),
@@ -364,6 +366,8 @@ BALL = '<geometry><capsule radius="0.06" length="0.1"/></geometry>\n    </collis
 LOOP = """<link name="p"/><link name="q"/>
 <joint name="r" type="fixed"><parent link="p"/><child link="q"/></joint>
 <joint name="s" type="fixed"><parent link="q"/><child link="p"/></joint></robot>"""
+
+
 STRAY = """<link name="p"/>
 <joint name="r" type="continuous"><parent link="link_2"/><child link="p"/></joint></robot>"""
 MANY = "".join(f'\n<link name="x{at}"/>' for at in range(1001))
@@ -525,6 +529,30 @@ def test_the_mistakes_of_both_files_come_in_one_run(tmp_path: Path) -> None:
     urdf = URDF.replace('radius="0.05"', 'radius="-1"').replace('<child link="link_3"/>', '<child link="x"/>')
     codes = sorted(finding.code for finding in load_texts(tmp_path, toml, urdf).diagnostics)
     assert codes == ["Y1304", "Y1306", "Y1316", "Y1319", "Y1326", "Y1346", "Y1346", "Y1347"]
+
+
+@pytest.mark.parametrize("mimic", ["", '<mimic joint="J2"/>'])
+@pytest.mark.parametrize("kind", ["revolute", "planar", "floating"])
+def test_a_joint_off_the_chain_may_be_ignored(kind: str, mimic: str, tmp_path: Path) -> None:
+    urdf = URDF.replace("</robot>", STRAY.replace("revolute", kind).replace("</joint>", mimic + "</joint>"))
+    (finding,) = load_texts(tmp_path, urdf=urdf).diagnostics
+    assert finding.code == "Y1354"
+    toml = TOML.replace('base = "', 'ignored_joints = ["r"]\nbase = "', 1)
+    result = load_texts(tmp_path, toml, urdf)
+    assert result.diagnostics == ()
+    assert result.value is not None
+    assert result.value.fingerprint != ""
+
+
+def test_a_visual_mesh_may_miss(tmp_path: Path) -> None:
+    visual = '<visual><geometry><mesh filename="package://x/a.stl"/></geometry></visual>\n<collision>'
+    assert load_texts(tmp_path, urdf=URDF.replace("<collision>", visual, 1)).diagnostics == ()
+
+
+def test_a_fixed_joint_needs_no_axis(tmp_path: Path) -> None:
+    urdf = re.sub(r'(<joint[^>]*type="fixed">)', r'\1<axis xyz="0 0 0"/>', URDF, count=1)
+    assert urdf != URDF
+    assert load_texts(tmp_path, urdf=urdf).ok
 
 
 def test_every_finding_of_the_family_is_tested() -> None:

@@ -414,8 +414,8 @@ FINDINGS: tuple[Finding, ...] = (
         "a moving joint isn't in the chain",
         "No motor of this robot moves it, so nobody knows where it stands, and the collision check would "
         "be of no use.",
-        '<joint name="finger" type="prismatic">',
-        '<joint name="finger" type="fixed">',
+        'flange = "tool0"',
+        'flange = "tool0"\nignored_joints = ["finger"]',
     ),
     Finding(
         "Y1355",
@@ -475,5 +475,15 @@ FINDINGS: tuple[Finding, ...] = (
         "Readers of URDF take the first of two and say nothing about the second.",
         '<origin xyz="0 0 1"/>\n<origin xyz="0 0 2"/>',
         '<origin xyz="0 0 1"/>',
+    ),
+    Finding(
+        "Y1362",
+        "not-ignorable",
+        "error",
+        "a joint can't be ignored",
+        "ignored_joints names moving joints of the URDF that aren't between the base and the flange, such as "
+        "the fingers of a gripper: no motor of this robot moves them, and they count as standing at 0.",
+        'ignored_joints = ["fingr"]',
+        'ignored_joints = ["finger"]',
     ),
 )

@@ -9,15 +9,16 @@ from yarclang.units import MS
 def robot_text(robot: Robot) -> str:
     """Joints with their limits, frames, positions and controller, for people."""
     limits, units = robot.limits, robot.axis_units
+    wide = max(8, *(len(name) + 2 for name in robot.joint_names))
     lines = [
         f"{robot.name}: {robot.title}",
         "",
-        f"{'joint':8}{'axis':6}{'from':>9}{'to':>9}{'per s':>9}{'per s2':>9}{'per s3':>9}",
+        f"{'joint':{wide}}{'axis':6}{'from':>9}{'to':>9}{'per s':>9}{'per s2':>9}{'per s3':>9}",
     ]
     for joint, name in enumerate(robot.joint_names):
         numbers = (limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
         cells = "".join(f"{values[joint] / units[joint]:>9.5g}" for values in numbers)
-        lines.append(f"{name:8}{robot.controller.axes[joint]:6}{cells} {robot.axis_unit_names[joint]}")
+        lines.append(f"{name:{wide}}{robot.controller.axes[joint]:6}{cells} {robot.axis_unit_names[joint]}")
     lines.append("")
     lines.append("frames on the flange: " + ", ".join(f"{{{name}}}" for name in robot.flange_from_frame))
     for name, q in robot.positions.items():

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from yarclang.robot.model import Chain
-from yarclang.robot.urdf import MOVING, Joint, Urdf
+from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
 from yarclang.robot.urdf_xml import Element
 from yarclang.toml.file import did_you_mean
 
@@ -28,14 +28,33 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
     return tuple(reversed(joints))
 
 
-def check_chain(urdf: Urdf, joints: Sequence[Joint]) -> None:
-    """Findings about the moving joints that aren't in the chain, which nothing would move."""
+def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = ()) -> bool:
+    """Findings about joints of the chain that no motor can move, and about moving joints elsewhere that
+    robot.toml doesn't say to be ignored.
+
+    Returns:
+        Whether all joints of the chain have types that an arm's joints can have.
+    """
     inside = {joint.name for joint in joints}
+    sound = True
+    for joint in joints:
+        mimic = joint.element.first("mimic")
+        if joint.kind in UNARMED:
+            message = f"Joint {joint.name} is {joint.kind}, which an arm's joint can't be."
+            urdf.say("Y1351", message, _TYPES, joint.element, "type")
+            sound = False
+        elif mimic is not None:
+            message = f"Joint {joint.name} mimics another, so it has no motor of its own."
+            urdf.say("Y1351", message, "Make it fixed, or couple its motor in J of robot.toml.", mimic)
     for joint in urdf.joints.values():
-        if joint.kind in MOVING and joint.name not in inside:
+        if joint.kind != "fixed" and joint.name not in inside and joint.name not in ignored:
             message = f"Joint {joint.name} is {joint.kind}, but isn't between the base and the flange."
-            remedy = "Make it fixed, or name the links in robot.toml so that it is between them."
+            remedy = f'Put "{joint.name}" into ignored_joints of robot.toml: it then counts as standing at 0.'
             urdf.say("Y1354", message, remedy, joint.element)
+    return sound
+
+
+_TYPES = "Use revolute, continuous, prismatic or fixed."
 
 
 def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Sequence[str]]) -> None:

@@ -22,7 +22,7 @@ from yarclang.robot.model import Actuation, Array, Chain, Controller, JointKind,
 from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
 from yarclang.robot.urdf_shapes import check_shapes
 from yarclang.source import SourceFile
-from yarclang.toml.file import TomlFile
+from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import find_places
 from yarclang.toml.reading import parse_toml, read_text
 from yarclang.transforms import rpy_rotation
@@ -79,7 +79,7 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
         for key, message, remedy in lost:
             file.say("Y1347", (key,), message, remedy)
         if len(ends) == 2 and not lost:
-            moving = _chain(file, urdf, ends["base"], ends["flange"], shapes)
+            moving = _chain(file, urdf, (ends["base"], ends["flange"]), shapes, draft.table.ignored_joints)
     check_table(file, draft, moving)
     if urdf is not None and moving is not None:
         check_narrower(urdf, draft, moving)
@@ -113,9 +113,14 @@ def _open_urdf(file: TomlFile, folder: Path, draft: RobotDraft) -> tuple[Urdf | 
 
 
 def _chain(
-    file: TomlFile, urdf: Urdf, base: str, flange: str, shapes: Mapping[str, Sequence[str]]
+    file: TomlFile,
+    urdf: Urdf,
+    ends: tuple[str, str],
+    shapes: Mapping[str, Sequence[str]],
+    ignored: Sequence[str],
 ) -> tuple[Joint, ...] | None:
     """The moving joints from base to flange, or None and a finding."""
+    base, flange = ends
     joints = joints_between(urdf, base, flange)
     if joints is None:
         back = joints_between(urdf, flange, base) is not None
@@ -131,9 +136,18 @@ def _chain(
         message = f"No joint between the base {base} and the flange {flange} moves."
         file.say("Y1353", ("base",), message, "Name the arm's foot as base and its end as flange.")
         return None
-    check_chain(urdf, joints)
+    for at, name in enumerate(ignored):
+        if name in urdf.joints and name not in (joint.name for joint in joints):
+            continue
+        place = "is between the base and the flange" if name in urdf.joints else "the URDF doesn't have"
+        message = f"ignored_joints has {name[:40]}, which {place}."
+        strays = [
+            joint.name for joint in urdf.joints.values() if joint.kind != "fixed" and joint not in joints
+        ]
+        file.say("Y1362", ("ignored_joints", at), message, did_you_mean(name, strays))
+    sound = check_chain(urdf, joints, ignored)
     check_bodies(urdf, joints, shapes)
-    return moving
+    return moving if sound else None
 
 
 def _assemble(
@@ -227,7 +241,7 @@ def _fingerprint(table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[st
         joint.name: [joint.kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis]
         for joint in urdf.joints.values()
     }
-    values = table.model_dump(exclude={"urdf"})
+    values = table.model_dump(exclude={"urdf", "ignored_joints"})
     canonical = json.dumps([values, joints, dict(shapes)], sort_keys=True)
     return hashlib.sha256(canonical.encode()).hexdigest()
 

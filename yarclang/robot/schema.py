@@ -91,6 +91,7 @@ class RobotTable(Document):
     urdf: str | None = None
     base: str | None = None
     flange: str | None = None
+    ignored_joints: list[str] = Field(default=[])
     joints: dict[str, JointTable] | None = None
     frames: dict[str, FrameTable] = Field(default={})
     positions: dict[str, list[Number]] | None = None

@@ -20,6 +20,8 @@ from yarclang.toml.file import did_you_mean
 
 MOVING = ("revolute", "continuous", "prismatic")
 """The joint types of a robot arm; `fixed` joins two links to one body."""
+UNARMED = ("planar", "floating")
+"""Joint types that an arm's chain can't have; elsewhere in the file they may be."""
 
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _MOST_LINKS = 1000
@@ -129,16 +131,9 @@ def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
     ends = [_link_of(urdf, joint, tag) for tag in ("parent", "child")]
     if not kind:
         urdf.say("Y1342", f"Joint {name} has no type.", 'Write type="revolute".', joint)
-    elif kind in ("planar", "floating"):
-        message = f"Joint {name} is {kind}, which an arm's joint can't be."
-        urdf.say("Y1351", message, "Use revolute, continuous, prismatic or fixed.", joint, "type")
-    elif kind not in (*MOVING, "fixed"):
+    elif kind not in (*MOVING, *UNARMED, "fixed"):
         message = f'Joint {name} has the type "{kind[:40]}", which URDF doesn\'t know.'
         urdf.say("Y1351", message, "Use revolute, continuous, prismatic or fixed.", joint, "type")
-    mimic = joint.first("mimic")
-    if mimic is not None:
-        message = f"Joint {name} mimics another, so it has no motor of its own."
-        urdf.say("Y1351", message, "Make it fixed, or couple its motor in J of robot.toml.", mimic)
     origin, axis, limit = joint.first("origin"), joint.first("axis"), joint.first("limit")
     xyz = urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0))
     rpy = turned(urdf, origin)

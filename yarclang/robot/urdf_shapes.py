@@ -89,7 +89,10 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
         urdf.say("Y1361", message, f"Put <{extra.tag}> into a <{body.tag}> of its own.", extra)
     shape = geometry.children[0]
     if shape.tag == "mesh":
-        return f"mesh {_check_mesh(urdf, where, shape, folder)} at {place}"
+        # a picture may miss; what is to collide may not
+        return (
+            f"mesh {_check_mesh(urdf, where, shape, folder if body.tag == 'collision' else None)} at {place}"
+        )
     if shape.tag not in _SIZES:
         message = f"{where} has the shape <{shape.tag}>, which URDF doesn't know."
         urdf.say("Y1356", message, f"Use one of {known}.", shape)
@@ -113,8 +116,8 @@ def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> t
     return sizes
 
 
-def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path) -> str:
-    """A mesh's scale, and the SHA-256 of its file."""
+def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> str:
+    """A mesh's scale, and the SHA-256 of its file; without a folder, the file isn't looked for."""
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))
     if scale is not None and 0.0 in scale:
         message = f"{where} has a mesh with the scale 0, which makes it flat."
@@ -122,6 +125,8 @@ def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path) -> str:
     name = mesh.attributes.get("filename", "")
     if not name:
         urdf.say("Y1342", f"{where} has a <mesh> without a filename.", 'Write <mesh filename="..."/>.', mesh)
+        return ""
+    if folder is None:
         return ""
     try:
         path = mesh_path(name, folder)

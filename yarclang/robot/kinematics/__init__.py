@@ -2,27 +2,42 @@
 
 `fk` has the poses and Jacobians. `nearest_solutions` is for one pose and a robot's limits, `track`
 follows a path, `follow` finds the exact joint positions of many samples next to seeds, `branches` has
-all solutions.
+all solutions, `reaching` finds any joint positions for many poses. `nearness` and `joint_speeds` tell how near a
+singularity is, and what it costs.
 """
 
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians, tool_poses
 from yarclang.robot.kinematics.inverse import branches, follow
 from yarclang.robot.kinematics.nearest import Solutions, Unreachable, full_turns, nearest_solutions
 from yarclang.robot.kinematics.reach import reach_radii
+from yarclang.robot.kinematics.search import reaching
+from yarclang.robot.kinematics.singularity import (
+    Nearness,
+    characteristic_length,
+    joint_speeds,
+    nearness,
+    smallest_singular_values,
+)
 from yarclang.robot.kinematics.track import Broken, Track, track
 
 __all__ = [
     "Broken",
+    "Nearness",
     "Solutions",
     "Track",
     "Unreachable",
     "branches",
+    "characteristic_length",
     "flange_poses",
     "follow",
     "full_turns",
+    "joint_speeds",
     "nearest_solutions",
+    "nearness",
     "poses_and_jacobians",
     "reach_radii",
+    "reaching",
+    "smallest_singular_values",
     "tool_poses",
     "track",
 ]

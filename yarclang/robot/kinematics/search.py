@@ -1,0 +1,146 @@
+"""One joint position within limits for each of many poses, whatever the arm: no seed, no reference.
+
+Where there is a closed form its branches are tried. Otherwise damped least squares starts from those of some
+thousand fixed joint positions within limits whose poses are nearest, one a pose first, and more for
+the poses that are still unsolved.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.inverse import REACHED, branches, extent, restarts
+from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
+from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.model import Array, Chain, Limits
+
+STARTS = 2048
+"""Fixed joint positions to start from."""
+
+TURNED = 0.3
+"""What a turn by 1 rad counts against a way of the arm's whole length where the nearest start is chosen."""
+
+STAGES = ((1, 14), (2, 20), (6, 30), (24, 40), (64, 60), (160, 80))
+"""Starts a pose, and the most steps of each: a start that hasn't converged by then seldom does."""
+
+BLOCK = 512
+"""Poses whose distances to all starts are looked at together."""
+
+
+def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """A joint position within limits for each pose, without preference among several.
+
+    Args:
+        chain: the arm, n joints.
+        limits: position limits; a continuous joint comes out within half a turn of 0.
+        base_from_flange: (N, 4, 4).
+
+    Returns:
+        q (N, n) [rad or m], and which of them stand at their poses within 1e-9 m and rad, inside the
+        limits (N,); the others are the last that was tried. A search that finds none is no proof that there is none.
+    """
+    count = len(base_from_flange)
+    if wristed_arm(chain) is not None:
+        found, valid = branches(chain, base_from_flange)
+        found, inside = _within(chain, limits, found)
+        good = valid & inside
+        choice = np.argmax(good, axis=1)
+        rows = np.arange(count)
+        return found[rows, choice], good[rows, choice]
+    q, solved = np.empty((count, chain.size)), np.zeros(count, dtype=bool)
+    seeds = _start_positions(chain, limits)
+    begun = 0
+    for starts, rounds in STAGES:
+        todo = np.flatnonzero(~solved)
+        if not len(todo):
+            break
+        nearest = _nearest_starts(chain, limits, base_from_flange[todo], begun + starts)[:, begun:]
+        begun += starts
+        poses = np.repeat(base_from_flange[todo], starts, axis=0)
+        fitted = fit(
+            chain,
+            poses,
+            seeds[nearest.ravel()],
+            lower=limits.lower,
+            upper=limits.upper,
+            rounds=rounds,
+        )
+        found, inside = _within(chain, limits, fitted.q)
+        good = np.logical_and(inside, fitted.total < REACHED).reshape(len(todo), starts)
+        choice = np.argmax(good, axis=1)
+        rows = np.arange(len(todo))
+        q[todo] = found.reshape(len(todo), starts, chain.size)[rows, choice]
+        solved[todo] = good[rows, choice]
+    return q, solved
+
+
+def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """`q` (..., n) on the full turns next to the middle of the limits, and which of them are within (...)."""
+    low, high = span(chain, limits)
+    lifted = nearest_turn(chain, limits, q, 0.5 * (low + high))
+    inside: NDArray[np.bool_] = np.abs(beyond(limits, lifted)).max(axis=-1) <= EDGE
+    return np.clip(lifted, limits.lower, limits.upper), inside
+
+
+def span(chain: Chain, limits: Limits) -> tuple[Array, Array]:
+    """Where each joint is looked for (n,) each [rad or m]: its limits, but no more than a full turn about
+    their middle (0 without limits), and of a slide without limits no more than the arm's size.
+    """
+    half = np.where(chain.is_prismatic, extent(chain), math.pi)
+    bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
+    lower, upper = np.where(bounded, limits.lower, -half), np.where(bounded, limits.upper, half)
+    middle = 0.5 * (lower + upper)
+    turning = ~chain.is_prismatic
+    low: Array = np.where(turning, np.maximum(lower, middle - math.pi), lower)
+    high: Array = np.where(turning, np.minimum(upper, middle + math.pi), upper)
+    return low, high
+
+
+def within(chain: Chain, limits: Limits, count: int) -> Array:
+    """Fixed joint positions (count, n) [rad or m] within limits, spread evenly."""
+    low, high = span(chain, limits)
+    share = restarts(chain, count) / np.where(chain.is_prismatic, extent(chain), math.pi)
+    spread: Array = 0.5 * (low + high) + 0.5 * (high - low) * share
+    return spread
+
+
+@lru_cache(maxsize=16)
+def _start_positions(chain: Chain, limits: Limits) -> Array:
+    """The fixed joint positions (STARTS, n), remembered by the identity of chain and limits."""
+    return within(chain, limits, STARTS)
+
+
+@lru_cache(maxsize=16)
+def _start_features(chain: Chain, limits: Limits) -> Array:
+    return _features(chain, flange_poses(chain, _start_positions(chain, limits)))
+
+
+def _features(chain: Chain, poses: Array) -> Array:
+    """Poses (N, 4, 4) as points (N, 12), whose distances grow with the way and the turn between the poses."""
+    points: Array = np.empty((len(poses), 12))
+    points[:, :3] = poses[:, :3, 3] / extent(chain)
+    points[:, 3:] = poses[:, :3, :3].reshape(-1, 9) * (TURNED / math.sqrt(2.0))
+    return points
+
+
+def _nearest_starts(chain: Chain, limits: Limits, poses: Array, most: int) -> NDArray[np.int_]:
+    """The numbers (N, most) of the starts whose poses are nearest, the nearest first."""
+    known = _start_features(chain, limits)
+    half_square = 0.5 * np.square(known).sum(axis=1)
+    result = np.empty((len(poses), most), dtype=int)
+    for first in range(0, len(poses), BLOCK):
+        piece = slice(first, first + BLOCK)
+        away = half_square - _features(chain, poses[piece]) @ known.T
+        if most == 1:
+            result[piece, 0] = np.argmin(away, axis=1)
+            continue
+        some = np.argpartition(away, most - 1, axis=1)[:, :most]
+        order = np.argsort(np.take_along_axis(away, some, axis=1), axis=1, kind="stable")
+        result[piece] = np.take_along_axis(some, order, axis=1)
+    return result

@@ -1,0 +1,101 @@
+"""How near joint positions are to a singularity, and what a motion of the tool costs there in joint speed.
+
+A Jacobian mixes m and rad, so that its singular values mean nothing until lengths and angles are
+weighted. Here every length is divided by the arm's characteristic length L: its reach, from joint to joint to
+the tool. A way of L counts as much as a turn of 1 rad, of the tool and of a sliding joint alike,
+and the smallest singular value is a pure number: 0 at a singularity, about 0.1 to 0.5 far from one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.robot.kinematics.fk import poses_and_jacobians
+from yarclang.robot.kinematics.inverse import extent
+from yarclang.robot.model import Array, Chain
+
+VANISHED = 1e-12
+"""A smaller singular value counts as this much, so that a motion that the arm has lost costs a very large
+joint speed and not an undefined one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearness:
+    """How near joint positions are to a singularity.
+
+    `smallest` (N,) is the smallest singular value of the weighted Jacobian. `joints` (N, n) is the motion
+    of the joints that moves the tool least, of length 1 [rad, or L for a sliding joint]: its large
+    entries name the joints that work against each other. `twist` (N, 6) is the motion of the tool that is hardest
+    to make, of length 1: linear part [L] above angular part [rad], axes of {B}.
+    """
+
+    smallest: Array
+    joints: Array
+    twist: Array
+
+
+def characteristic_length(chain: Chain, flange_from_tool: Array) -> float:
+    """L [m]: the sum of the distances from joint to joint, to the flange and to the tool, all joints at zero."""
+    lever = chain.base_from_flange[:3, :3] @ flange_from_tool[:3, 3]
+    return extent(chain) + float(np.linalg.norm(lever))
+
+
+def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
+    """The smallest singular value at each joint position, and which motions belong to it.
+
+    An arm with fewer than six joints has as many singular values as joints: it's singular where it
+    can do less than elsewhere. With more than six the smallest of six counts, and the others of the null space don't.
+
+    Args:
+        chain: the arm, n joints.
+        q: (N, n) [rad or m].
+        flange_from_tool: (4, 4).
+    """
+    scaled = weighted_jacobians(chain, q, flange_from_tool)
+    left, values, right = np.linalg.svd(scaled, full_matrices=False)
+    return Nearness(values[:, -1], right[:, -1], left[:, :, -1])
+
+
+def smallest_singular_values(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
+    """As `nearness(...).smallest` (N,), without the motions, which takes half as long."""
+    scaled = weighted_jacobians(chain, q, flange_from_tool)
+    return np.linalg.svd(scaled, compute_uv=False)[:, -1].astype(float)
+
+
+def joint_speeds(chain: Chain, q: Array, flange_from_tool: Array, twist: Array) -> tuple[Array, Array]:
+    """The joint speeds that a motion of the tool takes: least squares of the weighted lengths, for a redundant arm
+    the least speeds.
+
+    Args:
+        chain: the arm, n joints.
+        q: (N, n) [rad or m].
+        flange_from_tool: (4, 4).
+        twist: (N, 6) or (6,), the tool's motion per unit of the path: velocity of its origin [m] above
+            angular velocity [rad], axes of {B}. For speeds per m of path, a linear part of length 1.
+
+    Returns:
+        Speeds (N, n) [rad or m per unit of the path]; and the part of the motion that the arm can't make at all
+        (N,), weighted, 0 for six joints or more. At a singularity a lost motion costs speeds of up to 1e12.
+    """
+    length = characteristic_length(chain, flange_from_tool)
+    scaled = weighted_jacobians(chain, q, flange_from_tool)
+    wanted = np.broadcast_to(twist, (len(q), 6)) * _per_length(length)
+    left, values, right = np.linalg.svd(scaled, full_matrices=False)
+    along = np.einsum("nik,ni->nk", left, wanted)
+    speeds = np.einsum("nkj,nk->nj", right, along / np.maximum(values, VANISHED))
+    lost = np.linalg.norm(wanted - np.einsum("nik,nk->ni", left, along), axis=1)
+    return speeds * np.where(chain.is_prismatic, length, 1.0), lost
+
+
+def weighted_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
+    """The geometric Jacobians (N, 6, n) at the tool with all lengths in units of L."""
+    length = characteristic_length(chain, flange_from_tool)
+    jacobians = poses_and_jacobians(chain, q, flange_from_tool)[1]
+    return jacobians * _per_length(length)[:, None] * np.where(chain.is_prismatic, length, 1.0)
+
+
+def _per_length(length: float) -> Array:
+    """What turns a twist's linear part into units of L (6,)."""
+    return np.repeat([1.0 / length, 1.0], 3)

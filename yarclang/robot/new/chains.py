@@ -1,0 +1,215 @@
+"""Which chain of a URDF is the arm: its base, its tip, and the joints that belong to neither."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.chain import find_links, joints_between
+from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
+
+FINGERS = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw", re.IGNORECASE)
+"""Names of joints that move a hand, not an arm."""
+
+LONGEST_HAND = 4
+"""Where an arm splits up and no part has more joints than this, the parts are fingers."""
+
+MOST_ARMS = 3
+"""Where it splits up into more parts, they are fingers however long they are."""
+
+SHORTEST_ARM = 3
+"""An arm has at least so many joints before it may split up into fingers."""
+
+_FLANGE_NAMES = (r"flange", r"^tool0$", r"ee_link|link_ee|end_effector")
+_TCP_NAMES = (r"tcp|grasp|tool_tip",)
+
+
+@dataclass(frozen=True, slots=True)
+class ArmChain:
+    """The chain that is proposed.
+
+    Attributes:
+        base: the link that is {B}.
+        flange: the link that is {FLANGE}.
+        joints: the moving joints between them, from the base to the flange.
+        tcp: a link fixed to the flange that the names call the tool's tip; empty for none.
+        base_choices: the links that may as well be the base: they are fixed to it.
+        flange_choices: the links that may as well be the flange: they are fixed to it.
+        other_tips: the tips of other chains that are as long.
+        ignored: the moving joints that aren't in the chain.
+        fingers: those of them that move a gripper on the tip.
+    """
+
+    base: str
+    flange: str
+    joints: tuple[Joint, ...]
+    tcp: str
+    base_choices: tuple[str, ...]
+    flange_choices: tuple[str, ...]
+    other_tips: tuple[str, ...]
+    ignored: tuple[str, ...]
+    fingers: tuple[str, ...]
+
+
+def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
+    """The longest serial chain of a URDF, or the one between two links.
+
+    Joints that mimic another or are mimicked, that are called fingers, or into which an arm splits up at its end
+    are left out. Of chains with as many joints the first one of the file is taken.
+
+    Args:
+        urdf: a sound tree.
+        base: the link to begin with, or None.
+        tip: the link to end with, or None.
+    """
+    tree = _Tree(urdf, FINGERS)
+    lost = find_links(urdf, {key: link for key, link in (("--base", base), ("--tip", tip)) if link})
+    if lost:
+        _, message, remedy = lost[0]
+        return Diagnostic("Y1347", message, urdf.source, help=remedy)
+    others: tuple[str, ...] = ()
+    if tip is None:
+        starts = [base] if base else tree.starts()
+        found = [path for start in starts for path in tree.arms(start)]
+        if not found:  # what is called a finger may be all that there is
+            tree = _Tree(urdf, None)
+            found = [path for start in starts for path in tree.arms(start)]
+        longest = max((len(path) for path in found), default=0)
+        if longest == 0:
+            remedy = "Name the arm's foot and its end with --base and --tip; fingers don't count as an arm."
+            message = "the URDF has no chain of moving joints that could be an arm"
+            return Diagnostic("Y1353", message, urdf.source, help=remedy)
+        best = [path for path in found if len(path) == longest]
+        others = tuple(tree.flange_of(path[-1].child)[0] for path in best[1:])
+        first, last = best[0][0].parent, best[0][-1].child
+        flange, flange_choices = tree.flange_of(last)
+    else:
+        flange, flange_choices = tip, ()
+        first = base or tree.foot_of(tip)
+    if base is None:
+        base, base_choices = tree.base_of(first)
+    else:
+        base_choices = ()
+    between = joints_between(urdf, base, flange)
+    joints = tuple(joint for joint in between or () if joint.kind in MOVING)
+    if not joints:
+        message = f"no chain of moving joints leads from the base {base} to the tip {flange}"
+        back = joints_between(urdf, flange, base)
+        remedy = "Exchange --base and --tip." if back else "Name a link above the tip with --base."
+        return Diagnostic("Y1353", message, urdf.source, help=remedy)
+    inside = {joint.name for joint in between or ()}
+    ignored = tuple(j.name for j in urdf.joints.values() if j.kind != "fixed" and j.name not in inside)
+    on_tip = {joint.name for joint in tree.below_of(joints[-1].child)}
+    fingers = tuple(name for name in ignored if name in on_tip)
+    tcp = tree.tcp_of(flange)
+    return ArmChain(
+        base,
+        flange,
+        joints,
+        tcp,
+        base_choices,
+        flange_choices,
+        tuple(dict.fromkeys(others)),
+        ignored,
+        fingers,
+    )
+
+
+class _Tree:
+    """The links of a URDF, downwards."""
+
+    def __init__(self, urdf: Urdf, fingers: re.Pattern[str] | None) -> None:
+        self.fingers = fingers
+        self.below: dict[str, list[Joint]] = {link: [] for link in urdf.links}
+        self.above: dict[str, Joint] = {}
+        self.mimicked: set[str] = set()
+        for joint in urdf.joints.values():
+            self.below[joint.parent].append(joint)
+            self.above[joint.child] = joint
+            mimic = joint.element.first("mimic")
+            if mimic is not None:
+                self.mimicked |= {joint.name, mimic.attributes.get("joint", "")}
+
+    def starts(self) -> list[str]:
+        """Where an arm may begin: at the root, and below a joint that only a vehicle has."""
+        roots = [link for link in self.below if link not in self.above]
+        return roots + [joint.child for joint in self.above.values() if joint.kind in UNARMED]
+
+    def body(self, link: str) -> list[str]:
+        """The links that fixed joints join with `link`, below it, itself first."""
+        found = [link]
+        for name in found:
+            found += [joint.child for joint in self.below[name] if joint.kind == "fixed"]
+        return found
+
+    def moving(self, link: str) -> list[Joint]:
+        """The joints that move a part of an arm against the body of `link`."""
+        return [
+            joint
+            for name in self.body(link)
+            for joint in self.below[name]
+            if joint.kind in MOVING and joint.name not in self.mimicked
+            if not (self.fingers and self.fingers.search(joint.name))
+        ]
+
+    def depth(self, link: str) -> int:
+        """The most moving joints of a chain that begins at `link`."""
+        return max((1 + self.depth(joint.child) for joint in self.moving(link)), default=0)
+
+    def arms(self, link: str, path: tuple[Joint, ...] = ()) -> list[tuple[Joint, ...]]:
+        """All chains of moving joints from `link` to a tip, without the fingers on it."""
+        ways = self.moving(link)
+        splits = len(ways) > 1 and self.depth(link) <= LONGEST_HAND
+        hand = len(path) >= SHORTEST_ARM and (splits or len(ways) > MOST_ARMS)
+        if hand or not ways:
+            return [path] if path else []
+        return [arm for joint in ways for arm in self.arms(joint.child, (*path, joint))]
+
+    def flange_of(self, link: str) -> tuple[str, tuple[str, ...]]:
+        """The flange behind the last moving link, and what may be it as well: by name, else the one link that
+        is fixed to it, else itself.
+        """
+        body = self.body(link)
+        named = _named(body, _FLANGE_NAMES)
+        fixed = [joint.child for joint in self.below[link] if joint.kind == "fixed"]
+        flange = named or (fixed[0] if len(fixed) == 1 else link)
+        return flange, tuple(name for name in body if name != flange)
+
+    def tcp_of(self, flange: str) -> str:
+        """The link below the flange that is called the tool's tip, or nothing."""
+        return _named(self.body(flange)[1:], _TCP_NAMES)
+
+    def base_of(self, link: str) -> tuple[str, tuple[str, ...]]:
+        """The base above the first moving joint, and what may be it as well: by name, else the link of the joint."""
+        body = [link]
+        while body[-1] in self.above and self.above[body[-1]].kind == "fixed":
+            body.append(self.above[body[-1]].parent)
+        base = _named(body, (r"^base_link$", r"base")) or link
+        return base, tuple(name for name in body if name != base)
+
+    def foot_of(self, tip: str) -> str:
+        """The topmost link above `tip` that isn't above a joint of a vehicle."""
+        first = here = tip
+        while here in self.above and self.above[here].kind not in UNARMED:
+            if self.above[here].kind in MOVING:
+                first = self.above[here].parent
+            here = self.above[here].parent
+        return first
+
+    def below_of(self, link: str) -> list[Joint]:
+        """All joints below `link`."""
+        found = list(self.below[link])
+        for joint in found:
+            found += self.below[joint.child]
+        return found
+
+
+def _named(links: Sequence[str], patterns: Sequence[str]) -> str:
+    """The first link whose name matches the first pattern that any matches."""
+    for pattern in patterns:
+        for link in links:
+            if re.search(pattern, link, re.IGNORECASE):
+                return link
+    return ""

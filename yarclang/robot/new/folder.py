@@ -1,0 +1,123 @@
+"""A robot folder from a URDF: what is unknown, and then the files."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.robot.chain import screws
+from yarclang.robot.checks import MOST_JOINTS
+from yarclang.robot.new.chains import ArmChain, find_chain
+from yarclang.robot.new.copying import UrdfCopy, copy_urdf
+from yarclang.robot.new.home import home
+from yarclang.robot.new.sketch import COUNTS, EASE, RISE, Given, Sketch, sketch
+from yarclang.robot.new.writing import robot_toml
+from yarclang.robot.urdf import Urdf, read_urdf
+from yarclang.toml.reading import read_text
+
+
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """A URDF with the chain that is the robot."""
+
+    path: Path
+    urdf: Urdf
+    chain: ArmChain
+
+
+@dataclass(frozen=True, slots=True)
+class NewRobot:
+    """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the folder."""
+
+    sketch: Sketch
+    toml: str
+    urdf: UrdfCopy
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What only its maker knows of a robot: the option that says it, the question, and what holds by rule."""
+
+    option: str
+    text: str
+    rule: str
+
+
+def open_arm(path: Path, base: str | None, tip: str | None) -> Result[Arm]:
+    """Reads a URDF and finds the arm in it."""
+    source = read_text(path, "Name a URDF file; of a .xacro file make one with xacro.")
+    if isinstance(source, Diagnostic):
+        return Result(None, (source,))
+    urdf = read_urdf(source)
+    if not urdf.sound:
+        return Result(None, in_order(urdf.findings))
+    chain = find_chain(urdf, base, tip)
+    if isinstance(chain, Diagnostic):
+        return Result(None, (chain,))
+    if len(chain.joints) > MOST_JOINTS:
+        message = (
+            f"the chain from {chain.base} to {chain.flange} has {len(chain.joints)} joints, but a coordinate "
+            f"system has {MOST_JOINTS} axes"
+        )
+        remedy = f"Begin further up with --base: the joints are {', '.join(j.name for j in chain.joints)}."
+        return Result(None, (Diagnostic("Y1318", message, source, help=remedy),))
+    return Result(Arm(path, urdf, chain), in_order(urdf.findings))
+
+
+def proposed_name(urdf: Urdf) -> str:
+    """The name of the URDF's robot as a robot's name, or ROBOT."""
+    said = urdf.root.attributes.get("name", "") if urdf.root else ""
+    name = re.sub(r"\W+", "_", said, flags=re.ASCII).strip("_").upper()
+    name = f"R{name}" if re.match(r"\d", name) else name
+    return f"{name}_ARM" if re.fullmatch(r"P\d+", name) else name or "ROBOT"
+
+
+def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tuple[Question, ...]:
+    """What isn't known, in the order in which it is to be asked: first what decides on the rest."""
+    chain, size = arm.chain, len(arm.chain.joints)
+    asked: list[Question] = []
+    if not tip and (chain.other_tips or chain.flange_choices):
+        others = ", ".join((*chain.other_tips, *chain.flange_choices)[:8])
+        asked.append(Question("--tip", f"which link is {{FLANGE}} (others: {others})", chain.flange))
+    if not base and chain.base_choices:
+        others = ", ".join(chain.base_choices[:8])
+        asked.append(Question("--base", f"which link is {{B}} (others: {others})", chain.base))
+    if not named:
+        asked.append(Question("--name", "the robot's name", proposed_name(arm.urdf)))
+    each = f"one for all, or {size} with commas"
+    if given.acceleration is None:
+        text = f"accelerations in deg/s^2 or mm/s^2, {each}"
+        asked.append(Question("--acceleration", text, f"the velocity limit in {RISE:g} s"))
+    if given.jerk is None:
+        text = f"jerks in deg/s^3 or mm/s^3, {each}"
+        asked.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s"))
+    if given.counts is None:
+        asked.append(Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}"))
+    if given.tcp is None:
+        rule = f"that of the link {chain.tcp}" if chain.tcp else "FLANGE itself"
+        asked.append(Question("--tcp", "TCP on the flange: x,y,z in mm, roll,pitch,yaw in deg", rule))
+    if given.home is None:
+        text = f"the joint position HOME, {size} values in deg or mm"
+        asked.append(Question("--home", text, "near 0, away from limits and singularities"))
+    return tuple(asked)
+
+
+def make(arm: Arm, given: Given, name: str, title: str, said: tuple[bool, bool]) -> Result[NewRobot]:
+    """The files of the folder.
+
+    Args:
+        arm: the URDF and its chain.
+        given: what is said; the rest goes by rules.
+        name: of the robot.
+        title: one line about it.
+        said: whether base and tip were said.
+    """
+    urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
+    made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
+    chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
+    if chain is None or has_errors(arm.urdf.findings):
+        return Result(None, in_order(arm.urdf.findings))
+    toml = robot_toml(made, home(chain, made, given))
+    return Result(NewRobot(made, toml, copy_urdf(arm.urdf, arm.path.parent)), in_order(arm.urdf.findings))

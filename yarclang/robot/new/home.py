@@ -1,0 +1,55 @@
+"""A joint position to call HOME: near zero, away from limits and singularities."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.kinematics.search import span, within
+from yarclang.robot.kinematics.singularity import smallest_singular_values
+from yarclang.robot.model import Array, Chain, Limits
+from yarclang.robot.new.sketch import Given, Said, Sketch
+from yarclang.units import DEG, MM
+
+TRIES = 1024
+"""Joint positions that are looked at."""
+
+ROUND = 5.0
+"""HOME has multiples of this [deg, mm] where the limits allow it."""
+
+INNER = 0.8
+"""HOME stays in this share of each joint's range."""
+
+BENT = 0.6
+"""Of the singular values that are usual for the arm, HOME has at least this share."""
+
+
+def home(chain: Chain, sketch: Sketch, given: Given) -> Said:
+    """HOME in deg and mm.
+
+    All joints at zero where that is well within limits and not near a singularity, else the nearest of some fixed
+    joint positions that is, in round numbers.
+    """
+    if given.home is not None:
+        return Said(given.home, "given")
+    units = np.array([DEG if joint.unit == "deg" else MM for joint in sketch.joints])
+    low, high = span(chain, _limits(sketch, units))
+    middle, half = 0.5 * (low + high), 0.5 * INNER * (high - low)
+    wanted = np.clip(np.zeros(chain.size), middle - half, middle + half)
+    tries = np.vstack([wanted, middle + INNER * (within(chain, _limits(sketch, units), TRIES) - middle)])
+    coarse = np.round(tries / units / ROUND) * ROUND * units
+    # round numbers where the range is wide enough for them
+    tries = np.where(np.abs(coarse - middle) <= half, coarse, tries)
+    values = smallest_singular_values(chain, tries, np.eye(4))
+    good = values >= BENT * np.quantile(values, 0.75)
+    distance = np.square((tries - wanted) / np.maximum(half, 1e-9)).sum(axis=1)
+    best = int(np.argmin(np.where(good, distance, np.inf)))
+    note = "all joints at 0" if not tries[best].any() else "away from limits and singularities"
+    return Said(tuple(round(float(value), 6) + 0.0 for value in tries[best] / units), "guess", note)
+
+
+def _limits(sketch: Sketch, units: Array) -> Limits:
+    """The position limits alone."""
+    ends = [joint.position.value if joint.position else (-np.inf, np.inf) for joint in sketch.joints]
+    lower, upper = (np.array([end[side] for end in ends]) * units for side in (0, 1))
+    ones = np.ones(len(ends))
+    return Limits(lower, upper, ones, ones, ones, ones)

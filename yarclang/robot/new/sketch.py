@@ -1,0 +1,237 @@
+"""What goes into a new robot.toml: from the URDF, from whoever makes it, or by a rule, which makes it a guess.
+
+All numbers here are in the units of robot.toml: deg and mm, per s, s^2, s^3; counts; ms.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from yarclang.robot.new.chains import ArmChain
+from yarclang.robot.urdf import Joint, Urdf
+from yarclang.units import DEG, MM
+
+RISE = 0.25
+"""A guessed acceleration reaches the velocity limit in this time [s]."""
+
+EASE = 0.12
+"""A guessed jerk reaches the acceleration limit in this time [s]."""
+
+COUNTS = 10_000.0
+"""Guessed encoder counts of a deg or mm."""
+
+SLOW = {"deg": 60.0, "mm": 100.0}
+"""Guessed velocity limits [deg/s, mm/s]."""
+
+FASTEST = {"deg": 50.0 / DEG, "mm": 10.0 / MM}
+"""A velocity limit beyond this is no limit: files have such numbers where nothing is known [deg/s, mm/s]."""
+
+WIDEST = {"deg": 100 * 360.0, "mm": 100_000.0}
+"""So is a position limit beyond this [deg, mm]."""
+
+TRAVEL = {"deg": (-180.0, 180.0), "mm": (0.0, 100.0)}
+"""Guessed position limits [deg, mm]."""
+
+AXES = "XYZABCUVW"
+
+Origin = Literal["urdf", "given", "guess"]
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A value, where it comes from, and why it is a guess or which unit it has."""
+
+    value: tuple[float, ...]
+    origin: Origin
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """What whoever makes the robot says.
+
+    Tuples have one entry a joint, or one for all of them; None where nothing is said. `position` has the pairs of
+    limits of joints by their names, `tcp` is x y z [mm] roll pitch yaw [deg] seen from the flange.
+    """
+
+    position: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    velocity: tuple[float, ...] | None = None
+    acceleration: tuple[float, ...] | None = None
+    jerk: tuple[float, ...] | None = None
+    counts: tuple[float, ...] | None = None
+    home: tuple[float, ...] | None = None
+    tcp: tuple[float, ...] | None = None
+    motors: tuple[int, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class JointSketch:
+    """A joint's table; `position` is None for a continuous joint. `unit` is deg or mm."""
+
+    name: str
+    kind: str
+    unit: str
+    position: Said | None
+    velocity: Said
+    acceleration: Said
+    jerk: Said
+    effort: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sketch:
+    """All of a robot.toml but HOME, which the geometry decides."""
+
+    name: str
+    title: str
+    urdf: str
+    made_from: str
+    chain: ArmChain
+    base_said: bool
+    tip_said: bool
+    joints: tuple[JointSketch, ...]
+    tcp: Said
+    gear: Said
+    motors: Said
+    motor_velocity: Said
+
+
+def sketch(
+    urdf: Urdf, chain: ArmChain, given: Given, names: tuple[str, str, str, str], said: tuple[bool, bool]
+) -> Sketch:
+    """The values of a new robot.toml.
+
+    Args:
+        urdf: a sound tree.
+        chain: the arm in it.
+        given: what is said; its tuples have one entry, or one a joint.
+        names: the robot's name, its title, the name of the URDF's copy, and the file that it is made from.
+        said: whether base and tip were said.
+    """
+    size = len(chain.joints)
+    joints = tuple(_joint(joint, at, size, given) for at, joint in enumerate(chain.joints))
+    units = {joint.unit for joint in joints}
+    gear = _given(given.counts, size) or Said(
+        (COUNTS,) * size, "guess", f"{COUNTS:,.0f} counts per {' and '.join(sorted(units))}"
+    )
+    speeds = [
+        _rounded_up(abs(counts) * joint.velocity.value[0] * 1e-3)
+        for counts, joint in zip(gear.value, joints, strict=True)
+    ]
+    numbers = given.motors or tuple(range(1, size + 1))
+    origin: Origin = "given" if given.motors else "guess"
+    return Sketch(
+        name=names[0],
+        title=names[1],
+        urdf=names[2],
+        made_from=names[3],
+        chain=chain,
+        base_said=said[0] or not chain.base_choices,
+        tip_said=said[1] or not (chain.flange_choices or chain.other_tips),
+        joints=joints,
+        tcp=_tcp(urdf, chain, given),
+        gear=gear,
+        motors=Said(tuple(float(number) for number in numbers), origin, "motor k moves joint k"),
+        motor_velocity=Said(tuple(speeds), "guess", "each motor is as fast as its joint may be"),
+    )
+
+
+def unit_of(joint: Joint) -> str:
+    """`mm` for a sliding joint, `deg` for one that turns."""
+    return "mm" if joint.kind == "prismatic" else "deg"
+
+
+def _joint(joint: Joint, at: int, size: int, given: Given) -> JointSketch:
+    unit = unit_of(joint)
+    velocity = _one(given.velocity, at, size) or _velocity(joint, unit)
+    acceleration = _one(given.acceleration, at, size) or Said(
+        (_rounded(velocity.value[0] / RISE),), "guess", f"{unit}/s^2, the velocity limit in {RISE:g} s"
+    )
+    jerk = _one(given.jerk, at, size) or Said(
+        (_rounded(acceleration.value[0] / EASE),),
+        "guess",
+        f"{unit}/s^3, the acceleration limit in {EASE:g} s",
+    )
+    limit = joint.element.first("limit")
+    effort = float(limit.attributes.get("effort", "0")) if limit is not None else 0.0
+    position = None if joint.kind == "continuous" else _position(joint, unit, given)
+    return JointSketch(joint.name, joint.kind, unit, position, velocity, acceleration, jerk, effort)
+
+
+def _velocity(joint: Joint, unit: str) -> Said:
+    size = DEG if unit == "deg" else MM
+    found = (joint.velocity or 0.0) / size
+    if 1e-3 < found <= FASTEST[unit]:
+        return Said((_rounded_down(found),), "urdf", f"{unit}/s")
+    why = f"is {found:.4g}, which is no limit" if found else "has none"
+    return Said((SLOW[unit],), "guess", f"{unit}/s, the URDF {why}")
+
+
+def _position(joint: Joint, unit: str, given: Given) -> Said:
+    if joint.name in given.position:
+        return Said(given.position[joint.name], "given", unit)
+    size = DEG if unit == "deg" else MM
+    if joint.lower is not None and joint.upper is not None and joint.lower < joint.upper:
+        low, high = joint.lower / size, joint.upper / size
+        if max(abs(low), abs(high)) <= WIDEST[unit]:
+            return Said((-_rounded_down(-low), _rounded_down(high)), "urdf", unit)
+    return Said(TRAVEL[unit], "guess", f"{unit}, the URDF has none")
+
+
+def _tcp(urdf: Urdf, chain: ArmChain, given: Given) -> Said:
+    if given.tcp is not None:
+        return Said(given.tcp, "given")
+    if not chain.tcp:
+        return Said((0.0,) * 6, "guess", "no tool: TCP is FLANGE")
+    return Said(_place(urdf, chain.flange, chain.tcp), "guess", f"the link {chain.tcp}")
+
+
+def _place(urdf: Urdf, flange: str, link: str) -> tuple[float, ...]:
+    """Where a link is that is fixed to the flange: x y z [mm] roll pitch yaw [deg]."""
+    import numpy as np
+
+    from yarclang.robot.chain import joints_between
+    from yarclang.transforms import rpy_rotation
+
+    pose = np.eye(4)
+    for joint in joints_between(urdf, flange, link) or ():
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = rpy_rotation(np.array(joint.rpy)), joint.xyz
+        pose = pose @ step
+    turn = pose[:3, :3]
+    pitch = math.atan2(-turn[2, 0], math.hypot(turn[0, 0], turn[1, 0]))
+    upright = math.cos(pitch) > 1e-9
+    roll = math.atan2(turn[2, 1], turn[2, 2]) if upright else 0.0
+    yaw = math.atan2(turn[1, 0], turn[0, 0]) if upright else math.atan2(-turn[0, 1], turn[1, 1])
+    values = [*(pose[:3, 3] / MM), *(angle / DEG for angle in (roll, pitch, yaw))]
+    return tuple(round(float(value), 6) + 0.0 for value in values)
+
+
+def _given(values: Sequence[float] | None, size: int) -> Said | None:
+    if values is None:
+        return None
+    return Said(tuple(values) if len(values) == size else tuple(values) * size, "given")
+
+
+def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
+    said = _given(values, size)
+    return None if said is None else Said((said.value[at],), "given")
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.3g}")
+
+
+def _rounded_down(value: float) -> float:
+    """A limit on 1e-6, never wider than it is but for the last bits of a conversion."""
+    near = round(value, 4)
+    return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6
+
+
+def _rounded_up(value: float) -> float:
+    """The next number of four digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 3)
+    return float(f"{math.ceil(value / unit - 1e-9) * unit:.4g}")

@@ -1,0 +1,158 @@
+"""The text of a new robot.toml: every value with its unit and where it comes from, every guess with a mark."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+
+from yarclang.robot.new.sketch import AXES, JointSketch, Said, Sketch
+
+MARK = "guess:"
+"""Begins the comment of a value that somebody has to check; whoever has, deletes the comment."""
+
+MARKED = re.compile(r"^(?!\s*#)(.*?)\s*#.*?\bguess:\s*(.*)$")
+"""A line with the mark behind a value: the value, and what was guessed."""
+
+_HEAD = """\
+# {name}, made by yarc robot new from {made_from}.
+# Units: deg and deg/s, deg/s^2, deg/s^3 for joints that turn, mm for those that slide; mm and deg in frames; encoder
+# counts for motors; ms for times.
+# A comment with "{mark}" marks a value that came from a rule and not from a fact. Check it on the machine or in its
+# manual, then delete the mark; yarc robot check lists what is left.
+"""
+
+
+def robot_toml(sketch: Sketch, home: Said) -> str:
+    """The whole file."""
+    chain, size = sketch.chain, len(sketch.joints)
+    ones = ["[" + ", ".join("1" if i == j else "0" for j in range(size)) + "]" for i in range(size)]
+    lines = [_HEAD.format(name=sketch.name, made_from=_plain(sketch.made_from), mark=MARK)]
+    lines += [
+        f"name = {_text(sketch.name)}",
+        f"title = {_text(sketch.title)}",
+        f"urdf = {_text(sketch.urdf)}",
+        f"base = {_text(chain.base)}  # the link that is {{B}}{_choice(sketch.base_said, chain.base_choices)}",
+        f"flange = {_text(chain.flange)}  # the link that is {{FLANGE}}"
+        + _choice(sketch.tip_said, (*chain.flange_choices, *chain.other_tips)),
+    ]
+    if chain.ignored:
+        lines.append(
+            "# Moving joints outside the chain: no motor of this robot moves them, they count as standing at 0."
+        )
+        lines.append(f"ignored_joints = [{', '.join(_text(name) for name in chain.ignored)}]")
+    lines += ["", "# One table a joint of the URDF, in the order from the base to the flange."]
+    for joint in sketch.joints:
+        lines += _joint(joint)
+    lines += [
+        "[frames.TCP]",
+        'parent = "FLANGE"',
+        f"xyz = {_list(sketch.tcp.value[:3])}  # mm{_mark(sketch.tcp)}",
+        f"rpy = {_list(sketch.tcp.value[3:])}  # deg, R = Rz(yaw) Ry(pitch) Rx(roll){_mark(sketch.tcp)}",
+        "",
+        "[positions]",
+        f"HOME = {_list(home.value)}  # {_units(sketch)}{_mark(home)}",
+        "",
+        f"# counts = K J q + a0, with q in {_units(sketch)}.",
+        "[actuation]",
+        f"K = {_list(sketch.gear.value)}  # counts per {_units(sketch)}{_mark(sketch.gear)}",
+        f"J = [{', '.join(ones)}]  # {MARK} no joint is coupled with another",
+        f"a0 = {_list([0.0] * size)}  # counts; {MARK} the motors read 0 where all joints are at 0",
+        "",
+        "[motors]",
+        f"numbers = [{', '.join(f'{number:.0f}' for number in sketch.motors.value)}]{_tail(sketch.motors)}",
+        f"velocity = {_list(sketch.motor_velocity.value)}  # counts/ms{_mark(sketch.motor_velocity)}",
+        "",
+        "[controller]",
+        'kind = "turbo-pmac"',
+        "coordinate_system = 1",
+        f"axes = [{', '.join(_text(letter) for letter in AXES[:size])}]  # one a joint",
+        f"feedback = [{', '.join(_text(f'P{k + 1}') for k in range(size))}]  # where PLC 0 writes the joint positions",
+        "largest_tm = 50      # ms, the longest spline segment",
+        "ixx08 = 96           # position scale factor: M162 is in 1/(ixx08 * 32) count; the factory setting",
+        "rotary_words = 480   # least size of the rotary buffer",
+        "hold_time = 250      # ms",
+        "rapid_share = 0.1    # of the velocity limits, for the slow move to a program's start",
+        "i8 = 2               # real-time interrupt every i8 + 1 servo cycles; the factory setting",
+        "i10 = 3713707        # servo period, 1/8,388,608 ms; the factory setting",
+        "",
+        "# How far the executed path may be from the programmed one.",
+        "[tolerance]",
+        "position = 0.02  # mm",
+        "angle = 0.002    # deg",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
+    """The marks that are left in a robot.toml: line number, the value's line, what was guessed."""
+    found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
+    return tuple((number, match[1].strip(), match[2].strip()) for number, match in found if match)
+
+
+def _joint(joint: JointSketch) -> list[str]:
+    name = joint.name if re.fullmatch(r"[A-Za-z0-9_-]+", joint.name) else _text(joint.name)
+    effort = f"  # {joint.kind}"
+    if joint.effort > 0.0:
+        unit = "N" if joint.unit == "mm" else "N m"
+        effort += f"; effort at most {joint.effort:g} {unit} by the URDF, which nothing here uses"
+    lines = [f"[joints.{name}]{effort}"]
+    if joint.position is None:
+        lines.append("# no position limits: the joint is continuous")
+    else:
+        lines.append(f"position = {_list(joint.position.value)}{_tail(joint.position)}")
+    for key, said in (
+        ("velocity", joint.velocity),
+        ("acceleration", joint.acceleration),
+        ("jerk", joint.jerk),
+    ):
+        lines.append(f"{key} = {_number(said.value[0])}{_tail(said)}")
+    return [*lines, ""]
+
+
+def _tail(said: Said) -> str:
+    """The comment of a value that needs none but for its origin."""
+    if said.origin == "guess":
+        return f"  # {MARK} {said.note}"
+    return f"  # {said.note}, from the URDF" if said.origin == "urdf" else ""
+
+
+def _mark(said: Said) -> str:
+    """What a comment says further of a guess."""
+    return f"; {MARK} {said.note}" if said.origin == "guess" else ""
+
+
+def _choice(said: bool, others: Sequence[str]) -> str:
+    if said:
+        return ""
+    shown = ", ".join(others[:6]) + (", ..." if len(others) > 6 else "")
+    return f"; {MARK} it could be {_plain(shown)}"
+
+
+def _units(sketch: Sketch) -> str:
+    units = [joint.unit for joint in sketch.joints]
+    return units[0] if len(set(units)) == 1 else f"deg (mm for {_slides(sketch)})"
+
+
+def _slides(sketch: Sketch) -> str:
+    return ", ".join(joint.name for joint in sketch.joints if joint.unit == "mm")
+
+
+def _list(values: Sequence[float]) -> str:
+    return f"[{', '.join(_number(value) for value in values)}]"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.10g}"
+    return text if "e" not in text else f"{value:.6f}"
+
+
+def _text(value: str) -> str:
+    """A TOML string: JSON's escapes are TOML's, but for the control character DEL."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _plain(value: str) -> str:
+    """A text that can stand in a comment."""
+    return "".join(character if character.isprintable() else " " for character in value)

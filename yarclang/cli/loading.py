@@ -87,7 +87,7 @@ def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
                 ),
             ),
         )
-    robot = _robot_of(source, robot_name)
+    robot = robot_of_text(source, robot_name)
     if robot.value is None:
         return Result(None, robot.diagnostics)
     name = Path(file).name
@@ -107,7 +107,7 @@ def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
     return Result(Loaded(job, job), diagnostics)
 
 
-def _robot_of(source: SourceFile, name: str | None) -> Result[Robot]:
+def robot_of_text(source: SourceFile, name: str | None) -> Result[Robot]:
     """The robot that was named, which must be that of the header."""
     named = re.search(r"^; robot (\S+) (\S+)$", source.text, re.MULTILINE)
     if name is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from keyword import iskeyword
 
 import click
 
@@ -15,11 +16,13 @@ _COMMANDS = {
     "doctor": "Look at a controller before a program is run.",
     "explain": "Explain a finding's code.",
     "hold": "Hold a run on its path.",
+    "import": "Make a program of a table, a trajectory, or named states.",
+    "new": "Make the folder of a new project.",
     "override": "Change a run's speed.",
     "plot": "Draw a program's motion.",
     "replay": "Show a recorded run as it happened.",
     "resume": "Go on behind a hold.",
-    "robots": "List the robots of the standard library.",
+    "robot": "Make, check and list robots.",
     "run": "Run a program on a controller, or simulated.",
     "settings": "Print the controller's settings for a robot.",
     "sim": "Simulate a Turbo PMAC on a TCP port.",
@@ -37,7 +40,8 @@ class _Lazy(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in _COMMANDS:
             return None
-        command: click.Command = import_module(f"yarclang.cli.commands.{cmd_name}").command
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        command: click.Command = import_module(f"yarclang.cli.commands.{module}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

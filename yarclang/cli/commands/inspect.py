@@ -1,0 +1,320 @@
+"""`yarc inspect`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
+
+if TYPE_CHECKING:
+    from yarclang.hir import Program
+    from yarclang.pipeline.line_map import LineMap, Stretch
+    from yarclang.pipeline.origins import Origins
+    from yarclang.report.inspected import Studied
+
+_MOST_PLACES = 8
+"""Places of a command that are listed."""
+
+
+@click.command("inspect")
+@file_argument("file", metavar="FILE.yarc|FILE.pmc")
+@click.argument("place", required=False, metavar="[P0010]")
+@click.option(
+    "--line", type=click.IntRange(1), metavar="N", help="The command that line N of the file belongs to."
+)
+@click.option(
+    "--source",
+    metavar="FILE.yarc",
+    type=click.Path(),
+    help="Of a .pmc: its program (default: looked for beside it, and in the working folder).",
+)
+@click.option("--all-lines", is_flag=True, help="Show the command's controller text whole.")
+@planning_options
+@tm_option
+@format_option
+def command(
+    file: str,
+    place: str | None,
+    line: int | None,
+    source: str | None,
+    all_lines: bool,
+    format_: str,
+    **planning: Any,
+) -> None:
+    """Show all that is known of one command: frames, target, joints, every inverse-kinematics solution and why it was or wasn't
+    taken, what limits the time, what was proved, and the lines for the controller.
+
+    The command is told by its index, by its place among loops and calls ("P0020(I=2)>P0010"), or by --line. A line of a .pmc leads
+    back to its command.
+    """
+    from yarclang.cli.loading import is_compiled
+
+    if (place is None) == (line is None):
+        raise click.UsageError("say which command: its index, such as P0010, or --line N")
+    if is_compiled(file):
+        _check_compiled_usage(planning)
+        raise SystemExit(_of_text(file, place, line, source, all_lines, format_, planning))
+    if source is not None:
+        raise click.UsageError("--source goes with a .pmc")
+    raise SystemExit(_of_program(file, place, line, all_lines, format_, planning))
+
+
+def _check_compiled_usage(planning: dict[str, Any]) -> None:
+    if names := [f"--{name}" for name in ("start", "tm", "tolerance") if planning.get(name) is not None]:
+        raise click.UsageError(f"{', '.join(names)}: only with the program itself, the .yarc file")
+
+
+# a program
+
+
+def _of_program(
+    file: str, place: str | None, line: int | None, all_lines: bool, format_: str, planning: dict[str, Any]
+) -> int:
+    from yarclang.cli.show import show_findings
+    from yarclang.cli.work import Progress, options_from
+    from yarclang.diagnostics import has_errors, in_order
+    from yarclang.pipeline.inputs import open_program
+    from yarclang.report.inspected import study
+
+    with Progress() as progress:
+        opened = open_program(file, options_from(planning, progress))
+        if opened.value is None:
+            show_findings(in_order(opened.diagnostics))
+            return 1
+        studied = study(opened.value.module, opened.value.request)
+        progress.pause()
+        findings = (*opened.diagnostics, *studied.findings)
+        numbers = _numbers(studied.program, place, line)
+        if not numbers:
+            _say_unknown(studied.program, place, line, has_errors(findings), findings)
+            return 1
+        _show(studied, numbers, place or f"line {line}", all_lines, format_, findings)
+    return int(has_errors(findings))
+
+
+def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int, ...]:
+    """The steps that are meant."""
+    from yarclang.hir import Gap
+    from yarclang.pipeline.places import labels_of, matching
+
+    if place is not None:
+        return matching(labels_of(program), place)
+    return tuple(
+        number
+        for number, step in enumerate(program.steps)
+        if not isinstance(step, Gap)
+        and step.origin.source is program.source
+        and step.origin.span.line == line
+    )
+
+
+def _say_unknown(program: Program, place: str | None, line: int | None, wrong: bool, findings: Any) -> None:
+    """Nothing is meant by what was given: the findings may say why, else what there is."""
+    from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import Diagnostic, grouped, in_order, suggest
+    from yarclang.pipeline.places import labels_of
+
+    if wrong:
+        show_findings(in_order(grouped(one for one in findings if one.is_error)))
+    labels = list(dict.fromkeys(labels_of(program).values()))
+    what = f"no command stands at {place}" if place is not None else f"no command comes from line {line}"
+    meant = suggest(place, labels) if place is not None else ""
+    listed = ", ".join(labels[:_MOST_PLACES]) + (", ..." if len(labels) > _MOST_PLACES else "")
+    hidden = "; errors may hide it" if wrong else ""
+    help_ = meant or (f"there are {listed}" if listed else "the program has no command that is understood")
+    show_findings((Diagnostic("Y1164", what + hidden, program.source, help=help_),))
+
+
+def _show(
+    studied: Studied,
+    numbers: tuple[int, ...],
+    wanted: str,
+    all_lines: bool,
+    format_: str,
+    findings: Any,
+) -> None:
+    from yarclang.cli.show import count_text, finding_json, show_findings
+    from yarclang.diagnostics import grouped
+    from yarclang.pipeline.places import labels_of
+    from yarclang.report.inspected import inspect_step
+
+    inspected = inspect_step(studied, numbers[0])
+    labels = labels_of(studied.program)
+    places = [labels.get(number, "") for number in numbers]
+    own = set(inspected.findings)
+    others = [one for one in grouped(findings) if one not in own]
+    if format_ == "json":
+        import json
+
+        from yarclang.report.inspected_json import inspected_json
+
+        document = {
+            "version": 1,
+            "places": places,
+            "command": inspected_json(inspected),
+            "diagnostics": [finding_json(one) for one in inspected.findings],
+            "diagnostics_elsewhere": [finding_json(one) for one in others],
+        }
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        return
+    show_findings(inspected.findings)
+    if elsewhere := count_text(others):
+        click.echo(f"elsewhere: {elsewhere}; `yarc check` shows them", err=True)
+    if len(numbers) > 1:
+        click.echo(
+            f"{wanted} stands at {len(numbers):,} places; this is the first, say another one:", err=True
+        )
+        for one in places[:_MOST_PLACES]:
+            click.echo(f"  {one}", err=True)
+        if len(places) > _MOST_PLACES:
+            click.echo(f"  ... to {places[-1]}", err=True)
+    from yarclang.report.inspected_text import sections_of
+
+    _print_sections(sections_of(inspected, all_lines=all_lines))
+
+
+def _print_sections(sections: Any) -> None:
+    for number, section in enumerate(sections):
+        if number:
+            click.echo("")
+        click.echo(click.style(section.title, bold=True))
+        for line in section.lines:
+            click.echo(f"  {line}")
+
+
+# a controller text
+
+
+def _of_text(
+    file: str,
+    place: str | None,
+    line: int | None,
+    source: str | None,
+    all_lines: bool,
+    format_: str,
+    planning: dict[str, Any],
+) -> int:
+    from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.line_map import is_compiled_text, map_lines
+    from yarclang.pipeline.places import matching
+    from yarclang.pipeline.sources import read_source
+
+    read = read_source(file)
+    if read.value is None:
+        show_findings(read.diagnostics)
+        return 1
+    text = read.value.text
+    if not is_compiled_text(text):
+        message = "this isn't a text that yarcc has written"
+        show_findings((Diagnostic("Y1151", message, read.value, help="give what yarcc made of a program"),))
+        return 1
+    mapped = map_lines(text)
+    if line is not None:
+        found = mapped.at(line)
+        if found is None:
+            count = len(text.splitlines())
+            message = f"the text has no line {line}: it has {count:,}"
+            show_findings((Diagnostic("Y1164", message, read.value, help="give a smaller number"),))
+            return 1
+        stretches: tuple[Stretch, ...] = (found,)
+    else:
+        labels = {one.step: one.index for one in mapped.commands if one.index}
+        steps = matching(labels, place or "")
+        if not steps:
+            listed = ", ".join(list(labels.values())[:_MOST_PLACES])
+            message = f"no command stands at {place}"
+            show_findings((Diagnostic("Y1164", message, read.value, help=f"there are {listed}"),))
+            return 1
+        stretches = mapped.of(steps[0])
+        if len(steps) > 1 and format_ == "text":
+            click.echo(f"{place} stands at {len(steps):,} places; this is the first", err=True)
+    origins = _origins(file, read.value, source, planning.get("robot"))
+    if format_ == "json":
+        _print_text_json(mapped, stretches, line, origins, text)
+    else:
+        _print_sections(_text_sections(mapped, stretches, line, origins, text, all_lines))
+    return 0
+
+
+def _origins(file: str, source: Any, program: str | None, robot: str | None) -> Origins:
+    """Where its commands come from, as far as that can be found out."""
+    from yarclang.cli.loading import robot_of_text
+    from yarclang.pipeline.origins import Origins, origins_of_text
+
+    found = robot_of_text(source, robot)
+    if found.value is None:
+        return Origins(None, "its robot isn't known here: --robot PATH says where it is")
+    return origins_of_text(source.text, Path(file).parent, found.value, program)
+
+
+def _text_sections(
+    mapped: LineMap,
+    stretches: tuple[Stretch, ...],
+    line: int | None,
+    origins: Origins,
+    text: str,
+    all_lines: bool,
+) -> list[Any]:
+    from yarclang.report.inspected_text import Section, stretch_lines
+
+    lines = tuple(text.splitlines())
+    sections = []
+    if line is not None:
+        what = stretches[0].what.replace("a move", "a move of the command below")
+        sections.append(Section(f"line {line}", (lines[line - 1], what)))
+    listed = next((one.command for one in stretches if one.command is not None), None)
+    if listed is None:
+        if line is None:
+            sections.append(Section("controller text", ("the command has no lines of its own",)))
+        return sections
+    origin = origins.of_listed(listed)
+    told: list[str] = []
+    if origin is not None:
+        told.append(f"{origin.source.name}:{origin.span.line}: {listed.title}")
+        told.append(origin.source.line(origin.span.line).strip())
+    else:
+        told.append(f"{listed.title}, line {listed.source_line} of {mapped.program} or of a module of it")
+        told.append(f"by the text's own comments: {origins.missing or 'the program has no such command'}")
+    told.append(f"step {listed.step} of the program")
+    sections.append(Section("command", tuple(told)))
+    own = mapped.of(listed.step)
+    sections.append(Section("controller text", tuple(stretch_lines(own, lines, all_lines=all_lines))))
+    return sections
+
+
+def _print_text_json(
+    mapped: LineMap, stretches: tuple[Stretch, ...], line: int | None, origins: Origins, text: str
+) -> None:
+    import json
+
+    listed = next((one.command for one in stretches if one.command is not None), None)
+    origin = origins.of_listed(listed) if listed is not None else None
+    lines = text.splitlines()
+    command_ = None
+    if listed is not None:
+        command_ = {
+            "place": listed.index,
+            "name": listed.name,
+            "step": listed.step,
+            "program": mapped.program,
+            "line_in_text": listed.source_line,
+            "file": origin.source.name if origin else None,
+            "line": origin.span.line if origin else None,
+            "source": origin.source.line(origin.span.line) if origin else None,
+            "controller_text": [
+                {"first": one.first, "last": one.last, "what": one.what} for one in mapped.of(listed.step)
+            ],
+        }
+    document = {
+        "version": 1,
+        "line": line,
+        "text": lines[line - 1] if line is not None else None,
+        "what": stretches[0].what if line is not None else None,
+        "command": command_,
+        "source_missing": origins.missing or None,
+    }
+    click.echo(json.dumps(document, indent=2, ensure_ascii=False))

@@ -1,0 +1,67 @@
+"""Commands by their places: an index, a place among loops and calls, or a part of one."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from yarclang.hir import Else, EndWhen, Gap, Program
+
+_PART = re.compile(r"P(\d+)(?:\(([^()]*)\))?", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One part of a place: `P0020(I=2)` is command 20 in a loop with I at 2."""
+
+    number: int
+    loops: tuple[str, ...]
+
+    def fits(self, wanted: Part) -> bool:
+        """Whether it is what is wanted: loops that aren't spoken of may stand anywhere."""
+        return self.number == wanted.number and set(wanted.loops) <= set(self.loops)
+
+
+def parts_of(text: str) -> tuple[Part, ...] | None:
+    """The parts of a place, from outside in; None where the text is none."""
+    parts: list[Part] = []
+    for piece in re.sub(r"\s+", "", text).split(">"):
+        found = _PART.fullmatch(piece)
+        if found is None:
+            return None
+        loops = tuple(one.upper() for one in (found[2] or "").split(",") if one)
+        parts.append(Part(int(found[1]), loops))
+    return tuple(parts)
+
+
+def labels_of(program: Program) -> dict[int, str]:
+    """The place of each step that has one, by its number."""
+    return {
+        number: step.origin.label
+        for number, step in enumerate(program.steps)
+        if not isinstance(step, Gap | Else | EndWhen) and step.origin.label
+    }
+
+
+def matching(labels: dict[int, str], text: str) -> tuple[int, ...]:
+    """The numbers of the places that a text means, in order.
+
+    A whole place means itself. Else the text is the beginning of a place, as it stands in the program's own file (a CALL's index
+    means all commands that it leads to), or else its end, as in a SUB; loops that it leaves out may stand anywhere.
+    """
+    wanted = parts_of(text)
+    if wanted is None:
+        return ()
+    parts = {number: parts_of(label) or () for number, label in labels.items()}
+    exact = [number for number, found in parts.items() if found == wanted]
+    if exact:
+        return tuple(exact)
+    size = len(wanted)
+    begin = [number for number, found in parts.items() if _fit(found[:size], wanted)]
+    return tuple(begin or [number for number, found in parts.items() if _fit(found[-size:], wanted)])
+
+
+def _fit(found: tuple[Part, ...], wanted: tuple[Part, ...]) -> bool:
+    return len(found) == len(wanted) and all(
+        one.fits(other) for one, other in zip(found, wanted, strict=True)
+    )

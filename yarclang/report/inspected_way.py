@@ -1,0 +1,126 @@
+"""How the robot comes to a command: what is planned of the steps before it, also where others have errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.hir import (
+    Array,
+    Else,
+    EndWhen,
+    Gap,
+    JointGoal,
+    JointMove,
+    Motion,
+    Program,
+    SplineMove,
+    Step,
+    Stop,
+    When,
+)
+from yarclang.motion.plan import PlannedMotion
+from yarclang.pipeline.stages import Request, plan_program
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """Where the robot stands when a motion begins, `start` (n,) [rad or m], and the motion as it is planned.
+
+    `start` is None where errors before it hide that, `motion` where it can't be planned; `findings` are the errors of the
+    motion itself.
+    """
+
+    start: Array | None
+    motion: PlannedMotion | None
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def steps_to(program: Program, number: int) -> tuple[Step, ...]:
+    """The steps that lead to a step, in one line: of each WHEN only the way that goes there, or its last one."""
+    line: list[Step] = []
+    opened: list[int] = []
+    for step in program.steps[:number]:
+        match step:
+            case When():
+                opened.append(len(line))
+            case Else() if opened:
+                del line[opened[-1] :]
+            case EndWhen() if opened:
+                opened.pop()
+            case _:
+                line.append(step)
+    return tuple(line)
+
+
+def way_to(program: Program, number: int, request: Request) -> Way:
+    """Plan the motion that is step `number`, and of what leads to it as much as is needed to know where it starts."""
+    step = program.steps[number]
+    assert isinstance(step, Motion)
+    start = stands_before(program, number, request)
+    if start is None:
+        return Way(None, None)
+    planned = plan_program(replace(program, start=start, steps=(alone(step),)), request)
+    if planned.value is not None and planned.value.motions:
+        return Way(start, planned.value.motions[0])
+    findings = tuple(one for one in planned.diagnostics if one.is_error)
+    relaxed = replace(alone(step), timing=replace(step.timing, duration=None, speed=None))
+    again = plan_program(replace(program, start=start, steps=(relaxed,)), request)
+    motion = again.value.motions[0] if again.value is not None and again.value.motions else None
+    return Way(start, motion, findings)
+
+
+def stands_before(program: Program, number: int, request: Request) -> Array | None:
+    """Where the robot stands before step `number` (n,) [rad or m]; None where errors hide it."""
+    line = steps_to(program, number)
+    if (found := _behind(program, program.start, line, request)) is not None:
+        return found
+    for place in range(len(line) - 1, -1, -1):
+        one = line[place]
+        if isinstance(one, JointMove) and isinstance(one.goal, JointGoal):
+            # wherever it came from, there it stands
+            return _behind(program, one.goal.q, line[place + 1 :], request)
+    return None
+
+
+def alone(step: Motion) -> Motion:
+    """A motion that ends at rest: it flows into nothing."""
+    return replace(step, blend=None)
+
+
+def trouble_behind(program: Program, number: int, stands: Array, request: Request) -> str:
+    """What goes wrong with the Cartesian motions right behind step `number`, if the robot stands at `stands` (n,) [rad or m] then.
+
+    Returns:
+        The first error in words, or nothing.
+    """
+    line: list[Motion] = []
+    for step in program.steps[number + 1 :]:
+        if isinstance(step, JointMove | SplineMove | Gap | Stop | When | Else | EndWhen):
+            break
+        if isinstance(step, Motion):
+            line.append(alone(step))
+    if not line:
+        return ""
+    planned = plan_program(replace(program, start=stands, steps=tuple(line)), request)
+    first = next((one for one in planned.diagnostics if one.is_error and one.code not in _OF_TIME), None)
+    if first is None:
+        return ""
+    origin = next((one.origin for one in line if one.origin.span == first.span), None)
+    which = f"{origin.label} {origin.name}".strip() if origin is not None else "a later motion"
+    return f"{which} fails from here: {first.message} ({first.code})"
+
+
+_OF_TIME = ("Y0601", "Y0604")
+"""Another time helps there, not another way."""
+
+
+def _behind(program: Program, start: Array, line: tuple[Step, ...], request: Request) -> Array | None:
+    """Where the robot stands behind some steps from a start; None where they can't all be planned."""
+    if any(isinstance(one, Gap | Stop) for one in line):
+        return None
+    motions = tuple(alone(one) for one in line if isinstance(one, Motion))
+    if not motions:
+        return start
+    planned = plan_program(replace(program, start=start, steps=motions), request)
+    return planned.value.motions[-1].waypoints[-1] if planned.value is not None else None

@@ -84,6 +84,16 @@ class PositiveNumber(click.ParamType[float]):
         return number
 
 
+def robot_option(function: F) -> F:
+    """--robot NAME|PATH."""
+    return click.option(
+        "--robot",
+        metavar="NAME|PATH",
+        shell_complete=_robots,
+        help="A robot of the standard library, or the path of a robot.toml.",
+    )(function)
+
+
 def planning_options(function: F) -> F:
     """--robot, --start and --tolerance: they belong to every command that plans."""
     for option in (
@@ -97,12 +107,7 @@ def planning_options(function: F) -> F:
             type=Numbers("Q1,Q2,..."),
             help="Where the robot stands at first: deg, mm for prismatic joints (default: START, else the robot's home).",
         ),
-        click.option(
-            "--robot",
-            metavar="NAME|PATH",
-            shell_complete=_robots,
-            help="A robot of the standard library, or the path of a robot.toml.",
-        ),
+        robot_option,
     ):
         function = option(function)
     return function

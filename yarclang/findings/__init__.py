@@ -20,6 +20,7 @@ FAMILIES = {
     "12": "style",
     "13": "robot and settings files",
     "14": "logs of runs",
+    "15": "imported files, new projects",
 }
 """The families of the codes by their two digits."""
 

@@ -129,11 +129,24 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
         findings = Collector(module.source)
         check_robot(malformed[0], findings)
         return Result(None, tuple(findings.found))
+    return _of_project(project, module.source)
+
+
+def robot_for(folder: Path, name: str | None) -> Result[Robot]:
+    """The robot that is named, else that of the folder's yarc.toml: for work that has no program yet."""
+    if name is not None:
+        return load_robot(name)
+    project = find_project(folder)
+    return Result(None, project.diagnostics) if project.value is None else _of_project(project.value, None)
+
+
+def _of_project(project: Project, program: SourceFile | None) -> Result[Robot]:
+    """The robot of yarc.toml, or a finding about the program that none was named anywhere."""
     if project.robot is not None:
         return _named(project.robot, project.folder, project.source, project.span_of("robot"))
     names = ", ".join(robot.name for robot in list_robots())
     help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
-    return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", module.source, help=help_),))
+    return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", program, help=help_),))
 
 
 def _named(name: str, folder: Path, source: SourceFile | None, span: Span | None) -> Result[Robot]:

@@ -1,0 +1,107 @@
+"""`yarc import` as its user sees it: files, options, exit statuses; what it writes compiles."""
+
+import pytest
+from click.testing import CliRunner
+
+from yarclang.cli.yarc import main
+
+TABLE = "j1,j2,j3,j4,j5,j6\n0,-10,-20,0,-60,0\n5,-10,-20,0,-60,0\n10,-15,-20,0,-60,0\n"
+TIMED = "t [s],j1 [deg],j2 [deg],j3 [deg],j4 [deg],j5 [deg],j6 [deg]\n" + "".join(
+    f"{n},{n * n},{-10 - n},-20,0,-60,0\n" for n in range(6)
+)
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def run(*arguments, **settings):
+    return CliRunner().invoke(main, list(arguments), **settings)
+
+
+@pytest.mark.parametrize("text", [TABLE, TIMED])
+def test_what_it_writes_compiles(tmp_path, text):
+    (tmp_path / "points.csv").write_text("\ufeff" + text, encoding="utf-8")
+    made = run("import", "points.csv", "--robot", "INDUSTRIAL6", "--units", "deg")
+    assert (made.exit_code, made.stdout) == (0, "written to points.yarc; yarc check plans it\n")
+    checked = run("check", "points.yarc")
+    assert (checked.exit_code, "error" in checked.stderr) == (0, False)
+
+
+def test_the_robot_of_the_project_and_standard_streams(tmp_path):
+    (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
+    made = run("import", "-", "--units", "deg", input=TABLE)
+    assert made.exit_code == 0
+    assert made.stdout.startswith("! <stdin>: a table of 3 joint positions.\nROBOT INDUSTRIAL6\n")
+    assert list(tmp_path.glob("*.yarc")) == []
+
+
+def test_a_robot_of_ones_own_is_told(tmp_path, industrial6):
+    for file in industrial6.folder.iterdir():
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    made = run("import", "-", "--units", "deg", "--robot", "robot.toml", input=TABLE)
+    assert made.exit_code == 0
+    assert "ROBOT" not in made.stdout.replace("--robot", "")
+    assert "! Made for INDUSTRIAL6, which --robot or yarc.toml has to name." in made.stdout
+
+
+def test_nothing_is_overwritten_unasked(tmp_path):
+    (tmp_path / "points.csv").write_text(TABLE)
+    (tmp_path / "points.yarc").write_text("! mine\n")
+    arguments = ["import", "points.csv", "--robot", "INDUSTRIAL6", "--units", "deg"]
+    refused = run(*arguments)
+    assert (refused.exit_code, "is there already" in refused.stderr) == (2, True)
+    assert (tmp_path / "points.yarc").read_text() == "! mine\n"
+    assert run(*arguments, "-o", "points.csv").exit_code == 2
+    assert run(*arguments, "-o", "points.yarc").exit_code == 0
+    assert (tmp_path / "points.yarc").read_text() != "! mine\n"
+
+
+def test_a_mistake_leaves_no_file(tmp_path):
+    (tmp_path / "points.csv").write_text(TABLE + "1,2,x,4,5,6\n")
+    made = run("import", "points.csv", "--robot", "INDUSTRIAL6", "--units", "deg")
+    assert made.exit_code == 1
+    assert "points.csv:5:1: error Y1505: 'x' in column 'j3' is no number" in made.stderr
+    assert "1 error; nothing written" in made.stderr
+    assert not (tmp_path / "points.yarc").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [(b"", "Y1504"), (b"\xff\xfej\x001\x00", "Y0103"), (b"j1,\xe4\n", "Y0103"), (b"PK\x03\x04", "Y0103")],
+)
+def test_files_that_are_no_text(tmp_path, content, code):
+    (tmp_path / "points.csv").write_bytes(content)
+    made = run("import", "points.csv", "--robot", "INDUSTRIAL6")
+    assert made.exit_code == 1
+    assert f"error {code}" in made.stderr
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--units", "deg,rad"],
+        ["--units", "furlong"],
+        ["--time", "soon"],
+        ["--time", "0"],
+        ["--time", "1.2.3"],
+        ["--every", "0"],
+        ["--tolerance", "-1"],
+        ["--as", "circle"],
+    ],
+)
+def test_wrong_usage(options):
+    assert run("import", "-", "--robot", "INDUSTRIAL6", *options, input=TABLE).exit_code == 2
+
+
+@pytest.mark.parametrize("time", ["MIN", "min", "50%", "12.5"])
+def test_another_time(time):
+    made = run("import", "-", "--robot", "INDUSTRIAL6", "--time", time, input=TIMED)
+    assert f"[{time.upper()}] (mm,deg,s)" in made.stdout
+
+
+def test_no_robot_and_no_file():
+    assert "Y1391" in run("import", "-", input=TABLE).stderr
+    missing = run("import", "nowhere.csv", "--robot", "INDUSTRIAL6")
+    assert (missing.exit_code, "Y0107" in missing.stderr) == (1, True)

@@ -1,0 +1,173 @@
+"""Tables to programs: headers, units, numbers; arbitrary tables keep their values."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from programs import checked, codes
+
+from tests.convert.conversions import NAMES, commands, converted, numbers, program_of, refused
+
+DEG = "j1 [deg],j2 [deg],j3 [deg],j4 [deg],j5 [deg],j6 [deg]"
+POSE = "x [mm],y [mm],z [mm],roll [deg],pitch [deg],yaw [deg]"
+
+
+def test_joint_positions_become_moves():
+    program = program_of(f"{DEG}\n0,0,0,0,0,0\n10,-10,-20.5,0,-60,0\n")
+    assert program.splitlines()[0] == "! points.csv: a table of 2 joint positions."
+    assert program.splitlines()[-2:] == [
+        "P0010 MOVEJ  0   0   0.0 0   0 0",
+        "P0020 MOVEJ 10 -10 -20.5 0 -60 0",
+    ]
+
+
+def test_the_robots_names_any_order_and_case():
+    program = program_of("J6 (deg),j5 (deg),Joint_4 (deg),q3 (deg),J2 (deg),joint 1 (deg)\n6,5,4,3,2,1\n")
+    assert numbers(program).tolist() == [[1, 2, 3, 4, 5, 6]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{NAMES}\n1.5,2,3,4,5,6\n",
+        "\ufeff".lstrip("\ufeff") + f"{NAMES}\r\n1.5,2,3,4,5,6\r\n",
+        f"{NAMES}\n1.5,2,3,4,5,6\n".replace(",", "\t"),
+        f"{NAMES}\n".replace(",", ";") + "1,5;2;3;4;5;6\n;;;;;\n",
+        f"# {NAMES}\n# a remark\n\n1.5, 2, 3, 4, 5, 6,,\n",
+    ],
+    ids=["comma", "crlf", "tab", "decimal comma", "remarks"],
+)
+def test_ways_to_write_a_table(text):
+    assert numbers(program_of(text, said="deg")).tolist() == [[1.5, 2, 3, 4, 5, 6]]
+
+
+def test_units_are_converted():
+    header = "x [m],y [cm],z [in],roll [rad],pitch [deg],yaw [rad]"
+    program = program_of(f"{header}\n0.1,110,45,0.1,2,0\n")
+    assert numbers(program) == pytest.approx(np.array([[100, 1100, 1143, 5.729578, 2, 0]]))
+
+
+def test_poses_are_reached_straight():
+    program = program_of(f"{POSE}\n0,1174.4,1176,0,0,0\n50,1174.4,1176,0,0,0\n")
+    assert commands(program) == ["MOVEJ_RPY", "MOVEL"]
+
+
+def test_quaternions_need_no_unit():
+    program = program_of("x,y,z,qx,qy,qz,qw\n0,1174.4,1176,0,0,0,1\n0,1174.4,1200,0,0,0.6,0.8\n", said="mm")
+    assert commands(program) == ["MOVEJ_QUAT", "MOVEL_QUAT"]
+
+
+def test_times_make_one_motion():
+    text = f"{NAMES},t [ms]\n0,0,0,0,0,0,0\n10,0,0,0,0,0,900\n20,0,0,0,0,0,4000\n"
+    program = program_of(text, said="deg")
+    assert commands(program) == ["MOVEJ_SPLINE"]
+    assert program.endswith("20 0 0 0 0 0 [4]\n")
+    assert "START  0 0 0 0 0 0".replace("  ", " ") in program
+    # half of the way takes half of the time
+    assert "a point is passed at 2.000 s instead of 0.900 s" in program
+    assert commands(program_of(text, said="deg", form="moves")) == ["MOVEJ"] * 3
+    assert "[MIN]" in program_of(text, said="deg", time="MIN")
+
+
+def test_names_are_declared_once_and_comments_stay():
+    text = f"name,{NAMES},comment\nhome-2,0,0,0,0,0,1,start\n,1,0,0,0,0,0,\nHome 2,0,0,0,0,0,1,and ! back\n"
+    lines = program_of(text, said="deg").splitlines()
+    assert [line for line in lines if line.startswith("JOINTS")] == ["JOINTS HOME_2 0 0 0 0 0 1"]
+    assert lines[-3:] == [
+        "P0010 MOVEJ HOME_2  ! start",
+        "P0020 MOVEJ 1 0 0 0 0 0",
+        "P0030 MOVEJ HOME_2  ! and ! back",
+    ]
+
+
+def test_named_poses_are_frames():
+    program = program_of(f"name,{POSE}\npick,0,1174.4,1176,0,0,0\ndrop,90,1174.4,1176,0,0,0\n")
+    assert "FRAME {PICK}  0 1174.4 1176 0 0 0" in program
+    assert "P0020 MOVEL     0 0 0 0 0 0 {DROP}" in program
+
+
+def test_columns_that_are_not_taken_are_told():
+    program, found = converted(f"{NAMES},force\n0,0,0,0,0,0,7\n", said="deg")
+    assert program is not None
+    assert codes(found) == ["Y1503"]
+    assert "force" in found[0].message
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "words"),
+    [
+        ("", "Y1504", "empty"),
+        ("\n\n", "Y1504", "empty"),
+        (f"{NAMES}\n", "Y1504", "no row"),
+        (f"{NAMES}\n1,2,3\n1,2,3,4,5,6\n1\n", "Y1504", "3 cells, the header has 6 (and 1 more line)"),
+        (f'{NAMES}\n1,2,"3,4,5,6\n', "Y1504", "can't be read on"),
+        (f"{NAMES}\n1,2,nan,4,5,6\n", "Y1505", "'nan' in column 'j3'"),
+        (f"{NAMES}\n1,2,inf,4,5,6\n1,2,,4,5,6\n", "Y1505", "(and 1 more cell)"),
+        (f"{NAMES}\n1,2,1e10,4,5,6\n", "Y1505", "'1e10'"),
+        (f"{NAMES}\n1,2,3 mm,4,5,6\n", "Y1505", "'3 mm'"),
+        (f"{NAMES}\n1,2,1_0,4,5,6\n", "Y1505", "'1_0'"),
+        (f"{NAMES}\n1,2,٣,4,5,6\n", "Y1505", "'٣'"),
+        (
+            "j1;j2;j3;j4;j5;j6\n1,5;2.5;0;0;0;0\n",
+            "Y1505",
+            "decimal comma (1,5) and with a decimal point (2.5)",
+        ),
+        ("1,2,3,4,5,6\n1,2,3,4,5,6\n", "Y1502", "no column was recognised"),
+        ("j1,j2,j3,j4,j5\n1,2,3,4,5\n", "Y1502", "column J6 is missing"),
+        ("x,y,z\n1,2,3\n", "Y1502", "columns roll, pitch, yaw are missing (recognised: x, y, z)"),
+        ("x,y,z,roll,pitch,yaw,qw\n1,2,3,4,5,6,7\n", "Y1502", "given twice"),
+        (f"{NAMES},x\n1,2,3,4,5,6,7\n", "Y1502", "joint values and poses"),
+        (f"{NAMES},J1\n1,2,3,4,5,6,7\n", "Y1502", "two columns are J1"),
+        (f"{NAMES},t [deg]\n1,2,3,4,5,6,7\n", "Y1506", "deg is no unit of time"),
+        ("j1 [furlong],j2,j3,j4,j5,j6\n1,2,3,4,5,6\n", "Y1506", "furlong is no unit of angle"),
+        (f"{NAMES},t [s]\n1,2,3,4,5,6,7\n1,2,3,4,5,6,7\n", "Y1509", "isn't later"),
+        (f"{NAMES},name\n1,2,3,4,5,6,STOP\n", "Y1510", "word of the language"),
+        (f"{NAMES},name\n1,2,3,4,5,6,2nd\n", "Y1510", "no digit first"),
+        (f"{NAMES},name\n1,2,3,4,5,6,a\n1,2,3,4,5,0,A\n", "Y1510", "another place in line 2"),
+        ("x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,2\n", "Y1505", "norm 2"),
+    ],
+)
+def test_bad_tables(text, code, words):
+    found = refused(text, said="mm,deg")
+    assert found.code == code
+    assert words in found.message
+
+
+def test_units_are_never_guessed():
+    found = refused(f"{NAMES}\n1,2,3,4,5,6\n")
+    assert found.code == "Y1506"
+    assert "j1, j2, j3, j4, j5, j6" in found.message
+    assert "--units" in found.help
+
+
+def test_columns_beyond_the_robots_joints_are_unknown():
+    assert codes(converted(f"{NAMES},j7\n1,2,3,4,5,6,7\n", said="deg")[1]) == ["Y1503"]
+
+
+ANGLE = st.floats(-79, 79).map(lambda value: round(value, 9))
+ROWS = st.lists(st.tuples(*[ANGLE] * 6), min_size=1, max_size=8)
+
+
+@settings(max_examples=60)
+@given(rows=ROWS, delimiter=st.sampled_from([",", ";", "\t"]), form=st.sampled_from(["moves", "spline"]))
+def test_arbitrary_tables_keep_their_values(rows, delimiter, form):
+    text = "".join(
+        delimiter.join(map(str, row)) + "\n" for row in [[f"j{n} [deg]" for n in range(1, 7)], *rows]
+    )
+    program = converted(text, form=form)[0]
+    assert [one for one in checked(program)[1] if one.is_error] == []
+    found = numbers(program)
+    kept = [
+        row
+        for number, row in enumerate(rows)
+        if number == 0 or np.abs(np.subtract(row, rows[number - 1])).max() > 1e-6
+    ]
+    assert found.shape == (len(kept), 6)
+    assert np.abs(found - np.array(kept)).max() <= 5.1e-7
+
+
+@settings(max_examples=100)
+@given(text=st.text(alphabet="j123456;,\t \n\"'.-e[]()degmxyz#!", max_size=120))
+def test_no_text_makes_it_fall(text):
+    program, found = converted(text, said="deg,mm")
+    assert (program is None) == any(one.is_error for one in found)

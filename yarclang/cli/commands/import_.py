@@ -1,0 +1,138 @@
+"""`yarc import`."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from yarclang.cli.options import PositiveNumber, robot_option
+from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
+
+if TYPE_CHECKING:
+    from yarclang.convert.course import Wishes
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.units import Kind, Unit
+
+    UnitsByKind = dict[Kind, Unit]
+
+_TIME = re.compile(r"MIN|[0-9]+(\.[0-9]+)?%?", re.ASCII)
+
+
+class _Units(click.ParamType["UnitsByKind"]):
+    """Units separated by commas, at most one of a kind."""
+
+    name = "LENGTH,ANGLE,TIME"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> UnitsByKind:
+        """The units by their kinds; what is none is wrong usage."""
+        from yarclang.units import UNITS
+
+        if isinstance(value, dict):
+            return value
+        found: UnitsByKind = {}
+        for word in str(value).split(","):
+            unit = UNITS.get(word.strip().lower())
+            if unit is None:
+                self.fail(f"{word!r} is no unit; there are {', '.join(UNITS)}", param, ctx)
+            if unit.kind in found:
+                self.fail(f"{value!r} has two units of {unit.kind}", param, ctx)
+            found[unit.kind] = unit
+        return found
+
+
+class _Time(click.ParamType[str]):
+    """What stands in [ ] of a command."""
+
+    name = "TIME"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """MIN, a share such as 50%, or seconds."""
+        text = str(value).upper()
+        if not _TIME.fullmatch(text) or float(text.strip("MIN%") or 1) <= 0:
+            self.fail(f"{value!r} is none of MIN, a share such as 50%, or a number of seconds", param, ctx)
+        return text
+
+
+@click.command("import")
+@click.argument("file", type=click.Path(allow_dash=True))
+@click.option(
+    "-o", "--output", metavar="OUT.yarc", help="Where to write the program (- for standard output)."
+)
+@robot_option
+@click.option(
+    "--units", type=_Units(), help="Units of the columns that don't name theirs, as in mm,deg,s (tables)."
+)
+@click.option(
+    "--joints", metavar="NAME,NAME,...", help="The file's names for the robot's joints, in the robot's order."
+)
+@click.option(
+    "--as",
+    "form",
+    type=click.Choice(["moves", "spline"]),
+    help="Stop at each target, or pass all in one go (default: one go where the file has times).",
+)
+@click.option("--time", type=_Time(), help="MIN, 50% or seconds, instead of the file's times.")
+@click.option(
+    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Take each N-th target only."
+)
+@click.option(
+    "--tolerance",
+    type=PositiveNumber("T"),
+    help="Take as few targets as keep the others within T (deg and mm) of the way.",
+)
+def command(
+    file: str,
+    output: str | None,
+    robot: str | None,
+    units: UnitsByKind | None,
+    joints: str | None,
+    form: Any,
+    time: str | None,
+    every: int,
+    tolerance: float | None,
+) -> None:
+    """Make a YARC program of FILE: a CSV table, a ROS trajectory (YAML or JSON), or an SRDF.
+
+    FILE.csv becomes FILE.yarc; - reads standard input. The program isn't planned: yarc check does that.
+    """
+    from yarclang.cli.show import count_text, show_findings
+    from yarclang.convert.course import Wishes
+
+    destination = beside(file, ".yarc") if output is None else output
+    refuse_collisions([file], [(destination, "the program")])
+    if output is None and destination != STANDARD and Path(destination).exists():
+        raise click.UsageError(f"{destination} is there already; write elsewhere, or over it, with -o")
+    named = tuple(name.strip() for name in joints.split(",")) if joints is not None else ()
+    wishes = Wishes(units or {}, named, form, time, every, tolerance)
+    text, diagnostics = _convert(file, robot, wishes)
+    if text is not None:
+        from yarclang.cli.work import write_standard_output, write_whole
+
+        diagnostics += (
+            write_standard_output(text) if destination == STANDARD else write_whole(Path(destination), text)
+        )
+    show_findings(diagnostics)
+    failed = any(one.is_error for one in diagnostics)
+    if failed:
+        click.echo(f"{file}: {count_text(diagnostics)}; nothing written", err=True)
+    elif destination != STANDARD:
+        click.echo(f"written to {destination}; yarc check plans it")
+    raise SystemExit(1 if failed else 0)
+
+
+def _convert(file: str, robot: str | None, wishes: Wishes) -> tuple[str | None, tuple[Diagnostic, ...]]:
+    from yarclang.convert.convert import convert
+    from yarclang.pipeline.inputs import robot_for
+    from yarclang.pipeline.sources import read_source
+
+    read = read_source(file)
+    if read.value is None:
+        return None, read.diagnostics
+    found = robot_for(Path.cwd() if file == STANDARD else Path(file).parent, robot)
+    if found.value is None:
+        return None, found.diagnostics
+    converted = convert(read.value, found.value, wishes)
+    return converted.value, (*found.diagnostics, *converted.diagnostics)

@@ -1,0 +1,71 @@
+"""A file of another kind to a YARC program: which kind it is, and the way through this folder."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePath
+
+from yarclang.convert.course import Content, Wishes
+from yarclang.convert.documents import read_json, read_yaml
+from yarclang.convert.from_table import content_of_table
+from yarclang.convert.srdf import content_of_srdf
+from yarclang.convert.trajectory import content_of_documents
+from yarclang.convert.writing import program_text
+from yarclang.diagnostics import Collector, Result
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile
+
+_KINDS = {
+    ".csv": "table",
+    ".tsv": "table",
+    ".json": "json",
+    ".yaml": "yaml",
+    ".yml": "yaml",
+    ".srdf": "srdf",
+    ".xml": "srdf",
+}
+_YAML_KEY = re.compile(r"\s*-?\s*[a-z_]+:(\s|$)")
+
+
+def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[str]:
+    """The program that a table, a trajectory or an SRDF becomes; None where an error forbids it.
+
+    The kind of file is known by the end of its name, else by how it begins.
+    """
+    findings = Collector(source)
+    if not source.text.strip():
+        findings.add("Y1504", "the file is empty", None, "check which file was given")
+        return Result(None, tuple(findings.found))
+    if wishes.joints and len(wishes.joints) != robot.size:
+        message = f"--joints names {len(wishes.joints)} joints, {robot.name} has {robot.size}"
+        help_ = f"give the file's names of {', '.join(robot.joint_names)}, in this order"
+        findings.add("Y1511", message, None, help_)
+        return Result(None, tuple(findings.found))
+    content = _content(source, robot, wishes, findings)
+    if content is None:
+        return Result(None, tuple(findings.found))
+    text = program_text(PurePath(source.name).name, content, robot, wishes, findings)
+    return Result(text, tuple(findings.found))
+
+
+def _content(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
+    kind = _kind(source)
+    if kind == "table":
+        return content_of_table(source, robot, wishes, findings)
+    if kind == "srdf":
+        return content_of_srdf(source, robot, wishes, findings)
+    documents = (read_json if kind == "json" else read_yaml)(source, findings)
+    return None if documents is None else content_of_documents(documents, robot, wishes, findings)
+
+
+def _kind(source: SourceFile) -> str:
+    """`table`, `json`, `yaml` or `srdf`."""
+    known = _KINDS.get(PurePath(source.name).suffix.lower())
+    if known:
+        return known
+    text = source.text.lstrip()
+    if text.startswith("<"):
+        return "srdf"
+    if text.startswith(("{", "[")):
+        return "json"
+    return "yaml" if text.startswith("---") or _YAML_KEY.match(text) else "table"

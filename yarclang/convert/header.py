@@ -1,0 +1,180 @@
+"""What the columns of a table are, by their names and units."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from yarclang.convert.course import Target
+from yarclang.convert.table import Table, whole_line
+from yarclang.diagnostics import Collector
+from yarclang.robot.model import Robot
+from yarclang.units import UNITS, Kind, Unit, units_of
+
+_WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
+_JOINT = re.compile(r"(?:j|q|joint)[ _]?([1-9][0-9]?)", re.I)
+_PLACE = ("x", "y", "z")
+_TURNS: Mapping[Target, tuple[str, ...]] = {
+    "RPY": ("roll", "pitch", "yaw"),
+    "QUAT": ("qx", "qy", "qz", "qw"),
+}
+_WORDS = {"time": "time", "t": "time", "time_from_start": "time", "name": "name", "comment": "comment"}
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column whose meaning is known: its number, what it is, and its unit (None: it has no dimension)."""
+
+    number: int
+    meaning: str
+    unit: Unit | None
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """The columns of the values in their order, and those of time, name and comment where there are such."""
+
+    target: Target
+    values: tuple[Column, ...]
+    time: Column | None
+    name: Column | None
+    comment: Column | None
+
+
+def understand(
+    table: Table, robot: Robot, joints: tuple[str, ...], units: Mapping[Kind, Unit], findings: Collector
+) -> Columns | None:
+    """The meaning of all columns, or one finding that says what was recognised and what is missing.
+
+    Args:
+        table: the table.
+        robot: its joints' names are names of columns; j1, q1, joint1, joint_1 are others.
+        joints: the table's own names of the joints, in the robot's order; may be empty.
+        units: of columns that don't name theirs.
+        findings: takes the finding; and a warning for columns that aren't taken.
+    """
+    own = {name.lower(): name for name in robot.joint_names}
+    own |= {other.lower(): name for other, name in zip(joints, robot.joint_names, strict=False)}
+    found: dict[str, tuple[int, str]] = {}
+    unknown: list[str] = []
+    for number, cell in enumerate(table.header):
+        split = _WITH_UNIT.fullmatch(cell)
+        name, unit = (split[1].strip(), split[2]) if split else (cell, "")
+        meaning = _meaning(name, robot, own)
+        if not meaning:
+            unknown += [cell] if cell else []
+        elif meaning in found:
+            _refuse(table, findings, f"two columns are {meaning}", found, unknown)
+            return None
+        else:
+            found[meaning] = number, unit
+    wanted = _target(table, robot, found, unknown, findings)
+    if wanted is None:
+        return None
+    target, meanings = wanted
+    columns: dict[str, Column] = {}
+    lost: list[str] = []
+    for meaning in (*meanings, "time", "name", "comment"):
+        if meaning not in found:
+            continue
+        number, text = found[meaning]
+        kind = _kind(meaning, target, robot)
+        unit = None
+        if kind is not None:
+            unit = UNITS.get(text.lower()) if text else units.get(kind)
+            if text and (unit is None or unit.kind != kind):
+                message = f"column {table.header[number]!r}: {text} is no unit of {kind}"
+                help_ = f"the units of {kind} are {', '.join(units_of(kind))}"
+                findings.add("Y1506", message, whole_line(table.source, table.header_line), help_)
+                return None
+            if unit is None:
+                lost.append(table.header[number])
+                continue
+        columns[meaning] = Column(number, meaning, unit)
+    if lost:
+        message = f"it isn't said in which unit {', '.join(lost)} {'are' if len(lost) > 1 else 'is'}"
+        help_ = "write units into the header, as in `x [mm]` or `j1 (deg)`, or say --units mm,deg,s"
+        findings.add("Y1506", message, whole_line(table.source, table.header_line), help_)
+        return None
+    if unknown:
+        message = f"not taken: column{'s' * (len(unknown) > 1)} {', '.join(unknown)}"
+        findings.add("Y1503", message, whole_line(table.source, table.header_line))
+    return Columns(
+        target,
+        tuple(columns[meaning] for meaning in meanings),
+        columns.get("time"),
+        columns.get("name"),
+        columns.get("comment"),
+    )
+
+
+def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
+    """A joint of the robot, a part of a pose, time, name or comment; empty where it is none of them."""
+    low = name.lower()
+    if low in own:
+        return own[low]
+    numbered = _JOINT.fullmatch(name)
+    if numbered and int(numbered[1]) <= robot.size:
+        return robot.joint_names[int(numbered[1]) - 1]
+    if low in _PLACE or any(low in turns for turns in _TURNS.values()):
+        return low
+    return _WORDS.get(low, "")
+
+
+def _target(
+    table: Table, robot: Robot, found: Mapping[str, object], unknown: list[str], findings: Collector
+) -> tuple[Target, tuple[str, ...]] | None:
+    """Joint values or poses, and the meanings in their order."""
+    pose = [name for name in (*_PLACE, *_TURNS["RPY"], *_TURNS["QUAT"]) if name in found]
+    joints = [name for name in robot.joint_names if name in found]
+    if joints and pose:
+        message = "there are joint values and poses, and both can't be the target"
+        _refuse(table, findings, message, found, unknown)
+        return None
+    if not joints and not pose:
+        message = "the header names neither joints nor a pose"
+        _refuse(table, findings, message, found, unknown)
+        return None
+    target: Target = "JOINTS"
+    meanings = robot.joint_names
+    if pose:
+        target = "QUAT" if any(name in found for name in _TURNS["QUAT"]) else "RPY"
+        meanings = (*_PLACE, *_TURNS[target])
+        if surplus := [name for name in pose if name not in meanings]:
+            message = f"the orientation is given twice: {', '.join(surplus)} besides a quaternion"
+            _refuse(table, findings, message, found, unknown)
+            return None
+    if missing := [name for name in meanings if name not in found]:
+        message = f"column{'s' * (len(missing) > 1)} {', '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
+        _refuse(table, findings, message, found, unknown)
+        return None
+    return target, meanings
+
+
+def _kind(meaning: str, target: Target, robot: Robot) -> Kind | None:
+    """The kind of unit of a column."""
+    if meaning in {"name", "comment"}:
+        return None
+    if meaning == "time":
+        return "time"
+    if target == "JOINTS":
+        sliding = robot.chain.is_prismatic[robot.joint_names.index(meaning)]
+        return "length" if sliding else "angle"
+    if meaning in _PLACE:
+        return "length"
+    return "angle" if target == "RPY" else None
+
+
+def _refuse(
+    table: Table, findings: Collector, message: str, found: Mapping[str, object], unknown: list[str]
+) -> None:
+    """The finding about a header, with what was recognised."""
+    known = f"recognised: {', '.join(found)}" if found else "no column was recognised"
+    strange = f"; not recognised: {', '.join(one[:40] for one in unknown[:8])}" if unknown else ""
+    help_ = (
+        "columns are j1 j2 ... or the robot's joint names; or x y z with roll pitch yaw or qx qy qz qw; "
+        "and, where wanted, time, name, comment. They are divided by commas, semicolons or tabs"
+    )
+    span = whole_line(table.source, table.header_line)
+    findings.add("Y1502", f"{message} ({known}{strange})", span, help_)

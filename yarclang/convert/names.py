@@ -1,0 +1,24 @@
+"""Which names of other files the language takes."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.commands.registry import commands
+from yarclang.semantics.naming import FIXED_FRAMES
+from yarclang.syntax.words import RESERVED
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_INDEX = re.compile(r"P[0-9]+")
+
+
+def legal_name(text: str, is_frame: bool = False) -> str:
+    """Why a text can't be declared as a name (of a joint position, or of a frame); empty where it can."""
+    name = text.upper()
+    if not _NAME.fullmatch(text):
+        return f"{text[:40]!r} is no name: a name has letters A to Z, digits and _, and no digit first"
+    if is_frame:
+        return f"{{{name}}} comes from the robot and can't be declared" if name in FIXED_FRAMES else ""
+    if name in RESERVED or name in commands() or _INDEX.fullmatch(name):
+        return f"{text} is a word of the language"
+    return ""

@@ -1,0 +1,143 @@
+"""CSV text to cells: delimiter, header, rows; and cells to numbers."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array
+from yarclang.source import SourceFile, Span
+
+DELIMITERS = (";", "\t", ",")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_COMMA = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
+LARGEST = 1e9
+"""Beyond it no number of a program is read."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The header's cells and its line; rows of as many cells, and the line of each."""
+
+    source: SourceFile
+    delimiter: str
+    header: tuple[str, ...]
+    header_line: int
+    rows: tuple[tuple[str, ...], ...]
+    lines: tuple[int, ...]
+
+    def line_span(self, row: int) -> Span:
+        """The line of a row."""
+        return whole_line(self.source, self.lines[row])
+
+
+def whole_line(source: SourceFile, line: int) -> Span:
+    """A line from its first column on."""
+    return Span.on_line(line, 1, len(source.line(line)) + 1)
+
+
+def read_table(source: SourceFile, findings: Collector) -> Table | None:
+    """The cells of a CSV text; empty lines and lines that begin with # are left out.
+
+    The first line that is left is the header. A # before it is taken away.
+    """
+    lines = list(source.lines)
+    first = next((number for number, line in enumerate(lines) if line.strip(" \t#;,")), None)
+    if first is None:
+        findings.add("Y1504", "the table is empty", None, "check which file was given")
+        return None
+    lines[first] = lines[first].lstrip().removeprefix("#")
+    delimiter = max(DELIMITERS, key=lines[first].count)
+    header: tuple[str, ...] = ()
+    rows: list[tuple[str, ...]] = []
+    numbers: list[int] = []
+    ragged: list[tuple[int, int]] = []
+    reader = csv.reader((f"{line}\n" for line in lines[first:]), delimiter=delimiter, strict=True)
+    try:
+        for cells in reader:
+            row = tuple(cell.strip() for cell in cells)
+            if not any(row) or (header and row[0].startswith("#")):
+                continue
+            if not header:
+                header = row
+                continue
+            while len(row) > len(header) and not row[-1]:
+                row = row[:-1]
+            if len(row) != len(header):
+                ragged.append((first + reader.line_num, len(row)))
+                continue
+            rows.append(row)
+            numbers.append(first + reader.line_num)
+    except csv.Error as error:
+        line = first + reader.line_num
+        findings.add(
+            "Y1504",
+            f"the table can't be read on from here: {error}",
+            whole_line(source, line),
+            "look for a quote that isn't closed",
+        )
+        return None
+    if ragged:
+        line, count = ragged[0]
+        more = _more(len(ragged), "line")
+        message = f"this line has {count} cell{'s' * (count != 1)}, the header has {len(header)}{more}"
+        findings.add("Y1504", message, whole_line(source, line), "every line has a cell for each column")
+        return None
+    if not rows:
+        span = whole_line(source, first + 1)
+        findings.add("Y1504", "the table has a header and no row", span, "check which file was given")
+        return None
+    return Table(source, delimiter, header, first + 1, tuple(rows), tuple(numbers))
+
+
+def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Array | None:
+    """Columns as numbers (rows, columns); a decimal comma is read where cells aren't divided by commas.
+
+    The first cell that is none is a finding, which says how many more there are.
+    """
+    values = np.empty((len(table.rows), len(columns)))
+    bad: list[tuple[int, int]] = []
+    commas: tuple[int, int] | None = None
+    points: tuple[int, int] | None = None
+    for at, column in enumerate(columns):
+        for number, row in enumerate(table.rows):
+            cell = row[column]
+            if _NUMBER.fullmatch(cell):
+                if "." in cell and points is None:
+                    points = number, column
+            elif table.delimiter != "," and _COMMA.fullmatch(cell):
+                if commas is None:
+                    commas = number, column
+                cell = cell.replace(",", ".")
+            else:
+                bad.append((number, column))
+                continue
+            value = float(cell)
+            if abs(value) > LARGEST:
+                bad.append((number, column))
+            values[number, at] = value
+    if bad:
+        number, column = min(bad)
+        cell = table.rows[number][column]
+        shown = f"{cell[:40]!r}" if cell else "an empty cell"
+        message = f"{shown} in column {table.header[column]!r} is no number{_more(len(bad), 'cell')}"
+        help_ = f"a number is finite, at most {LARGEST:g}, and stands alone: its unit goes into the header"
+        findings.add("Y1505", message, table.line_span(number), help_)
+        return None
+    if commas and points:
+        comma, point = (table.rows[number][column] for number, column in (commas, points))
+        message = f"numbers are written with a decimal comma ({comma}) and with a decimal point ({point})"
+        help_ = "write all with a point; there are no marks between thousands"
+        findings.add("Y1505", message, table.line_span(commas[0]), help_)
+        return None
+    return values
+
+
+def _more(count: int, what: str) -> str:
+    """How many more there are than the first."""
+    return f" (and {count - 1:,} more {what}{'s' * (count > 2)})" if count > 1 else ""

@@ -1,0 +1,133 @@
+"""Which targets of a dense course are enough.
+
+Douglas and Peucker's algorithm (Cartographica 10, 1973, 112-122): a chord from the first to the last target is divided at the
+target that is farthest from it, and so on, until none is farther than the tolerance. Where the program will run along a
+spline, the distances are those from that spline: a coarse answer of the chords is only its beginning.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.convert.course import Course
+from yarclang.hir import Array
+from yarclang.motion.paths.spline import distinct, through
+from yarclang.robot.model import Robot
+
+_SAMPLES = 16
+"""Chords by which a leg of the spline is measured."""
+_COARSE = 50
+"""A spline needs far fewer targets than straight lines do: it begins with those for so many times the tolerance."""
+
+
+def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, is_spline: bool) -> Course:
+    """Each `every`-th target, or as many as keep `tolerance` [deg and mm]; the first and the last always stay.
+
+    The tolerance holds for all joints together (root of the sum of squares), or for a pose's place and turn together. For joint
+    splines it is kept by the spline itself, otherwise by straight lines from target to target.
+    """
+    if every > 1:
+        kept = np.unique(np.append(np.arange(0, course.size, every), course.size - 1))
+        course = course.only(kept)
+    if tolerance is None or course.size < 3:
+        return course
+    points = _points(course)
+    if is_spline and course.target == "JOINTS":
+        keep = _along_spline(points, _peucker(points, _COARSE * tolerance), tolerance, robot)
+    else:
+        keep = _peucker(points, tolerance)
+    return course.only(np.flatnonzero(keep))
+
+
+def way_shares(points: Array) -> Array:
+    """The share of the way (w,) at each of `points` (w, k), from 0 to 1: what a spline's knots are."""
+    way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    shares: Array = way / way[-1]
+    return shares
+
+
+def _points(course: Course) -> Array:
+    """Targets as points whose distances are in deg and mm: joint values; or place, and twice the quaternion in deg.
+
+    A chord between two quaternions runs inside of their arc, so a turn looks a little farther off than it is.
+    """
+    if course.target == "JOINTS":
+        return course.values
+    turn = course.values[:, 3:]
+    quaternions = turn if course.target == "QUAT" else _quaternions(np.deg2rad(turn))
+    flips = np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))
+    signs = np.concatenate(([1.0], np.cumprod(np.where(flips == 0, 1.0, flips))))
+    return np.hstack((course.values[:, :3], np.rad2deg(2.0 * quaternions * signs[:, None])))
+
+
+def _quaternions(rpy: Array) -> Array:
+    """Quaternions x y z w (w, 4) of Rz(yaw) Ry(pitch) Rx(roll), `rpy` (w, 3) [rad]."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy.T / 2.0), np.cos(rpy.T / 2.0)
+    return np.stack(
+        (
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+            cr * cp * cy + sr * sp * sy,
+        ),
+        axis=1,
+    )
+
+
+def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Which of `points` (w, k) stay (w,)."""
+    keep = np.zeros(len(points), dtype=bool)
+    keep[[0, -1]] = True
+    waiting = [(0, len(points) - 1)]
+    while waiting:
+        first, last = waiting.pop()
+        if last - first < 2:
+            continue
+        distances = _to_chords(points[first + 1 : last], points[None, first], points[None, last])
+        farthest = int(np.argmax(distances))
+        if distances[farthest] > tolerance:
+            middle = first + 1 + farthest
+            keep[middle] = True
+            waiting += [(first, middle), (middle, last)]
+    return keep
+
+
+def _along_spline(
+    points: Array, keep: NDArray[np.bool_], tolerance: float, robot: Robot
+) -> NDArray[np.bool_]:
+    """More targets, until the natural spline through those that stay keeps the tolerance everywhere."""
+    units = robot.axis_units
+    keep = keep.copy()
+    while True:
+        kept = np.flatnonzero(keep)
+        left = np.flatnonzero(~keep)
+        chosen = points[kept] * units
+        if len(left) == 0 or len(distinct(chosen)) < len(chosen):
+            return keep
+        path = through(chosen, robot.chain.is_prismatic)
+        knots = way_shares(chosen)
+        share = np.linspace(0.0, 1.0, _SAMPLES + 1)
+        s = knots[:-1, None] + np.diff(knots)[:, None] * share
+        curve = (path.joints(s.ravel()) / units).reshape(*s.shape, -1)
+        leg = np.searchsorted(kept, left) - 1
+        distances = np.full(len(left), np.inf)
+        for sample in range(_SAMPLES):
+            ends = curve[leg, sample], curve[leg, sample + 1]
+            distances = np.minimum(distances, _to_chords(points[left], *ends))
+        if (distances <= tolerance).all():
+            return keep
+        # the worst of each leg that misses
+        order = np.lexsort((-distances, leg))
+        worst = order[np.unique(leg[order], return_index=True)[1]]
+        keep[left[worst[distances[worst] > tolerance]]] = True
+
+
+def _to_chords(points: Array, begins: Array, ends: Array) -> Array:
+    """Distances (w,) of `points` (w, k) from the chords `begins` to `ends` (w or 1, k)."""
+    way = ends - begins
+    length = np.sum(way**2, axis=1)
+    share = np.sum((points - begins) * way, axis=1) / np.where(length > 0, length, 1.0)
+    nearest = begins + np.clip(share, 0.0, 1.0)[:, None] * way
+    distances: Array = np.linalg.norm(points - nearest, axis=1)
+    return distances

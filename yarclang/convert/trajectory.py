@@ -1,0 +1,171 @@
+"""ROS trajectories (trajectory_msgs/JointTrajectory, alone or inside other messages) to courses."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from yarclang.convert.course import Content, Course, Wishes, in_axis_units
+from yarclang.convert.table import LARGEST
+from yarclang.diagnostics import Collector
+from yarclang.robot.model import Robot
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_MULTI_DOF = "multi_dof_joint_trajectory"
+
+
+def content_of_documents(
+    documents: list[Any], robot: Robot, wishes: Wishes, findings: Collector
+) -> Content | None:
+    """All trajectories of the documents, in their order; None where a finding forbids to take them."""
+    messages = list(_trajectories(documents))
+    if not messages:
+        help_ = "a trajectory has joint_names and points, alone or inside of another message"
+        findings.add("Y1509", "there is no JointTrajectory in it", None, help_)
+        return None
+    courses: list[Course] = []
+    for number, message in enumerate(messages, 1):
+        where = f"trajectory {number}, " if len(messages) > 1 else ""
+        course = _course(message, where, robot, wishes.joints or robot.joint_names, findings)
+        if course is None:
+            return None
+        courses.append(course)
+    points = sum(course.size for course in courses)
+    kind = f"{len(courses)} trajectories of {points:,} points" if len(courses) > 1 else "a trajectory"
+    if len(courses) == 1:
+        kind += f" of {points:,} point{'s' * (points != 1)}"
+    return Content(kind, tuple(courses))
+
+
+def _trajectories(data: Any) -> Iterator[Mapping[str, Any]]:
+    """The messages with joint_names and points, wherever they stand, in order."""
+    waiting = [data]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, Mapping):
+            if "joint_names" in one and "points" in one:
+                yield one
+                continue
+            waiting += [
+                value for key, value in reversed(list(one.items())) if not _is_empty_multi_dof(key, value)
+            ]
+        elif isinstance(one, list):
+            waiting += [value for value in reversed(one) if isinstance(value, (Mapping, list))]
+
+
+def _is_empty_multi_dof(key: str, value: Any) -> bool:
+    """MoveIt writes one into each message; with points it is a motion that would be lost."""
+    return key == _MULTI_DOF and isinstance(value, Mapping) and not value.get("points")
+
+
+def _course(
+    message: Mapping[str, Any], where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
+) -> Course | None:
+    """One trajectory; `wanted` are the joints' names in the file, in the robot's order."""
+    order = _order(message["joint_names"], where, robot, wanted, findings)
+    if order is None:
+        return None
+    points = message["points"]
+    if not isinstance(points, list) or not points:
+        findings.add("Y1509", f"{where}there are no points", None, "check which file was given")
+        return None
+    q = np.empty((len(points), robot.size))
+    times = np.empty(len(points))
+    for number, point in enumerate(points):
+        place = f"{where}point {number + 1}"
+        if not isinstance(point, Mapping):
+            findings.add("Y1509", f"{place} isn't a message", None, "a point has positions, time_from_start")
+            return None
+        positions = point.get("positions")
+        if not isinstance(positions, list):
+            positions = []
+        if "..." in positions:
+            help_ = "ask ros2 topic echo for all of it: --full-length"
+            findings.add(
+                "Y1509", f"{place}: the list of positions was cut off when it was printed", None, help_
+            )
+            return None
+        if len(positions) != robot.size:
+            message_ = f"{place} has {len(positions)} position{'s' * (len(positions) != 1)}, there are {robot.size} joints"
+            findings.add("Y1509", message_, None, "every point has a position for each joint")
+            return None
+        for joint, at in enumerate(order):
+            value = _number(positions[at])
+            if value is None:
+                shown = str(positions[at])[:40]
+                message_ = f"{place}: the position of {wanted[joint]} is {shown!r}, no finite number"
+                findings.add("Y1505", message_, None, "positions are in rad, m for prismatic joints")
+                return None
+            q[number, joint] = value
+        time = _time(point.get("time_from_start"))
+        if time is None:
+            message_ = f"{place}: time_from_start can't be read"
+            findings.add("Y1509", message_, None, "it has sec and nanosec (ROS 2) or secs and nsecs (ROS 1)")
+            return None
+        times[number] = time
+    values = in_axis_units(robot, q)
+    if not times.any() and len(points) > 1:
+        return Course("JOINTS", values, remarks=("The points have no times.",))
+    late = np.diff(times) <= 0
+    if late.any():
+        number = int(np.argmax(late)) + 1
+        message_ = (
+            f"{where}point {number + 1}, at {times[number]:g} s, isn't later than the one before, at "
+            f"{times[number - 1]:g} s"
+        )
+        findings.add("Y1509", message_, None, "the times of a trajectory rise from point to point")
+        return None
+    return Course("JOINTS", values, times)
+
+
+def _order(
+    names: Any, where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
+) -> list[int] | None:
+    """Where each of the robot's joints stands in the file's list of names."""
+    listed = [str(name) for name in names] if isinstance(names, list) else []
+    low = [name.lower() for name in listed]
+    missing = [name for name in wanted if name.lower() not in low]
+    extra = [name for name in listed if name.lower() not in {one.lower() for one in wanted}]
+    twice = sorted({name for name in listed if low.count(name.lower()) > 1})
+    if missing or extra or twice:
+        parts = [
+            f"{what} {', '.join(one[:40] for one in some[:20])}"
+            for what, some in (("missing", missing), ("unknown", extra), ("twice", twice))
+            if some
+        ]
+        message = f"{where}the joints aren't those of {robot.name}: {'; '.join(parts)}"
+        help_ = (
+            f"{robot.name} has {', '.join(robot.joint_names)}; if the file calls them otherwise, say --joints with its "
+            "names in this order"
+        )
+        findings.add("Y1511", message, None, help_)
+        return None
+    return [low.index(name.lower()) for name in wanted]
+
+
+def _number(value: Any) -> float | None:
+    """A number, or the text of one; None for anything else, also for what isn't finite."""
+    if isinstance(value, str) and _NUMBER.fullmatch(value):
+        value = float(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if abs(value) <= LARGEST else None
+
+
+def _time(value: Any) -> float | None:
+    """A duration [s] of ROS 1 or ROS 2, or a plain number of seconds; a missing one is 0."""
+    if value is None:
+        return 0.0
+    if not isinstance(value, Mapping):
+        seconds = _number(value)
+        return seconds if seconds is None or seconds >= 0 else None
+    for whole, part in (("sec", "nanosec"), ("secs", "nsecs")):
+        if whole in value:
+            seconds, rest = _number(value[whole]), _number(value.get(part, 0))
+            if seconds is None or rest is None or seconds < 0 or rest < 0:
+                return None
+            return seconds + rest * 1e-9
+    return None

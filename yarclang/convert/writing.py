@@ -1,0 +1,245 @@
+"""A file's content as the text of a YARC program that people can read: a comment on where it comes from, names, commands in columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from yarclang.convert.course import Content, Course, Form, Wishes
+from yarclang.convert.thinning import thinned, way_shares
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array
+from yarclang.robot.library import list_robots
+from yarclang.robot.model import Robot
+
+_DECIMALS = {"JOINTS": (6,), "RPY": (6,), "QUAT": (6, 6, 6, 9, 9, 9, 9)}
+"""The most decimals of each value; the last number counts for the rest."""
+_STEP = 10
+"""From index to index."""
+_SAME_PLACE = 1e-6
+"""Targets nearer than this [deg, mm] are one."""
+_DEFAULT_TIME = "50%"
+
+
+def program_text(name: str, content: Content, robot: Robot, wishes: Wishes, findings: Collector) -> str:
+    """The program.
+
+    Args:
+        name: of the file, for the first comment.
+        content: what it says.
+        robot: whose joints they are.
+        wishes: form, time and thinning.
+        findings: takes a warning where way-points are too dense.
+    """
+    lines = [f"{_clean(name)}: {content.kind}."]
+    body: list[str] = []
+    index = _STEP
+    here: Array | None = None
+    for number, whole in enumerate(content.courses):
+        form: Form = wishes.form or ("spline" if whole.times is not None else "moves")
+        course = _without_repeats(thinned(whole, wishes.every, wishes.tolerance, robot, form == "spline"))
+        lines += whole.remarks
+        if course.size < whole.size:
+            lines.append(f"{course.size:,} of {whole.size:,} points are kept{_why_fewer(wishes)}.")
+        if form == "spline" and course.size > 1:
+            lines += _about_times(course, robot, wishes)
+            _check_density(course, robot, wishes, findings)
+            rows, index, here = _spline(course, index, here, is_first=number == 0, wishes=wishes)
+        else:
+            rows, index, here = _moves(course, index, wishes)
+        body += ["", *rows]
+    if content.positions:
+        body += ["", *_positions(content.positions), "", f"{_index(index)} STOP"]
+        lines.append("Without ROBOT and STOP it is a module, whose positions other programs USE.")
+    known = any(one.folder == robot.folder for one in list_robots())
+    if not known:
+        lines.append(f"Made for {robot.name}, which --robot or yarc.toml has to name.")
+    frame = "{TCP}" if "TCP" in robot.flange_from_frame else "{FLANGE}"
+    head = [f"! {line}" for line in lines]
+    head += [f"ROBOT {robot.name}"] * known
+    head.append(f"DEFAULT {frame} [{wishes.time or _DEFAULT_TIME}] (mm,deg,s) {{B}}")
+    return "".join(f"{line}\n" for line in (*head, *body))
+
+
+def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, Array]:
+    """The robot goes to each target and stops there; named ones are declared first. Also the next index, and the end."""
+    rows: list[str] = []
+    cells = rows_of(course.values, course.target)
+    words = {
+        "JOINTS": ("MOVEJ", "MOVEJ"),
+        "RPY": ("MOVEJ_RPY", "MOVEL"),
+        "QUAT": ("MOVEJ_QUAT", "MOVEL_QUAT"),
+    }
+    first, later = words[course.target]
+    width = len(first) if course.size == 1 else max(len(first), len(later))
+    if course.names:
+        declared: dict[str, str] = {}
+        for name, cell in zip(course.names, cells, strict=True):
+            if name:
+                declared.setdefault(name, cell)
+        rows += [*_declarations(declared, course), ""] if declared else []
+    only = course.size == 1 and course.times is not None and course.times[0] > 0 and wishes.time is None
+    time = f" [{_seconds(float(course.times[0]))}]" if only and course.times is not None else ""
+    at_frame = "0 0 0 0 0 0 0 1" if course.target == "QUAT" else "0 0 0 0 0 0"
+    at_frame = at_frame.removeprefix("0 ") if course.target == "QUAT" else at_frame
+    for number, cell in enumerate(cells):
+        name = course.names[number] if course.names else ""
+        goal = cell
+        if name:
+            goal = name if course.target == "JOINTS" else f"{at_frame} {{{name}}}"
+        word = first if number == 0 else later
+        rows.append(f"{_index(index)} {word:{width}} {goal}{time}{_comment(course, number)}")
+        index += _STEP
+    return rows, index, course.values[-1]
+
+
+def _declarations(declared: dict[str, str], course: Course) -> list[str]:
+    """JOINTS or FRAME lines of named targets."""
+    widest = max(map(len, declared))
+    if course.target == "JOINTS":
+        return [f"JOINTS {name:{widest}} {cell}" for name, cell in declared.items()]
+    word = "FRAME_QUAT" if course.target == "QUAT" else "FRAME"
+    return [f"{word} {f'{{{name}}}':{widest + 2}} {cell}" for name, cell in declared.items()]
+
+
+def _spline(
+    course: Course, index: int, here: Array | None, is_first: bool, wishes: Wishes
+) -> tuple[list[str], int, Array]:
+    """From the first target through the others without a stop, in the time from the first to the last.
+
+    The first course of joint values begins where the robot stands: START. Another one goes to its beginning
+    unless the robot is there, as it is at the end (k,) `here` of the one before.
+    """
+    cells = rows_of(course.values, course.target)
+    suffix = "" if course.target == "JOINTS" else f"_{course.target}"
+    rows: list[str] = []
+    if course.target == "JOINTS" and is_first:
+        rows += [f"START {cells[0].strip()}{_comment(course, 0, True)}", ""]
+    elif (
+        here is None
+        or len(here) != course.values.shape[1]
+        or np.abs(here - course.values[0]).max() > _SAME_PLACE
+    ):
+        rows.append(
+            f"{_index(index)} MOVEJ{suffix} {cells[0].strip()} [{_DEFAULT_TIME}]{_comment(course, 0, True)}"
+        )
+        index += _STEP
+    time = ""
+    if course.times is not None and wishes.time is None:
+        time = f" [{_seconds(float(course.times[-1] - course.times[0]))}]"
+    word = f"MOVEJ{suffix}" if course.size == 2 else f"MOVEJ_SPLINE{suffix}"
+    head = f"{_index(index)} {word} "
+    for number in range(1, course.size):
+        end = f"{time}" if number == course.size - 1 else ";"
+        rows.append(f"{head}{cells[number]}{end}{_comment(course, number, True)}")
+        head = " " * len(head)
+    return rows, index + _STEP, course.values[-1]
+
+
+def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
+    """JOINTS lines of named joint positions."""
+    widest = max(len(name) for name, _ in positions)
+    cells = rows_of(np.array([q for _, q in positions]), "JOINTS")
+    return [
+        f"JOINTS {name.upper():{widest}} {cell}" for (name, _), cell in zip(positions, cells, strict=True)
+    ]
+
+
+def rows_of(values: Array, target: str) -> list[str]:
+    """The rows of `values` (w, k) in columns, each with as many decimals as its numbers need, up to a millionth."""
+    columns: list[list[str]] = []
+    most = _DECIMALS[target]
+    for number, column in enumerate(values.T):
+        last = most[min(number, len(most) - 1)]
+        rounded = np.round(column, last) + 0.0  # no minus before a zero
+        decimals = next(
+            (fewer for fewer in range(last) if np.abs(np.round(rounded, fewer) - rounded).max() < 1e-11), last
+        )
+        texts = [f"{value:.{decimals}f}" for value in (np.round(rounded, decimals) + 0.0).tolist()]
+        widest = max(map(len, texts))
+        columns.append([text.rjust(widest) for text in texts])
+    return [" ".join(row) for row in zip(*columns, strict=True)]
+
+
+def _without_repeats(course: Course) -> Course:
+    """The course without targets that equal the one before, unless they have a name."""
+    moved = np.abs(np.diff(course.values, axis=0)).max(axis=1) > _SAME_PLACE
+    if course.names:
+        moved |= np.array([bool(name) for name in course.names[1:]], dtype=bool)
+    return course.only(np.flatnonzero(np.concatenate(([True], moved))))
+
+
+def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
+    """What becomes of the times of a course that is passed without a stop."""
+    if course.times is None or course.size < 3:
+        return
+    yield "All points are passed in one go: the arm speeds up once and slows down once, so the times between aren't kept."
+    if wishes.time is not None or course.target != "JOINTS":
+        return
+    way = way_shares(course.values * robot.axis_units)
+    asked = course.times - course.times[0]
+    passed = _lspb_time(way) * asked[-1]
+    worst = int(np.argmax(np.abs(passed - asked)))
+    yield (
+        f"The greatest deviation: a point is passed at {passed[worst]:.3f} s instead of {asked[worst]:.3f} s after the start."
+    )
+
+
+def _lspb_time(way: Array) -> Array:
+    """The share of the time (w,) after which the law LSPB has gone a share of the `way` (w,): a third to speed up, a
+    third at 1.5 times the mean speed, a third to slow down.
+    """
+    from_end = np.minimum(way, 1.0 - way)
+    early = np.where(
+        from_end < 0.25, np.sqrt(np.maximum(from_end, 0.0) / 2.25), 1 / 3 + (from_end - 0.25) / 1.5
+    )
+    time: Array = np.where(way <= 0.5, early, 1.0 - early)
+    return time
+
+
+def _check_density(course: Course, robot: Robot, wishes: Wishes, findings: Collector) -> None:
+    """A warning where way-points follow each other quicker than the controller's shortest segments."""
+    if course.times is None or wishes.time is not None or course.size < 3:
+        return
+    gap = float(course.times[-1] - course.times[0]) / (course.size - 1)
+    shortest = robot.controller.smallest_segment
+    if gap >= shortest:
+        return
+    message = (
+        f"the way-points are {gap * 1e3:.3g} ms apart on the average; the controller's shortest segment is "
+        f"{shortest * 1e3:.3g} ms"
+    )
+    enough = math.ceil(shortest / gap)
+    help_ = (
+        f"the curve can't turn that fast: take fewer with --tolerance 0.05 (deg and mm), or --every {enough}"
+    )
+    findings.add("Y1512", message, None, help_)
+
+
+def _why_fewer(wishes: Wishes) -> str:
+    """How the kept targets were chosen."""
+    parts = [f"each {wishes.every}th"] * (wishes.every > 1)
+    if wishes.tolerance is not None:
+        parts.append(f"the others are within {wishes.tolerance:g} (deg and mm) of the way")
+    return f" ({', '.join(parts)})" if parts else " (the others repeat the one before)"
+
+
+def _index(number: int) -> str:
+    return f"P{number:04}"
+
+
+def _comment(course: Course, number: int, with_name: bool = False) -> str:
+    texts = [course.names[number]] if course.names and with_name else []
+    text = _clean(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
+    return f"  ! {text}" if text else ""
+
+
+def _clean(text: str) -> str:
+    """A text that stays in its line."""
+    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
+
+
+def _seconds(time: float) -> str:
+    return f"{time:.6f}".rstrip("0").rstrip(".")

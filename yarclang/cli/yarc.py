@@ -17,6 +17,7 @@ _COMMANDS = {
     "explain": "Explain a finding's code.",
     "hold": "Hold a run on its path.",
     "import": "Make a program of a table, a trajectory, or named states.",
+    "inspect": "Show all that is known of one command.",
     "override": "Change a run's speed.",
     "plot": "Draw a program's motion.",
     "replay": "Show a recorded run as it happened.",

@@ -18,6 +18,7 @@ _COMMANDS = {
     "hold": "Hold a run on its path.",
     "import": "Make a program of a table, a trajectory, or named states.",
     "inspect": "Show all that is known of one command.",
+    "new": "Make the folder of a new project.",
     "override": "Change a run's speed.",
     "plot": "Draw a program's motion.",
     "replay": "Show a recorded run as it happened.",

@@ -138,11 +138,11 @@ def test_explain_knows_every_code_and_name(runner):
 
 
 def test_robots_and_settings(runner, tmp_path):
-    listed = runner.invoke(yarc, ["robots"])
+    listed = runner.invoke(yarc, ["robot", "list"])
     assert [line.split()[0] for line in listed.stdout.splitlines()] == ["INDUSTRIAL6", "TRACKED_MANIPULATOR"]
-    shown = runner.invoke(yarc, ["robots", "industrial6"])
+    shown = runner.invoke(yarc, ["robot", "list", "industrial6"])
     assert "-170" in shown.stdout
-    assert runner.invoke(yarc, ["robots", "nothing"]).exit_code == 1
+    assert runner.invoke(yarc, ["robot", "list", "nothing"]).exit_code == 1
     settings = runner.invoke(yarc, ["settings", "INDUSTRIAL6"])
     assert "#3->29308.7083Y+29308.7083Z" in settings.stdout
     assert runner.invoke(yarc, ["settings", "nothing"]).exit_code == 1

@@ -23,7 +23,7 @@ _COMMANDS = {
     "plot": "Draw a program's motion.",
     "replay": "Show a recorded run as it happened.",
     "resume": "Go on behind a hold.",
-    "robots": "List the robots of the standard library.",
+    "robot": "Make, check and list robots.",
     "run": "Run a program on a controller, or simulated.",
     "settings": "Print the controller's settings for a robot.",
     "sim": "Simulate a Turbo PMAC on a TCP port.",

@@ -9,11 +9,10 @@ singularity is, and what it costs.
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians, tool_poses
 from yarclang.robot.kinematics.inverse import branches, follow
 from yarclang.robot.kinematics.nearest import Solutions, Unreachable, full_turns, nearest_solutions
-from yarclang.robot.kinematics.reach import reach_radii
+from yarclang.robot.kinematics.reach import arm_length, reach_radii
 from yarclang.robot.kinematics.search import reaching
 from yarclang.robot.kinematics.singularity import (
     Nearness,
-    characteristic_length,
     joint_speeds,
     nearness,
     smallest_singular_values,
@@ -26,8 +25,8 @@ __all__ = [
     "Solutions",
     "Track",
     "Unreachable",
+    "arm_length",
     "branches",
-    "characteristic_length",
     "flange_poses",
     "follow",
     "full_turns",

@@ -44,3 +44,21 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
         radii[joint] = links.turn[joint] * beyond
         point = foot
     return radii
+
+
+def arm_length(chain: Chain, flange_from_tool: Array) -> float:
+    """How far the tool can be from the first axis that turns [m], slides at zero; 1 m where nothing turns.
+
+    It is the sum of the links, each from the foot of the one behind it on its axis: a size of the arm that
+    doesn't depend on where along their axes the URDF puts the joints.
+    """
+    links = links_of(chain)
+    point = (chain.base_from_flange @ flange_from_tool)[:3, 3]
+    total = 0.0
+    for joint in range(chain.size - 1, -1, -1):
+        if links.turn[joint]:
+            axis, origin = links.frames[joint, :3, 2], links.frames[joint, :3, 3]
+            foot = origin + axis * (axis @ (point - origin))
+            total += float(np.linalg.norm(point - foot))
+            point = foot
+    return total if total > 1e-3 else 1.0

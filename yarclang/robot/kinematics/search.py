@@ -18,6 +18,7 @@ from yarclang.robot.kinematics.geometry import wristed_arm
 from yarclang.robot.kinematics.inverse import REACHED, branches, extent, restarts
 from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain, Limits
 
 STARTS = 2048
@@ -124,7 +125,7 @@ def _start_features(chain: Chain, limits: Limits) -> Array:
 def _features(chain: Chain, poses: Array) -> Array:
     """Poses (N, 4, 4) as points (N, 12), whose distances grow with the way and the turn between the poses."""
     points: Array = np.empty((len(poses), 12))
-    points[:, :3] = poses[:, :3, 3] / extent(chain)
+    points[:, :3] = poses[:, :3, 3] / arm_length(chain, np.eye(4))
     points[:, 3:] = poses[:, :3, :3].reshape(-1, 9) * (TURNED / math.sqrt(2.0))
     return points
 

@@ -1,8 +1,8 @@
 """How near joint positions are to a singularity, and what a motion of the tool costs there in joint speed.
 
 A Jacobian mixes m and rad, so that its singular values mean nothing until lengths and angles are
-weighted. Here every length is divided by the arm's characteristic length L: its reach, from joint to joint to
-the tool. A way of L counts as much as a turn of 1 rad, of the tool and of a sliding joint alike,
+weighted. Here every length is divided by the arm's characteristic length L: the most that the tool can be
+away from the first axis (`reach.arm_length`). A way of L counts as much as a turn of 1 rad, of the tool and of a sliding joint alike,
 and the smallest singular value is a pure number: 0 at a singularity, about 0.1 to 0.5 far from one.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.robot.kinematics.fk import poses_and_jacobians
-from yarclang.robot.kinematics.inverse import extent
+from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain
 
 VANISHED = 1e-12
@@ -34,12 +34,6 @@ class Nearness:
     smallest: Array
     joints: Array
     twist: Array
-
-
-def characteristic_length(chain: Chain, flange_from_tool: Array) -> float:
-    """L [m]: the sum of the distances from joint to joint, to the flange and to the tool, all joints at zero."""
-    lever = chain.base_from_flange[:3, :3] @ flange_from_tool[:3, 3]
-    return extent(chain) + float(np.linalg.norm(lever))
 
 
 def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
@@ -79,7 +73,7 @@ def joint_speeds(chain: Chain, q: Array, flange_from_tool: Array, twist: Array) 
         Speeds (N, n) [rad or m per unit of the path]; and the part of the motion that the arm can't make at all
         (N,), weighted, 0 for six joints or more. At a singularity a lost motion costs speeds of up to 1e12.
     """
-    length = characteristic_length(chain, flange_from_tool)
+    length = arm_length(chain, flange_from_tool)
     scaled = weighted_jacobians(chain, q, flange_from_tool)
     wanted = np.broadcast_to(twist, (len(q), 6)) * _per_length(length)
     left, values, right = np.linalg.svd(scaled, full_matrices=False)
@@ -91,7 +85,7 @@ def joint_speeds(chain: Chain, q: Array, flange_from_tool: Array, twist: Array) 
 
 def weighted_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
     """The geometric Jacobians (N, 6, n) at the tool with all lengths in units of L."""
-    length = characteristic_length(chain, flange_from_tool)
+    length = arm_length(chain, flange_from_tool)
     jacobians = poses_and_jacobians(chain, q, flange_from_tool)[1]
     return jacobians * _per_length(length)[:, None] * np.where(chain.is_prismatic, length, 1.0)
 

@@ -1,4 +1,4 @@
-"""`yarc robots`."""
+"""`yarc robot list`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import click
 from yarclang.cli.options import robot_argument
 
 
-@click.command("robots")
+@click.command("list")
 @robot_argument("names", nargs=-1, metavar="[NAME|PATH]...")
 def command(names: tuple[str, ...]) -> None:
     """List the robots of the standard library; with names, check these robots and show them."""

@@ -1,0 +1,18 @@
+"""`yarc robot`."""
+
+from __future__ import annotations
+
+import click
+
+from yarclang.cli.lazy import LazyGroup
+
+_COMMANDS = {
+    "check": "Check a robot: what is fine, what to know, what is still to do.",
+    "list": "List the robots of the standard library, or show some.",
+    "new": "Make a robot's folder of a URDF.",
+}
+
+
+@click.command("robot", cls=LazyGroup, commands_by_name=_COMMANDS, prefix="robot_")
+def command() -> None:
+    """Make, check and list robots."""

@@ -1,0 +1,43 @@
+"""`yarc robot check`."""
+
+from __future__ import annotations
+
+import click
+
+from yarclang.cli.options import format_option, robot_argument
+
+_COLOURS = {"ok": "green", "note": "cyan", "to do": "red"}
+
+
+@click.command("check")
+@robot_argument("robot", metavar="[FOLDER|robot.toml|NAME]", default=".")
+@format_option
+def command(robot: str, format_: str) -> None:
+    """Go through the checklist of a robot: its files, limits, kinematics, motors, and values that are still guesses.
+
+    The exit status is 1 while something is to do.
+    """
+    import os
+    from itertools import zip_longest
+
+    from yarclang.robot.checklist import check_robot
+
+    checked = check_robot(robot)
+    if format_ == "json":
+        import json
+
+        fields = ("subject", "verdict", "found", "remedy")
+        points = [{name: getattr(item, name) for name in fields} for item in checked.items]
+        click.echo(json.dumps({"version": 1, "checks": points}, indent=2, ensure_ascii=False))
+        raise SystemExit(1 if checked.to_do else 0)
+    colour = False if os.environ.get("NO_COLOR") else None
+    for item, after in zip_longest(checked.items, checked.items[1:]):
+        mark = click.style(f"{item.verdict:6}", fg=_COLOURS[item.verdict], bold=item.verdict == "to do")
+        click.echo(f"{mark} {item.subject}: {item.found}", color=colour)
+        again = after is not None and (after.verdict, after.remedy) == (item.verdict, item.remedy)
+        if item.verdict != "ok" and item.remedy and not again:
+            click.echo(f"       do: {item.remedy}")
+    name = checked.robot.name if checked.robot else robot
+    notes = sum(item.verdict == "note" for item in checked.items)
+    click.echo(f"{name}: {checked.to_do} to do, {notes} note{'s' * (notes != 1)}")
+    raise SystemExit(1 if checked.to_do else 0)

@@ -1,0 +1,225 @@
+"""`yarc robot new`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from yarclang.cli.options import Numbers
+
+if TYPE_CHECKING:
+    from yarclang.robot.new.folder import Arm, NewRobot, Question
+    from yarclang.robot.new.sketch import Given
+
+_EACH = "one for all joints, or one a joint"
+
+
+@click.command("new")
+@click.argument("urdf", type=click.Path(dir_okay=False))
+@click.option(
+    "-o", "--output", type=click.Path(), metavar="FOLDER", help="The folder to make (default: the name)."
+)
+@click.option("--name", metavar="NAME", help="The robot's name in programs.")
+@click.option("--title", metavar="TEXT", help="One line about it.")
+@click.option("--base", metavar="LINK", help="The link of the URDF that is {B}, the arm's foot.")
+@click.option("--tip", metavar="LINK", help="The link that is {FLANGE}.")
+@click.option("--tcp", type=Numbers("X,Y,Z[,R,P,Y]", most=6), help="{TCP} on the flange: mm, deg.")
+@click.option("--home", type=Numbers("Q1,Q2,..."), help="The joint position HOME: deg, mm.")
+@click.option(
+    "--position",
+    multiple=True,
+    metavar="JOINT=LOW,HIGH",
+    help="Position limits of a joint: deg, mm. Repeatable.",
+)
+@click.option(
+    "--velocity", type=Numbers("V,...", positive=True), help=f"Velocity limits, deg/s, mm/s: {_EACH}."
+)
+@click.option("--acceleration", type=Numbers("A,...", positive=True), help=f"Acceleration limits: {_EACH}.")
+@click.option("--jerk", type=Numbers("J,...", positive=True), help=f"Jerk limits: {_EACH}.")
+@click.option("--counts", type=Numbers("K,..."), help=f"Encoder counts of a deg or mm: {_EACH}.")
+@click.option("--motors", type=Numbers("N,...", positive=True), help="The motors' numbers: one a joint.")
+@click.option("-y", "--yes", is_flag=True, help="Ask nothing; what isn't said goes by rules.")
+def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
+    """Make a robot's folder, robot.toml and a copy of the URDF, of a URDF.
+
+    The chain, its frames and limits come from URDF. What that doesn't have comes from the options, from answers on a
+    terminal, or from stated rules; each value that came from a rule has a comment with "guess:" in robot.toml.
+    """
+    from yarclang.cli.show import show_findings
+    from yarclang.robot.new.folder import make, open_arm, proposed_name, questions
+
+    opened = open_arm(Path(urdf), said["base"], said["tip"])
+    if opened.value is None:
+        show_findings(opened.diagnostics)
+        raise SystemExit(1)
+    arm = opened.value
+    unknown = questions(arm, _given(arm, said), bool(said["name"]), bool(said["base"]), bool(said["tip"]))
+    if unknown and not yes:
+        arm = _ask(arm, Path(urdf), said, unknown)
+    name = said["name"] or proposed_name(arm.urdf)
+    folder = Path(output or name.lower())
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise click.UsageError(f"{folder} is there already and isn't empty; write elsewhere with -o")
+    title = said["title"] or f"Made of {arm.path.name}"
+    made = make(arm, _given(arm, said), name, title, (bool(said["base"]), bool(said["tip"])))
+    if made.value is None:
+        show_findings(made.diagnostics)
+        raise SystemExit(1)
+    _write(folder, made.value)
+
+
+def _given(arm: Arm, said: dict[str, Any]) -> Given:
+    """The values of the options; a wrong number of them is wrong usage."""
+    from yarclang.robot.new.sketch import Given
+
+    size = len(arm.chain.joints)
+    for option in ("velocity", "acceleration", "jerk", "counts"):
+        if said[option] is not None and len(said[option]) not in (1, size):
+            raise click.UsageError(
+                f"--{option} has {len(said[option])} values; give 1, or {size}: one a joint"
+            )
+    for option in ("home", "motors"):
+        if said[option] is not None and len(said[option]) != size:
+            raise click.UsageError(f"--{option} has {len(said[option])} values; give {size}: one a joint")
+    if said["tcp"] is not None and len(said["tcp"]) not in (3, 6):
+        raise click.UsageError(f"--tcp has {len(said['tcp'])} values; give x,y,z or x,y,z,roll,pitch,yaw")
+    if said["counts"] is not None and 0.0 in said["counts"]:
+        raise click.UsageError("--counts has a 0: such a motor would move nothing")
+    motors = said["motors"]
+    if motors is not None and any(number != int(number) for number in motors):
+        raise click.UsageError("--motors are whole numbers")
+    return Given(
+        position=dict(_position(arm, text) for text in said["position"]),
+        velocity=said["velocity"],
+        acceleration=said["acceleration"],
+        jerk=said["jerk"],
+        counts=said["counts"],
+        home=said["home"],
+        tcp=None if said["tcp"] is None else (*said["tcp"], 0.0, 0.0, 0.0)[:6],
+        motors=None if motors is None else tuple(int(number) for number in motors),
+    )
+
+
+def _position(arm: Arm, text: str) -> tuple[str, tuple[float, float]]:
+    """JOINT=LOW,HIGH."""
+    name, _, values = text.partition("=")
+    names = [joint.name for joint in arm.chain.joints]
+    if name not in names:
+        raise click.UsageError(f"--position {text!r}: the joints are {', '.join(names)}")
+    try:
+        low, high = (float(value) for value in values.split(","))
+    except ValueError:
+        raise click.UsageError(f"--position {text!r} isn't JOINT=LOW,HIGH") from None
+    if not -1e12 < low < high < 1e12:
+        raise click.UsageError(f"--position {text!r}: the lower limit isn't below the upper one")
+    return name, (low, high)
+
+
+def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ...]) -> Arm:
+    """Ask for what isn't known and put the answers to the options; the arm, which another tip or base changes."""
+    import sys
+
+    from yarclang.cli.show import show_findings
+    from yarclang.robot.new.folder import open_arm, questions
+
+    if not sys.stdin.isatty():
+        options = ", ".join(question.option for question in unknown)
+        raise click.UsageError(f"there is no terminal to ask on: give {options}, or --yes for the rules")
+    click.echo("Enter takes what stands in brackets; as a rule's value it is marked in robot.toml.", err=True)
+    asked: set[str] = set()
+    while unknown:
+        question = unknown[0]
+        asked.add(question.option)
+        key = question.option[2:]
+        while True:
+            text = click.prompt(f"{question.option}: {question.text}", default=question.rule, err=True)
+            if text == question.rule:
+                break
+            before = said[key]
+            try:
+                said[key] = _read(key, text)
+                opened = open_arm(path, said["base"], said["tip"])
+                if opened.value is not None:
+                    arm = opened.value
+                    _given(arm, said)
+                    break
+                show_findings(opened.diagnostics)
+            except click.UsageError as error:
+                click.echo(error.format_message(), err=True)
+            said[key] = before
+        still = questions(arm, _given(arm, said), bool(said["name"]), bool(said["base"]), bool(said["tip"]))
+        unknown = tuple(one for one in still if one.option not in asked)
+    return arm
+
+
+def _read(key: str, text: str) -> Any:
+    """An answer as the option would read it."""
+    if key in ("tip", "base", "name"):
+        return text.strip()
+    option = next(one for one in command.params if one.name == key)
+    return option.type.convert(text, option, None)
+
+
+def _write(folder: Path, made: NewRobot) -> None:
+    """Write the folder, and say what is in it and what isn't."""
+    from yarclang.cli.show import show_findings
+    from yarclang.cli.work import write_whole
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.robot.description import load_robot
+    from yarclang.robot.new.writing import guesses
+
+    files: list[tuple[Path, str | bytes]] = []
+    try:
+        files += [(folder / name, path.read_bytes()) for name, path in made.urdf.meshes]
+    except OSError as error:
+        message = f"a mesh can't be read: {(error.strerror or str(error)).lower()}"
+        show_findings([Diagnostic("Y1302", message, help="check its rights")])
+        raise SystemExit(1) from None
+    files += [(folder / made.sketch.urdf, made.urdf.text), (folder / "robot.toml", made.toml)]
+    for path, content in files:
+        found = write_whole(path, content)
+        if found:
+            show_findings(found)
+            raise SystemExit(1)
+    chain = made.sketch.chain
+    joints = f"{len(chain.joints)} joint{'s' * (len(chain.joints) != 1)}"
+    click.echo(f"{made.sketch.name}: {joints}, {chain.base} to {chain.flange}", err=True)
+    for note in _notes(made):
+        click.echo(f"  note: {note}", err=True)
+    loaded = load_robot(str(folder))
+    show_findings(loaded.diagnostics)
+    click.echo(
+        f"written to {folder}; {len(guesses(made.toml))} values are guesses: yarc robot check {folder}",
+        err=True,
+    )
+    raise SystemExit(1 if loaded.value is None else 0)
+
+
+def _notes(made: NewRobot) -> list[str]:
+    """What whoever reads the folder wouldn't see."""
+    chain, urdf = made.sketch.chain, made.urdf
+    notes: list[str] = []
+    if chain.other_tips and not made.sketch.tip_said:
+        notes.append(f"chains as long end at {', '.join(chain.other_tips[:6])}: choose one with --tip")
+    if chain.fingers:
+        notes.append(
+            f"fingers aren't joints of the arm: {', '.join(chain.fingers[:6])}{', ...' * (len(chain.fingers) > 6)}"
+        )
+    others = [name for name in chain.ignored if name not in chain.fingers]
+    if others:
+        notes.append(
+            f"moving joints off the chain are ignored: {', '.join(others[:6])}{', ...' * (len(others) > 6)}"
+        )
+    if urdf.meshes:
+        notes.append(f"{len(urdf.meshes)} collision mesh{'es' * (len(urdf.meshes) != 1)} copied")
+    if urdf.visuals:
+        notes.append(
+            f"{urdf.visuals} visual mesh{'es' * (urdf.visuals != 1)} not copied: nothing here draws them"
+        )
+    for link, mesh in urdf.without[:6]:
+        notes.append(f"the collision mesh {mesh} of {link} isn't there; the copy goes without")
+    if len(urdf.without) > 6:
+        notes.append(f"and {len(urdf.without) - 6} more collision meshes")
+    return notes

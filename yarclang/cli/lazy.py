@@ -1,0 +1,53 @@
+"""Groups of commands that are imported when they are called for; the list of commands needs none of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from keyword import iskeyword
+from typing import Any
+
+import click
+
+
+class LazyGroup(click.Group):
+    """A group whose commands are modules of `yarclang.cli.commands` with an object `command`.
+
+    `commands_by_name` has each command's summary; `prefix` stands in front of a command's module name.
+    """
+
+    def __init__(
+        self, *args: Any, commands_by_name: Mapping[str, str] | None = None, prefix: str = "", **settings: Any
+    ) -> None:
+        super().__init__(*args, **settings)
+        self.commands_by_name = dict(commands_by_name or {})
+        self.prefix = prefix
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
+        """The names of the commands."""
+        return list(self.commands_by_name)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """The command of a name."""
+        if cmd_name not in self.commands_by_name:
+            return None
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else f"{self.prefix}{cmd_name}"
+        command: click.Command = import_module(f"yarclang.cli.commands.{module}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """The list of commands of --help."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self.commands_by_name.items()))
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Unknown commands get a suggestion."""
+        if args and args[0] not in self.commands_by_name and not args[0].startswith("-"):
+            from difflib import get_close_matches
+
+            near = get_close_matches(args[0], self.commands_by_name, n=1)
+            meant = f" Did you mean {near[0]}?" if near else ""
+            raise click.UsageError(f"No such command {args[0]!r}.{meant}", ctx)
+        return super().resolve_command(ctx, args)

@@ -1,0 +1,99 @@
+"""Whether motors, encoders and tolerance fit each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.robot.actuation import counts_per_joint, from_counts, joints_per_count, to_counts
+from yarclang.robot.checklist.item import Item, listed
+from yarclang.robot.kinematics.reach import reach_radii
+from yarclang.robot.model import Robot
+from yarclang.units import DEG, MM, MS
+
+EXACT = 1e-9
+"""How far joint positions may be off after counts and back [rad or m]."""
+
+FINE = 0.25
+"""The share of the tolerance that half a count of every motor may take."""
+
+
+def drive_items(robot: Robot) -> Iterator[Item]:
+    """The actuation matrix, the resolution, the motors' speeds, the controller's segments."""
+    yield _invertible(robot)
+    yield _resolution(robot)
+    yield _speeds(robot)
+    controller = robot.controller
+    motors = ", ".join(
+        f"#{motor} {axis}" for motor, axis in zip(controller.motors, controller.axes, strict=True)
+    )
+    yield Item("axes", "ok", f"coordinate system {controller.coordinate_system}: {motors}")
+    low, high = controller.smallest_segment / MS, controller.largest_segment / MS
+    yield Item("segments", "ok", f"{low:.4g} to {high:g} ms, by I8={controller.i8} and I10={controller.i10}")
+
+
+def _invertible(robot: Robot) -> Item:
+    condition = float(np.linalg.cond(robot.actuation.coupling))
+    q = robot.home[None]
+    miss = float(np.abs(from_counts(robot, to_counts(robot, q)) - q).max())
+    coupled = int(np.count_nonzero(robot.actuation.coupling - np.diag(np.diag(robot.actuation.coupling))))
+    found = f"condition number {condition:.3g}, {coupled or 'no'} coupling{'s' * (coupled != 1)}"
+    if miss <= EXACT:
+        return Item("actuation matrix", "ok", found)
+    remedy = "make the rows of J independent of each other"
+    return Item("actuation matrix", "to do", f"{found}; HOME comes back {miss:.2g} off", remedy)
+
+
+def _resolution(robot: Robot) -> Item:
+    """What half a count of all motors together moves the tool, at most."""
+    half = 0.5 * np.abs(joints_per_count(robot)).sum(axis=1)
+    frame = robot.flange_from_frame.get("TCP", np.eye(4))
+    radii = reach_radii(robot.chain, robot.limits, frame)
+    way = float((half * radii).sum())
+    turn = float(half[~robot.chain.is_prismatic].sum())
+    found = (
+        f"half a count of every motor moves TCP by at most {way / MM:.2g} mm, {turn / DEG:.2g} deg; the tolerance is "
+        f"{robot.tolerance.position / MM:g} mm, {robot.tolerance.angle / DEG:g} deg"
+    )
+    if way <= FINE * robot.tolerance.position and turn <= FINE * robot.tolerance.angle:
+        return Item("encoder resolution", "ok", found)
+    remedy = "check K (counts per deg or mm at the joint, gear included), or allow a larger [tolerance]"
+    verdict = "note" if way <= robot.tolerance.position and turn <= robot.tolerance.angle else "to do"
+    return Item("encoder resolution", "note" if verdict == "note" else "to do", found, remedy)
+
+
+def _speeds(robot: Robot) -> Item:
+    """What the motors need when joints go at their limits, each alone and all together."""
+    needed = np.abs(counts_per_joint(robot)) * robot.limits.velocity
+    alone, together = needed.max(axis=1), needed.sum(axis=1)
+    have = robot.actuation.velocity
+    numbers = robot.controller.motors
+    slow = have < alone * (1.0 - 1e-9)
+    if slow.any():
+        at = int(np.argmin(have / alone))
+        found = (
+            f"motor {numbers[at]} reaches {have[at] / alone[at] * 100:.3g} % of the speed that its joint's limit needs "
+            f"({have[at] * MS:.4g} of {alone[at] * MS:.4g} counts/ms)"
+        )
+        return Item(
+            "motor speeds",
+            "note",
+            found,
+            "plans keep the motor's limit; lower the joint's velocity if it is wrong",
+        )
+    if (have < together * (1.0 - 1e-9)).any():
+        at = int(np.argmin(have / together))
+        found = f"motor {numbers[at]} limits coupled joints to {have[at] / together[at] * 100:.3g} % when they move together"
+        return Item(
+            "motor speeds",
+            "note",
+            found,
+            "plans keep the motor's limit; nothing is to do if the number is right",
+        )
+    fast = have > 3.0 * together
+    if fast.any():
+        names = listed([str(number) for number, one in zip(numbers, fast, strict=True) if one])
+        found = f"motors {names} could run at more than three times what their joints' limits need"
+        return Item("motor speeds", "note", found, "check the unit: velocity of [motors] is in counts/ms")
+    return Item("motor speeds", "ok", "every motor is fast enough for its joints' limits")

@@ -1,0 +1,178 @@
+"""Whether the arm's geometry is right, and what it means for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.robot.checklist.item import Item
+from yarclang.robot.kinematics.fk import flange_poses, tool_poses
+from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.reach import arm_length
+from yarclang.robot.kinematics.search import reaching, within
+from yarclang.robot.kinematics.singularity import nearness
+from yarclang.robot.model import Array, Robot
+from yarclang.source import SourceFile
+from yarclang.units import MM
+
+POSES = 200
+"""Joint positions, spread over the limits, at which kinematics are tried."""
+
+EXACT = 1e-9
+"""How far forward kinematics may be from Pinocchio's [m, rad]."""
+
+SOLVED = 0.99
+"""The share of poses that the search has to solve."""
+
+STRAIGHT = 0.01
+"""A smallest singular value below this is near a singularity."""
+
+USUAL_SIZE = (0.05, 10.0)
+"""How long an arm is [m]."""
+
+LONG_TOOL = 2.0
+"""A tool longer than this [m] is a mistake in the unit."""
+
+
+def geometry_items(robot: Robot) -> Iterator[Item]:
+    """Units, kinematics forward and back, HOME, reach, frames."""
+    size = arm_length(robot.chain, np.eye(4))
+    if USUAL_SIZE[0] <= size <= USUAL_SIZE[1]:
+        yield Item("units", "ok", f"the flange gets up to {size:.3g} m from the first axis")
+    else:
+        found = (
+            f"the flange gets up to {size:.3g} m from the first axis; arms reach {USUAL_SIZE[0]:g} to "
+            f"{USUAL_SIZE[1]:g} m"
+        )
+        yield Item("units", "to do", found, "a URDF is in m and rad: check its <origin>s")
+    q = within(robot.chain, robot.limits, POSES)
+    yield _method(robot)
+    yield _forward(robot, q)
+    yield _back(robot, q)
+    yield _home(robot)
+    yield _reach(robot, q)
+    yield from _frames(robot)
+
+
+def _method(robot: Robot) -> Item:
+    if wristed_arm(robot.chain) is not None:
+        return Item("inverse kinematics", "ok", "closed form: spherical wrist, parallel shoulder and elbow")
+    if robot.size < 6:
+        found = (
+            f"numeric. With {robot.size} joints the arm reaches only some poses: MOVEL and MOVEJ_RPY take a pose that "
+            "it can hold, and refuse any other"
+        )
+        return Item(
+            "inverse kinematics",
+            "note",
+            found,
+            "move by joint values (MOVEJ, MOVEJ_SPLINE) where a pose is refused",
+        )
+    if robot.size > 6:
+        more = f"{robot.size - 6} joint{'s' * (robot.size > 7)}"
+        found = f"numeric. The arm has {more} more than a pose needs: the nearest solution is taken"
+        return Item("inverse kinematics", "note", found, "say with NEAR where the elbow is to be")
+    return Item("inverse kinematics", "ok", "numeric: the arm has no closed form here")
+
+
+def _forward(robot: Robot, q: Array) -> Item:
+    """Our poses against Pinocchio's own, of the whole URDF."""
+    ours, theirs = flange_poses(robot.chain, q), pinocchio_poses(robot, q)
+    miss = float(np.abs(ours - theirs).max())
+    if miss <= EXACT:
+        found = f"{len(q)} poses agree with Pinocchio, better than {EXACT:g} m and rad"
+        return Item("forward kinematics", "ok", found)
+    found = f"a pose is {miss:.3g} m or rad off Pinocchio's"
+    return Item("forward kinematics", "to do", found, "this is a fault of yarclang: report it with the URDF")
+
+
+def pinocchio_poses(robot: Robot, q: Array) -> Array:
+    """base_from_flange (N, 4, 4) by a loop over Pinocchio's forward kinematics, all other joints at 0."""
+    import pinocchio as pin
+
+    from yarclang.robot.library import DESCRIPTION
+    from yarclang.toml.reading import parse_toml, read_text
+
+    data = parse_toml(_text(read_text(robot.folder / DESCRIPTION, "")))
+    ends = (data["base"], data["flange"]) if isinstance(data, dict) else ("", "")
+    model = pin.buildModelFromXML(_text(read_text(robot.folder / robot.urdf, "")).text)
+    state = model.createData()
+    base, flange = (model.getFrameId(end, pin.FrameType.BODY) for end in ends)
+    poses = np.empty((len(q), 4, 4))
+    joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
+    for row, values in enumerate(q):
+        full = pin.neutral(model)
+        for joint, value in zip(joints, values, strict=True):
+            # a continuous joint is a cosine and a sine there
+            full[joint.idx_q : joint.idx_q + joint.nq] = (
+                value if joint.nq == 1 else (np.cos(value), np.sin(value))
+            )
+        pin.framesForwardKinematics(model, state, full)
+        poses[row] = (state.oMf[base].inverse() * state.oMf[flange]).homogeneous
+    return poses
+
+
+def _text(source: object) -> SourceFile:
+    assert isinstance(source, SourceFile)  # the robot has just been read from it
+    return source
+
+
+def _back(robot: Robot, q: Array) -> Item:
+    solved = reaching(robot.chain, robot.limits, flange_poses(robot.chain, q))[1]
+    share = float(solved.mean())
+    found = f"{share * 100:.4g} % of {len(q)} reachable poses are solved within limits"
+    if share >= SOLVED:
+        return Item("inverse of forward", "ok", found)
+    return Item(
+        "inverse of forward",
+        "to do",
+        found,
+        "look for joints that undo each other, or limits that leave no room",
+    )
+
+
+def _home(robot: Robot) -> Item:
+    frame = robot.flange_from_frame.get("TCP", np.eye(4))
+    near = nearness(robot.chain, robot.home[None], frame)
+    value = float(near.smallest[0])
+    if value >= STRAIGHT:
+        return Item("HOME", "ok", f"not near a singularity: smallest singular value {value:.2g}")
+    motion = np.abs(near.joints[0])
+    names = [name for name, part in zip(robot.joint_names, motion, strict=True) if part > 0.3]
+    found = f"singular (smallest singular value {value:.2g}): {' and '.join(names)} move the tool against each other"
+    return Item(
+        "HOME", "note", found, "leave HOME with MOVEJ, not with a straight line; or choose another HOME"
+    )
+
+
+def _reach(robot: Robot, q: Array) -> Item:
+    frame = robot.flange_from_frame.get("TCP", np.eye(4))
+    points = tool_poses(robot.chain, q, frame)[:, :3, 3]
+    far, near = (float(choose(np.linalg.norm(points, axis=1))) / MM for choose in (np.max, np.min))
+    low, high = points.min(axis=0)[2] / MM, points.max(axis=0)[2] / MM
+    found = (
+        f"in {len(q)} positions TCP is {near:.0f} to {far:.0f} mm from {{B}}, {low:.0f} to {high:.0f} mm high"
+    )
+    return Item("reach", "ok", found)
+
+
+def _frames(robot: Robot) -> Iterator[Item]:
+    names = [f"{{{name}}}" for name in robot.flange_from_frame]
+    if "TCP" not in robot.flange_from_frame:
+        remedy = "add [frames.TCP] with xyz and rpy on the flange"
+        yield Item("TCP", "to do", "there is no frame TCP; programs move {FLANGE} then", remedy)
+    for name, pose in robot.flange_from_frame.items():
+        length = float(np.linalg.norm(pose[:3, 3]))
+        if length > LONG_TOOL:
+            found = f"{{{name}}} is {length / MM:.0f} mm from the flange"
+            yield Item("frames", "to do", found, "robot.toml is in mm: check xyz")
+    if "TCP" in robot.flange_from_frame:
+        pose = robot.flange_from_frame["TCP"]
+        same = np.allclose(pose, np.eye(4), atol=1e-9)
+        place = " ".join(f"{value / MM:.4g}" for value in pose[:3, 3])
+        found = "TCP is the flange itself" if same else f"TCP is at {place} mm on the flange"
+        yield Item(
+            "TCP", "note" if same else "ok", found, "give the tool's tip in [frames.TCP]" if same else ""
+        )
+    yield Item("frames", "ok", f"on the flange: {', '.join(names)}")

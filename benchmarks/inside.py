@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import programs
 
+from yarclang.motion.limits import bounds_of
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.profile import load_profile
 from yarclang.pipeline import inputs, stages
@@ -75,10 +76,12 @@ def measure_plan(count: int, tm: float) -> dict[str, Any]:
 
 def measure_task(count: int, tm: float) -> dict[str, Any]:
     """The lines as poses of {TCP}; with our joint positions there, to compare with."""
-    motions = _planned(programs.lines(count), tm).motions[1:]
+    plan = _planned(programs.lines(count), tm)
+    motions = plan.motions[1:]
     samples = round(1000.0 / tm)
-    s = load_profile("LSPB").law(np.arange(1, samples + 1) / samples)
-    lines: list[Any] = [motion.path.line for motion in motions]  # type: ignore[attr-defined]
+    path: Any = motions[0].path
+    s = load_profile("LSPB").law(path, bounds_of(plan.robot)).pure(np.arange(1, samples + 1) / samples)
+    lines: list[Any] = [motion.path.frame for motion in motions]  # type: ignore[attr-defined]
     return {
         "urdf": str(stdlib_folder() / "robots" / "industrial6" / "industrial6.urdf"),
         "tool": motions[0].path.flange_from_moving.tolist(),  # type: ignore[attr-defined]

@@ -6,9 +6,14 @@ from conftest import EXAMPLES
 from programs import compiled, planned
 
 from yarclang.motion.curve import Curve, knot_values
+from yarclang.motion.limits import Bounds
+from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.profile import load_profile
 
 START = "START 0.0 -6.158742074 -46.519197172 0 52.677939245 0 (deg)\n"
+
+LINE = JointPath(np.zeros(1), np.ones(1))
+BOUNDS = Bounds(np.ones(1), np.ones(1), np.ones(1), np.eye(1), np.ones(1))
 
 
 def test_listing4_compiles_as_it_stands_for_40_seconds():
@@ -25,15 +30,15 @@ def test_listing4_goes_to_the_nearest_solution(conformance):
 
 def test_lspb_is_the_paper_s_law(conformance):
     data = conformance("lspb")
-    law = load_profile("LSPB").law
+    law = load_profile("LSPB").law(LINE, BOUNDS).pure
     assert law(np.array(data["t"]) / data["T"]) == pytest.approx(np.array(data["s"]), abs=1e-12)
 
 
 def test_the_executed_lspb_is_near_the_law():
     """Ramps of one segment: within 4.1e-4 of the way for 400 segments, peaks 1.498 and 4.54."""
-    profile = load_profile("LSPB")
-    control = profile.control(400, 1)
-    law = profile.law(np.arange(401) / 400)
+    made = load_profile("LSPB").law(LINE, BOUNDS)
+    control = made.control(400, tuple(made.forms(400)[0].tolist()))
+    law = made.pure(np.arange(401) / 400)
     assert np.abs(knot_values(control) - law).max() < 4.1e-4
     assert np.abs(np.diff(control)).max() * 400 == pytest.approx(1.498, abs=2e-3)
     assert np.abs(np.diff(control, 2)).max() * 400**2 == pytest.approx(4.54, abs=5e-3)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.cell.model import Cell
 from yarclang.source import SourceFile, Span
 
 Array = NDArray[np.float64]
@@ -48,6 +49,10 @@ class Origin:
     """Where the motion time stands in the source, for a fix that writes another one."""
     time_unit: str = "s"
     """The unit in which it stands there."""
+    end_span: Span | None = None
+    """An empty span where the command ends, for a fix that adds an option."""
+    time_given: str = ""
+    """Of a motion time that is a parameter of a SUB, what was given for it, and where."""
     place: str = ""
     """Of a command in a loop or a SUB, what led to it, from outside in, and itself: P0020(I=2)>P0010."""
     moving: FrameLink | None = field(default=None, compare=False)
@@ -304,14 +309,15 @@ Step = Motion | Action | Stop | Gap
 class Program:
     """A checked program: where the robot stands at first, and what it does.
 
-    `start` is (n,) in rad (m), within the joint limits. A program with a Gap has errors: it is
-    planned for the sake of further findings, and never emitted.
+    `start` is (n,) in rad (m), within the joint limits. `cell` are the surroundings that a CELL line names. A program with
+    a Gap has errors: it is planned for the sake of further findings, and never emitted.
     """
 
     source: SourceFile
     start: Array
     steps: tuple[Step, ...]
     outputs: tuple[Output, ...] = ()
+    cell: Cell | None = None
 
 
 def fingerprint(program: Program) -> str:

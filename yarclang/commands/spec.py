@@ -22,6 +22,7 @@ class Values(Enum):
     JOINT_DELTAS = "joint increments"
     POSE_RPY = "a pose as x y z roll pitch yaw"
     POSE_QUAT = "a pose as x y z qx qy qz qw"
+    POSITION = "a position as x y z"
     DELTA_RPY = "a pose increment as x y z roll pitch yaw"
     DELTA_QUAT = "a pose increment as x y z qx qy qz qw"
 
@@ -44,6 +45,8 @@ class Values(Enum):
         """The name of each value, for a robot with these joints."""
         if self.of_joints:
             return joints
+        if self is Values.POSITION:
+            return ("x", "y", "z")
         if self.is_quaternion:
             return ("x", "y", "z", "qx", "qy", "qz", "qw")
         return ("x", "y", "z", "roll", "pitch", "yaw")
@@ -52,6 +55,8 @@ class Values(Enum):
         """The kind of unit of each value (None: a plain number)."""
         if self.of_joints:
             return joint_kinds
+        if self is Values.POSITION:
+            return ("length",) * 3
         if self.is_quaternion:
             return ("length",) * 3 + (None,) * 4
         return ("length",) * 3 + ("angle",) * 3
@@ -62,7 +67,7 @@ class Arguments:
     """A checked command in SI, as its `build` gets it.
 
     `goals` has one entry a way-point: a JointGoal, JointDelta, PoseGoal or PoseDelta, as the
-    target of the command's name says (a JointGoal wherever a joint position's name stands).
+    target of the command's name says (a JointGoal wherever a joint position's name stands); a position is an array (3,) in {B}.
     """
 
     origin: Origin
@@ -79,7 +84,8 @@ class CommandSpec:
     `targets` maps the target suffix ("" for none) to what the values mean; a command
     without values has none. `waypoints` is the least and the largest number of way-points
     (None: any). `is_motion` commands take a profile and a motion time. `frames_may_move` allows a base
-    frame that is carried by the robot. `examples` are lines that compile as they stand for
+    frame that is carried by the robot. `leading` are the values of the first way-points where they differ from the target's.
+    `moves_frame` commands lead the moving frame along a path, so that its speed may be given. `examples` are lines that compile as they stand for
     every robot after the standard DEFAULT of the documentation.
     """
 
@@ -93,3 +99,5 @@ class CommandSpec:
     waypoints: tuple[int, int | None] = (1, 1)
     is_motion: bool = True
     frames_may_move: bool = False
+    leading: tuple[Values, ...] = ()
+    moves_frame: bool = False

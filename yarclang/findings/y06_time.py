@@ -40,4 +40,14 @@ FINDINGS = (
         "P0010 MOVEJ 10 0 0 0 0 0 [600] (deg,min)",
         "P0010 MOVEJ 10 0 0 0 0 0 [10] (deg,min)",
     ),
+    Finding(
+        "Y0605",
+        "speed-not-held",
+        "error",
+        "the moving frame can't go at this speed",
+        "[V ..] is the speed that the moving frame keeps all along, but for the ramps. The message names the joint that can't "
+        "follow, or says that the way is too short to reach the speed, and the help names the highest speed that works.",
+        "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [V 5000] (mm,deg,s) {B}",
+        "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [V 100] (mm,deg,s) {B}",
+    ),
 )

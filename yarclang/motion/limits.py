@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -58,6 +58,10 @@ class Bounds:
             self.counts,
             self.motor_velocity * share,
         )
+
+    def without_jerk(self) -> Bounds:
+        """The same with no limit of jerk."""
+        return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:
         """What each kind of limit asks for control points (N, n), by the convex hull property."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import re
 
 import numpy as np
 
-from yarclang.diagnostics import Edit, Fix
-from yarclang.hir import Array, Motion, Origin
+from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.hir import ArcMove, Array, LineMove, Motion, Origin, PoseSplineMove
+from yarclang.motion.cartesian import FramePath
+from yarclang.motion.cruise import CruiseBroken
 from yarclang.motion.curve import FEWEST_SEGMENTS
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
-from yarclang.motion.limits import Grid
+from yarclang.motion.limits import Demand, Grid
+from yarclang.motion.paths.arc import NoArc
 from yarclang.robot.kinematics.nearest import Unreachable
 from yarclang.robot.kinematics.track import Broken
 from yarclang.robot.model import Robot
@@ -19,6 +22,7 @@ from yarclang.source import Span
 from yarclang.units import DEG, MM, MS, UNITS
 
 Message = tuple[str, str, Span, str, Fix | None]
+CartesianMove = LineMove | ArcMove | PoseSplineMove
 
 MUCH_SWING = 1.0
 """A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
@@ -59,23 +63,42 @@ def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Messag
     return "Y0502", message, origin.span, _range(robot, joint), None
 
 
-def half_turn(origin: Origin) -> Message:
-    """A straight motion that turns by half a revolution."""
-    message = "the orientation turns by half a revolution: there is no short way"
+def half_turn(origin: Origin, where: str = "") -> Message:
+    """A motion that turns by half a revolution; `where` says at which of its way-points."""
+    message = f"{where}the orientation turns by half a revolution: there is no short way"
     return "Y0409", message, origin.span, "give a via pose that says which way round", None
 
 
-def broken_line(robot: Robot, broken: Broken, poses: Callable[[Array], Array], origin: Origin) -> Message:
-    """A straight motion that can't be followed to its end."""
-    point = np.round(poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
+def no_arc(arc: NoArc, origin: Origin) -> Message:
+    """Three points that give no circle."""
+    if arc.kind == "half turn":
+        return half_turn(origin)
+    if arc.kind == "coincident":
+        message = f"{arc.points} are {_length(arc.apart)} apart: they give no circle"
+        help_ = "a full circle is two arcs of MOVEC; a motion without a way is a MOVEL"
+    else:
+        message = (
+            f"start, via and end lie on a line (they bend by {arc.bend / DEG:.2g} deg): they give no circle"
+        )
+        help_ = "MOVEL goes straight; for an arc, move via off the line"
+    return "Y0420", message, origin.span, help_, None
+
+
+def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianMove) -> Message:
+    """A motion of the moving frame that can't be followed to its end."""
+    origin = step.origin
+    what = {LineMove: "straight line", ArcMove: "arc", PoseSplineMove: "curve"}[type(step)]
+    point = np.round(frame.poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
     where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
     joint = broken.joint
     if broken.kind == "reach":
         turn = f" and {broken.angle / DEG:.3g} deg" if broken.angle > _ANGLE_NOISE else ""
-        message = f"the straight line leaves the workspace {where}: it is out of reach by up to {_length(broken.amount)}{turn}"
+        message = f"the {what} leaves the workspace {where}: it is out of reach by up to {_length(broken.amount)}{turn}"
         return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
     if broken.kind == "limits" and joint is not None:
-        message = f"the straight line takes {_beyond(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"
+        message = (
+            f"the {what} takes {_beyond(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"
+        )
         return "Y0504", message, origin.span, f"{_range(robot, joint)}; {_BY_JOINTS}", None
     if broken.kind == "configuration":
         why = (
@@ -83,10 +106,10 @@ def broken_line(robot: Robot, broken: Broken, poses: Callable[[Array], Array], o
             if joint is not None and broken.amount
             else ""
         )
-        message = f"the straight line needs another configuration {where}{why}"
+        message = f"the {what} needs another configuration {where}{why}"
         return "Y0801", message, origin.span, _BY_JOINTS, None
     name = robot.joint_names[joint] if joint is not None else "a joint"
-    message = f"the straight line meets a singularity {where}: {name} would have to jump by {_amount(robot, joint or 0, abs(broken.amount))}"
+    message = f"the {what} meets a singularity {where}: {name} would have to jump by {_amount(robot, joint or 0, abs(broken.amount))}"
     return "Y0701", message, origin.span, _BY_JOINTS, None
 
 
@@ -157,6 +180,15 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message
             f"of {grid.smallest / MS:.4g} to {grid.largest / MS:.4g} ms"
         )
         return "Y0601", message, span, help_, fix
+    message = (
+        f"{_excess(robot, step, demand, fitted.share)}, {fitted.time:.3g} s after the start "
+        f"({fitted.s * 100:.3g} % of the way)"
+    )
+    return "Y0601", message, span, help_, fix
+
+
+def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:
+    """What would break a limit, and by how much."""
     limits, row = robot.limits, demand.row
     if demand.kind == "motor speed":
         limit = robot.actuation.velocity[row] * MS
@@ -171,13 +203,105 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message
         )
         share = step.timing.ramp if demand.kind in ("acceleration", "jerk") else 1.0
     limit *= share
-    used = limit * fitted.share
     reduced = f" (ACC {share * 100:.4g}%)" if share != 1.0 else ""
-    message = (
-        f"the {what} of {whose} would be {used:,.4g} {unit}, {_percent(fitted.share - 1)} above its limit of "
-        f"{limit:,.4g} {unit}{reduced}, {fitted.time:.3g} s after the start ({fitted.s * 100:.3g} % of the way)"
+    return (
+        f"the {what} of {whose} would be {limit * used_share:,.4g} {unit}, {_percent(used_share - 1)} above "
+        f"its limit of {limit:,.4g} {unit}{reduced}"
     )
-    return "Y0601", message, span, help_, fix
+
+
+def too_fast_a_cruise(robot: Robot, fitted: CruiseBroken, step: Motion) -> Message:
+    """A speed of the moving frame that can't be held."""
+    origin = step.origin
+    broken = fitted.broken
+    if broken is None or broken.demand is None:
+        message = "the way is too short to reach this speed and stop again within the limits"
+    else:
+        message = f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % of the way"
+    span = origin.time_span or origin.span
+    if not fitted.share:
+        return (
+            "Y0605",
+            message,
+            span,
+            "no speed works: the path passes too near a singularity, go round it",
+            None,
+        )
+    if (written := _written_speed(origin)) is None:
+        return (
+            "Y0605",
+            message,
+            span,
+            f"the highest speed that works is about {fitted.share * 100:.3g} % of this",
+            None,
+        )
+    value = written * fitted.share
+    digits = 2 - math.floor(math.log10(value))
+    text = f"[V {math.floor(value * 10.0**digits) / 10.0**digits:.10g}]"
+    fix = Fix(f"write {text}", (Edit(span, text),))
+    return "Y0605", message, span, f"the highest speed that works is about {text}", fix
+
+
+def _written_speed(origin: Origin) -> float | None:
+    """The number of a speed that stands in the line itself."""
+    span = origin.time_span
+    if span is None:
+        return None
+    text = origin.source.line(span.line)[span.column - 1 : span.end_column - 1]
+    found = re.fullmatch(r"\[\s*V\s+([0-9.eE+-]+)\s*\]", text, re.IGNORECASE)
+    return float(found[1]) if found else None
+
+
+def speed_without_unit(turns: bool, origin: Origin) -> Message:
+    """A speed whose unit isn't given."""
+    kind = "an angle" if turns else "a length"
+    message = f"the speed needs {kind} unit: the moving frame {'only turns' if turns else 'moves'} here"
+    return "Y0304", message, origin.time_span or origin.span, "for example (mm,deg,s)", None
+
+
+def another_configuration(
+    robot: Robot, step: Motion, taken: Array, nearest: Array | None, reasons: tuple[Diagnostic, ...]
+) -> Message:
+    """A target whose nearest solution would break a later motion."""
+    origin = step.origin
+    why = next((reason for reason in reasons if reason.is_error), None)
+    blamed = ""
+    if why is not None:
+        label = why.place or (f"line {why.span.line}" if why.span is not None else "")
+        blamed = f": with that, in {label}, {why.message}" if label else f": with that, {why.message}"
+    differs = ""
+    if nearest is not None:
+        apart = np.abs(taken - nearest) / robot.axis_units
+        joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
+        differs = (
+            " ("
+            + ", ".join(
+                f"{robot.joint_names[joint]} {taken[joint] / robot.axis_units[joint]:.1f} instead of "
+                f"{nearest[joint] / robot.axis_units[joint]:.1f} {robot.axis_unit_names[joint]}"
+                for joint in sorted(joints)
+            )
+            + ")"
+        )
+    message = f"this target isn't taken in the nearest configuration{differs}{blamed}"
+    help_ = "NEAR with a joint position in this configuration says that it is meant"
+    return "Y0802", message, origin.span, help_, near_fix(robot, origin, taken)
+
+
+def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
+    """A fix that names the joint position and takes it by NEAR; None where one command has many places."""
+    if not origin.index or ">" in origin.place or "(" in origin.place or origin.end_span is None:
+        return None
+    name = f"{origin.index}_NEAR"
+    units = sorted(
+        {"mm" if unit == "mm" else "deg" for unit in robot.axis_unit_names}, key=("mm", "deg").index
+    )
+    values = " ".join(f"{value:.3f}".rstrip("0").rstrip(".") for value in q / robot.axis_units)
+    declaration = f"JOINTS {name} {values} ({','.join(units)})\n"
+    line = Span.on_line(origin.span.line, 1, 1)
+    return Fix(
+        f"declare {name} and write NEAR {name}",
+        (Edit(line, declaration), Edit(origin.end_span, f" NEAR {name}")),
+    )
 
 
 def too_long(fitted: TooLong, origin: Origin) -> Message:

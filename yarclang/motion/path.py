@@ -30,6 +30,11 @@ class Path(Protocol):
         """About the steepest slope of each joint over s (n,) [rad or m]."""
         ...
 
+    @property
+    def places(self) -> Array:
+        """Places s (k,) that matter beyond equal distances: way-points, and where the joints turn fast."""
+        ...
+
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,), ascending from 0 to 1."""
         ...

@@ -2,33 +2,63 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
+import numpy as np
+from numpy.typing import NDArray
+
 from yarclang.hir import Array
 from yarclang.motion import profiles
+from yarclang.motion.limits import Bounds
+from yarclang.motion.path import Path
+
+Form = tuple[int, ...]
+"""What a law leaves open on a grid, in segments: how long its ramps and its blends are. Each law has its own."""
+
+NO_FORM = np.zeros((1, 0), dtype=np.int64)
+"""The forms of a law that leaves nothing open: one, and empty."""
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """A law of motion along one path.
+
+    `pure` maps time as a share u (N,) of the duration to the share s (N,) of the way.
+    `control` (n segments, form) gives the control values (n + 3,) of s on a grid: three zeros first, three ones last.
+    `forms` (n) are the forms (K, f) that n segments leave room for, the one that is nearest to the pure law
+    first. `strain` (n, forms (K, f)) tells the peaks (K, 3) of velocity, acceleration and jerk over
+    distance in units of segments, to compare forms. `scaled` (n, form, n') is the form for n' segments that is most like one for n.
+    """
+
+    pure: Callable[[Array], Array]
+    control: Callable[[int, Form], Array]
+    forms: Callable[[int], NDArray[np.int64]]
+    strain: Callable[[int, NDArray[np.int64]], Array]
+    scaled: Callable[[int, Form, int], Form] = lambda had, form, gets: form  # noqa: ARG005
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """A law of motion.
+    """A law of motion for every path.
 
-    `law` maps time as a share u (N,) of the duration to the share s (N,) of the way.
-    `control` (n segments, ramp of m segments) gives the control values (n + 3,) of s on a grid: three zeros
-    first, three ones last. `longest_ramp` (n) is the longest ramp that n segments leave room for, at least 1; a
-    law that needs no ramps has 1. `strain` (n, m) says how the peaks of velocity, acceleration and jerk
-    over distance in units of segments grow with the ramp, to compare ramps.
+    `law` makes the one for a path and the limits that it shall keep. `is_stretched` says that the shortest time decides the
+    form, and a longer one stretches it. `has_jerk_limit` is False for a law whose acceleration may jump. `has_cruise` says
+    that most of the way goes at one speed, which can be asked for. `longest_segment` [s]
+    is the longest segment that does the law justice where time is what counts.
     """
 
     name: str
     summary: str
-    law: Callable[[Array], Array]
-    control: Callable[[int, int], Array]
-    longest_ramp: Callable[[int], int]
-    strain: Callable[[int, int], tuple[float, float, float]]
+    law: Callable[[Path, Bounds], Law]
+    is_stretched: bool = False
+    has_jerk_limit: bool = True
+    has_cruise: bool = False
+    longest_segment: float = math.inf
 
 
 def profile_names() -> tuple[str, ...]:

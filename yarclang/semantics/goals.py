@@ -63,10 +63,11 @@ class Line:
         for number, waypoint in enumerate(statement.waypoints, 1):
             goal = self._named_goal(waypoint)
             if goal is None:
-                numbers = self._numbers(waypoint, number)
+                values = self._values(number)
+                numbers = self._numbers(waypoint, number, values)
                 if numbers is None:
                     continue
-                goal = self._goal(waypoint, numbers, frames)
+                goal = self._goal(waypoint, numbers, values, frames)
             if isinstance(goal, PoseGoal) and near is not None:
                 goal = replace(goal, near=near)
             if goal is not None:
@@ -189,9 +190,14 @@ class Line:
         self.findings.add("Y0205", f"no joint position is named {word.text}", span, help_)
         return None
 
-    def _numbers(self, waypoint: WayPoint, number: int) -> Array | None:
+    def _values(self, number: int) -> Values:
+        """What the values of a way-point (from 1) mean."""
+        leading = self.name.spec.leading
+        return leading[number - 1] if number <= len(leading) else self.values
+
+    def _numbers(self, waypoint: WayPoint, number: int, values: Values) -> Array | None:
         """The values of a way-point in SI."""
-        labels = self.values.labels(self.robot.joint_names)
+        labels = values.labels(self.robot.joint_names)
         faults = 0
         for value in waypoint.values:
             fault = number_fault(value)
@@ -224,7 +230,7 @@ class Line:
         joint_kinds: tuple[Kind, ...] = tuple(
             "length" if unit == "mm" else "angle" for unit in self.robot.axis_unit_names
         )
-        return self._in_si(waypoint, self.values.kinds(joint_kinds))
+        return self._in_si(waypoint, values.kinds(joint_kinds))
 
     def _in_si(self, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Array | None:
         """Numbers in SI; a missing unit is told once a line."""
@@ -279,15 +285,18 @@ class Line:
         message, help_ = missing_unit(kind, _WHAT[kind])
         self.findings.add("Y0304", message, span, help_)  # type: ignore[arg-type]
 
-    def _goal(self, waypoint: WayPoint, numbers: Array, frames: tuple[Frame, Frame] | None) -> object | None:
+    def _goal(
+        self, waypoint: WayPoint, numbers: Array, values: Values, frames: tuple[Frame, Frame] | None
+    ) -> object | None:
         """One goal from values in SI."""
-        span = self.statement.span(waypoint.place)
-        values, findings = self.values, self.findings
+        span, findings = self.statement.span(waypoint.place), self.findings
         if values is Values.JOINTS:
             check_limits(self.robot, numbers, findings, span)
             return JointGoal(constant(numbers))
         if values is Values.JOINT_DELTAS:
             return JointDelta(constant(numbers))
+        if values is Values.POSITION:
+            return None if frames is None else constant((frames[1].transform @ np.append(numbers, 1.0))[:3])
         rotation = rotation_of(values, numbers[3:], findings, span)
         if rotation is None or frames is None:
             return None

@@ -9,7 +9,7 @@ from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
 from yarclang.syntax.ast import Statement
-from yarclang.syntax.words import NOT_YET, OTHER_SUFFIXES
+from yarclang.syntax.words import OTHER_SUFFIXES
 
 DEFAULT_PROFILE = "LSPB"
 TARGETS = ("RPY", "QUAT")
@@ -34,8 +34,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     """
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
-    known_words = [word for word in NOT_YET if name == word or name.startswith(word + "_")]
-    known_words += [f"_{suffix}" for suffix in suffixes if suffix in OTHER_SUFFIXES]
+    known_words = [f"_{suffix}" for suffix in suffixes if suffix in OTHER_SUFFIXES]
     if known_words:
         findings.add("Y0207", f"{known_words[0]} is not carried out by this version", span, _others(profiles))
         return None

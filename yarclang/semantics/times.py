@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from yarclang.diagnostics import Collector
-from yarclang.hir import Timing
+from yarclang.hir import Reading, Timing
 from yarclang.semantics.amounts import AmountError
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.units import amount, missing_unit, number_fault
+from yarclang.source import Span
 from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Percent, Statement, Time, Word
 from yarclang.units import Kind, Unit
 
-_HELP = "a motion time is [20], [MIN] or [50%]"
+_HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving frame, [V 250]"
 
 
 def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
@@ -36,10 +37,14 @@ def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool
                     findings.add("Y0407", message, span, _HELP)
                     return False
                 return True
-    if time.items and isinstance(time.items[0], Word) and time.items[0].name == "V":
-        message = f"the motion time [{text}] is not carried out by this version"
-        findings.add("Y0207", message, span, _HELP)
-        return False
+    match time.items:
+        case (Word(name="V"), Computed()):
+            return True
+        case (Word(name="V"), Number() as number):
+            if (fault := number_fault(number)) is not None:
+                findings.add(fault[0], fault[1], span)
+                return False
+            return _speed_is_sound(number.value, number.text, span, findings)
     findings.add("Y0407", f"[{text}] is no motion time", span, _HELP)
     return False
 
@@ -52,16 +57,25 @@ def _share_is_sound(value: float, text: str, *, span_of: Statement, time: Time, 
     return False
 
 
+def _speed_is_sound(value: float, text: str, span: Span, findings: Collector) -> bool:
+    if value > 0.0:
+        return True
+    findings.add("Y0407", f"a motion can't go at {text}: the speed has to be positive", span, _HELP)
+    return False
+
+
 def resolve_time(
     statement: Statement,
     units: Mapping[Kind, Unit],
     defaults: Defaults,
     scope: Scope,
     findings: Collector,
+    has_speed: bool,
 ) -> Timing:
     """The motion time of a command in s; [MIN] is None, and [50%] a share of the limits.
 
     A time from DEFAULT has DEFAULT's unit, whatever the line's units are; only where DEFAULT names none, the line's.
+    `has_speed` says that the command moves a frame, whose speed may be given instead.
     """
     time = statement.time or defaults.time
     if time is None:
@@ -75,6 +89,15 @@ def resolve_time(
     line = statement if own else (defaults.statement or statement)
     where = scope if own else defaults.scope
     match time.items[0]:
+        case Word(name="V"):
+            if not has_speed:
+                said = "the motion time is a speed" if own else "DEFAULT's motion time is a speed"
+                message = f"{said}, which only motions of a frame take: MOVEL and its kin, DMOVE"
+                span = statement.span(time.place) if own else statement.head_span
+                findings.add("Y0407", message, span, "write [20], [MIN] or [50%]")
+                return Timing(None)
+            chosen = units if own else {**units, **defaults.units}
+            return Timing(None, speed=_speed(time, line, statement, own, chosen, where, findings))
         case Percent(value=value):
             return Timing(None, share=value / 100.0)
         case ComputedPercent() as item:
@@ -87,6 +110,38 @@ def resolve_time(
         case Number() | Computed() as item:
             return Timing(_seconds(item, line, statement, own, units, defaults, where, findings))
     return Timing(None)
+
+
+def _speed(
+    time: Time,
+    line: Statement,
+    statement: Statement,
+    own: bool,
+    units: Mapping[Kind, Unit],
+    scope: Scope,
+    findings: Collector,
+) -> Reading | None:
+    """A speed in m/s and in rad/s; None with a finding."""
+    item = time.items[1]
+    span = statement.span(item.place) if own else statement.head_span
+    if not isinstance(item, Number | Computed) or (found := amount(item, scope, line, findings)) is None:
+        return None
+    try:
+        value = found.plain("a speed")
+    except AmountError as error:
+        findings.add(error.code, error.message, span, error.help)
+        return None
+    if not _speed_is_sound(value, f"{found}", span, findings):
+        return None
+    if (second := units.get("time")) is None:
+        message, help_ = missing_unit("time", "the speed")
+        findings.add("Y0304", message, span, help_)
+        return None
+    length, angle = (units.get(kind) for kind in ("length", "angle"))
+    return Reading(
+        value * length.factor / second.factor if length else None,
+        value * angle.factor / second.factor if angle else None,
+    )
 
 
 def _seconds(

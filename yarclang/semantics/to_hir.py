@@ -15,6 +15,7 @@ from yarclang.semantics.parts import ALL_PARTS, refuse_parts
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.times import resolve_time
 from yarclang.semantics.units import resolve_units
+from yarclang.source import Span
 from yarclang.syntax.ast import Statement
 from yarclang.units import Kind, Unit
 
@@ -45,7 +46,9 @@ def to_step(
         line = Line(statement, name, name.values, context.robot, defaults, scope, units, findings)
         goals = line.goals()
         timing = (
-            resolve_time(statement, units, defaults, scope, findings) if units is not None else Timing(None)
+            resolve_time(statement, units, defaults, scope, findings, has_speed=name.spec.moves_frame)
+            if units is not None
+            else Timing(None)
         )
         timing, tolerance = line.limited(timing)
         origin = replace(origin, moving=line.links[0], base=line.links[1])
@@ -65,5 +68,11 @@ def origin_of(
         span=statement.head_span,
         time_span=statement.span(statement.time.place) if statement.time else None,
         time_unit=units["time"].name if units and "time" in units else "s",
+        end_span=_end(statement),
         place=findings.place,
     )
+
+
+def _end(statement: Statement) -> Span:
+    whole = statement.whole_span
+    return Span.on_line(whole.end_line, whole.end_column, whole.end_column)

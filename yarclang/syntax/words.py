@@ -25,14 +25,11 @@ DECLARATIONS = BLOCK_HEADS | {
 DECLARATIONS_IN_BLOCKS = frozenset(["FRAME", "FRAME_QUAT", "JOINTS", "LET"])
 """Declarations that a block may hold, besides commands and blocks."""
 
-OTHER_COMMANDS = frozenset(["MOVEC", "MOVEL_SPLINE", "WAIT", "SET", "HOLD", "CALL"])
+OTHER_COMMANDS = frozenset(["WAIT", "SET", "HOLD", "CALL"])
 """Commands of the language that no file of commands/builtin carries out."""
 
-NOT_YET = frozenset(["MOVEC", "MOVEL_SPLINE"])
-"""Those of them that this version doesn't carry out."""
-
-OTHER_SUFFIXES = frozenset(["AVOID", "SCURVE", "TOPP"])
-"""Suffixes of the language that no file of motion/profiles carries out."""
+OTHER_SUFFIXES = frozenset(["AVOID"])
+"""Suffixes of the language that this version doesn't carry out."""
 
 OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR"])
 """Words that begin an option."""

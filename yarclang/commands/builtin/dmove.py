@@ -25,4 +25,5 @@ robot's axes and base `{TCP}` the tool's. Half a turn or more is an error.
     ),
     targets={"": Values.DELTA_RPY, "RPY": Values.DELTA_RPY, "QUAT": Values.DELTA_QUAT},
     frames_may_move=True,
+    moves_frame=True,
 )

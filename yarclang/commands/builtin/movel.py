@@ -24,4 +24,5 @@ configuration: a line that would need another one half way is an error that says
         "P0010 MOVEL_POLY5 {TCP} 0 1174.4 1000 0 0 0 [MIN] (mm,deg) {B}",
     ),
     targets={"": Values.POSE_RPY, "RPY": Values.POSE_RPY, "QUAT": Values.POSE_QUAT},
+    moves_frame=True,
 )

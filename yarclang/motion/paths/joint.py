@@ -27,6 +27,11 @@ class JointPath:
         """Always."""
         return True
 
+    @property
+    def places(self) -> Array:
+        """None: the line is the same everywhere."""
+        return np.empty(0)
+
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,)."""
         q: Array = self.start + s[:, None] * (self.end - self.start)

@@ -9,52 +9,36 @@ blend rounded to segments.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.hir import Array
-from yarclang.motion.profile import Profile
+from yarclang.motion.profile import Form, Law, Profile
+from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_strain
 
 
-def _law(u: Array) -> Array:
+def _pure(u: Array) -> Array:
     u = np.clip(u, 0.0, 1.0)
     middle = 1.5 * u - 0.25
     s: Array = np.where(u < 1 / 3, 2.25 * u**2, np.where(u > 2 / 3, 1.0 - 2.25 * (1.0 - u) ** 2, middle))
     return s
 
 
-def _blend(segments: int) -> int:
-    """The segments of one blend: a third, and room for two ramps of one segment."""
-    return max(2, round(segments / 3))
+def _forms(segments: int) -> NDArray[np.int64]:
+    """A blend of a third of the segments, and all ramps that it has room for, the steepest first."""
+    blend = max(FEWEST_IN_BLEND, round(segments / 3))
+    ramps = np.arange(1, blend // 2 + 1)
+    return np.stack((np.full_like(ramps, blend), ramps), axis=1)
 
 
-def _longest_ramp(segments: int) -> int:
-    return _blend(segments) // 2
+def _control(segments: int, form: Form) -> Array:
+    return trapezoid(segments, *form)
 
 
-def _control(segments: int, ramp: int) -> Array:
-    blend = _blend(segments)
-    knot = np.arange(segments + 1)
-    rise = np.clip(np.minimum(knot, blend - knot) / ramp, 0.0, 1.0)
-    acceleration = rise - rise[::-1]
-    # the second difference of the control values is the acceleration at the knots
-    control = np.zeros(segments + 3)
-    control[2:] = np.cumsum(np.cumsum(acceleration))
-    control /= control[-1]
-    control[-3:] = 1.0
-    return control
-
-
-def _strain(segments: int, ramp: int) -> tuple[float, float, float]:
-    blend = _blend(segments)
-    velocity = 1.0 / (segments - blend)
-    acceleration = velocity / (blend - ramp)
-    return velocity, acceleration, acceleration / ramp
-
+_LAW = Law(_pure, _control, _forms, trapezoid_strain)
 
 PROFILE = Profile(
     name="LSPB",
     summary="linear segment with parabolic blends of a third of the time, corners rounded to the jerk limit",
-    law=_law,
-    control=_control,
-    longest_ramp=_longest_ramp,
-    strain=_strain,
+    law=lambda path, bounds: _LAW,  # noqa: ARG005
+    has_cruise=True,
 )

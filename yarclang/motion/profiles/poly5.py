@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.hir import Array
-from yarclang.motion.profile import Profile
+from yarclang.motion.profile import NO_FORM, Form, Law, Profile
 
 
-def _law(u: Array) -> Array:
+def _pure(u: Array) -> Array:
     u = np.clip(u, 0.0, 1.0)
     s: Array = u**3 * (10.0 + u * (-15.0 + 6.0 * u))
     return s
 
 
-def _control(segments: int, ramp: int) -> Array:  # noqa: ARG001  (a smooth law needs no ramps)
+def _control(segments: int, form: Form) -> Array:  # noqa: ARG001  (a smooth law leaves nothing open)
     # a cubic B-spline meets s at a knot where its control value is s - h^2 s'' / 6
     u = np.arange(segments + 1) / segments
     bend = u * (60.0 + u * (-180.0 + 120.0 * u)) / segments**2
     control = np.empty(segments + 3)
-    control[1:-1] = _law(u) - bend / 6.0
+    control[1:-1] = _pure(u) - bend / 6.0
     control[:3], control[-3:] = 0.0, 1.0
     return control
 
 
+def _strain(segments: int, forms: NDArray[np.int64]) -> Array:
+    return np.tile([1.875 / segments, 5.774 / segments**2, 60.0 / segments**3], (len(forms), 1))
+
+
+_LAW = Law(_pure, _control, lambda segments: NO_FORM, _strain)  # noqa: ARG005
+
 PROFILE = Profile(
     name="POLY5",
     summary="a quintic: smooth acceleration that starts and ends at zero",
-    law=_law,
-    control=_control,
-    longest_ramp=lambda segments: 1,  # noqa: ARG005
-    strain=lambda segments, ramp: (1.875 / segments, 5.774 / segments**2, 60.0 / segments**3),  # noqa: ARG005
+    law=lambda path, bounds: _LAW,  # noqa: ARG005
 )

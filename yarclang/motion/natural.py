@@ -1,0 +1,78 @@
+"""The natural cubic spline through points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.curve import solve_tridiagonal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NaturalSpline:
+    """`knots` (w,) from 0 to 1, `values` (w, d) there, `bends` (w, d) second derivatives there, none at the ends."""
+
+    knots: Array
+    values: Array
+    bends: Array
+
+    @staticmethod
+    def through(knots: Array, values: Array) -> NaturalSpline:
+        """The spline with `values` (w, d) at `knots` (w,), which grow; w at least 2."""
+        bends = np.zeros_like(values)
+        if len(values) > 2:
+            width = np.diff(knots)
+            slope = np.diff(values, axis=0) / width[:, None]
+            bends[1:-1] = solve_tridiagonal(
+                2.0 * (width[:-1] + width[1:]), width[1:-1], 6.0 * np.diff(slope, axis=0)
+            )
+        return NaturalSpline(knots, values, bends)
+
+    def at(self, s: Array) -> Array:
+        """Values (N, d) at `s` (N,)."""
+        leg, width, left = self._legs(s)
+        right = 1.0 - left
+        v0, v1, m0, m1 = self.values[leg], self.values[leg + 1], self.bends[leg], self.bends[leg + 1]
+        v: Array = left * v0 + right * v1 + ((left**3 - left) * m0 + (right**3 - right) * m1) * width**2 / 6.0
+        return v
+
+    def slope_at(self, s: Array) -> Array:
+        """Derivatives (N, d) at `s` (N,)."""
+        leg, width, left = self._legs(s)
+        right = 1.0 - left
+        rise = (self.values[leg + 1] - self.values[leg]) / width
+        m0, m1 = self.bends[leg], self.bends[leg + 1]
+        slope: Array = rise + ((1.0 - 3.0 * left**2) * m0 - (1.0 - 3.0 * right**2) * m1) * width / 6.0
+        return slope
+
+    def extremes(self) -> tuple[Array, Array, Array, Array]:
+        """The least and the largest value of each component (d,) and the s (d,) at which they are taken."""
+        s = np.concatenate((self.knots, self._turning_points()))
+        values = self.at(s)
+        low, high = np.argmin(values, axis=0), np.argmax(values, axis=0)
+        return np.amin(values, axis=0), s[low], np.amax(values, axis=0), s[high]
+
+    def _legs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        """For each `s`: its leg, the leg's width (N, 1), and the share of the leg that is still ahead (N, 1)."""
+        leg = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
+        width = (self.knots[leg + 1] - self.knots[leg])[:, None]
+        return leg, width, (self.knots[leg + 1] - s)[:, None] / width
+
+    def _turning_points(self) -> Array:
+        """All s strictly inside the legs where some component's derivative is zero."""
+        width = np.diff(self.knots)[:, None]
+        m0, m1 = self.bends[:-1], self.bends[1:]
+        # with r from 0 to 1 on a leg, the derivative over s is a r^2 + b r + c
+        a = (m1 - m0) * width / 2.0
+        b = m0 * width
+        c = np.diff(self.values, axis=0) / width - (2.0 * m0 + m1) * width / 6.0
+        with np.errstate(all="ignore"):
+            root = np.sqrt(b**2 - 4 * a * c)
+            half = -0.5 * (b + np.where(b < 0, -root, root))
+            candidates = np.stack((half / a, c / half))
+        inside = np.isfinite(candidates) & (candidates > 0) & (candidates < 1)
+        s: Array = (self.knots[:-1, None] + candidates * width)[inside]
+        return s

@@ -1,0 +1,97 @@
+"""A circular arc of the moving frame, turning about one fixed axis in step with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.rotation import turn_between, turned
+
+NO_CIRCLE = 1e-6
+"""Three points nearer to each other [m], or to a line [rad], than this give no circle."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """Poses of the moving frame over s: by the angle `sweep` [rad] about `normal` (3,) through `centre` (3,) [m], in {B},
+    and turning by `angle` [rad] about `axis` (3,).
+
+    `base_from_start` (4, 4) is where it begins.
+    """
+
+    base_from_start: Array
+    centre: Array
+    normal: Array
+    sweep: float
+    axis: Array
+    angle: float
+
+    @property
+    def radius(self) -> float:
+        """The circle's radius [m]."""
+        return float(np.linalg.norm(self.base_from_start[:3, 3] - self.centre))
+
+    @property
+    def length(self) -> float:
+        """The length of the arc [m]."""
+        return self.radius * self.sweep
+
+    def poses(self, s: Array) -> Array:
+        """base_from_moving (N, 4, 4) at `s` (N,)."""
+        poses = np.zeros((len(s), 4, 4))
+        poses[:, :3, :3] = turned(self.base_from_start[:3, :3], self.axis, s * self.angle)
+        poses[:, :3, 3] = self.centre + self._spokes(s)
+        poses[:, 3, 3] = 1.0
+        return poses
+
+    def tangents(self, s: Array) -> Array:
+        """Velocities over s (N, 6)."""
+        along = self.sweep * np.cross(self.normal, self._spokes(s))
+        return np.concatenate((along, np.tile(self.axis * self.angle, (len(s), 1))), axis=1)
+
+    def _spokes(self, s: Array) -> Array:
+        """From the centre to the frame's origin (N, 3)."""
+        first = self.base_from_start[:3, 3] - self.centre
+        side = np.cross(self.normal, first)
+        angle = (s * self.sweep)[:, None]
+        spokes: Array = np.cos(angle) * first + np.sin(angle) * side
+        return spokes
+
+
+@dataclass(frozen=True, slots=True)
+class NoArc:
+    """Why there is no arc: two of the points coincide (`apart` [m]), all three lie on a line (`bend` [rad]), or the
+    orientation turns by half a revolution.
+    """
+
+    kind: Literal["coincident", "straight", "half turn"]
+    points: str = ""
+    apart: float = 0.0
+    bend: float = 0.0
+
+
+def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc | NoArc:
+    """The arc from one pose (4, 4) through a point `via` (3,) [m] to another, in {B}."""
+    start, end = base_from_start[:3, 3], base_from_end[:3, 3]
+    a, b = via - start, end - start
+    pairs = (("start and via", a), ("via and end", end - via), ("start and end", b))
+    for points, between in pairs:
+        apart = float(np.linalg.norm(between))
+        if apart < NO_CIRCLE:
+            return NoArc("coincident", points, apart)
+    across = np.cross(a, b)
+    bend = float(np.arctan2(np.linalg.norm(across), abs(a @ b)))
+    if bend < NO_CIRCLE:
+        return NoArc("straight", bend=bend)
+    turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
+    if turn is None:
+        return NoArc("half turn")
+    middle = np.cross((a @ a) * b - (b @ b) * a, across) / (2.0 * (across @ across))
+    normal = across / np.linalg.norm(across)
+    spoke = -middle
+    to_end = b - middle
+    sweep = float(np.arctan2(normal @ np.cross(spoke, to_end), spoke @ to_end)) % (2.0 * np.pi)
+    return Arc(base_from_start, start + middle, normal, sweep, *turn)

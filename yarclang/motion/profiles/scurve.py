@@ -1,0 +1,70 @@
+"""SCURVE: the jerk-limited law. Acceleration rises and falls in ramps, and ramps, blends and cruise are as long as the
+limits ask for: the shortest time that they allow.
+
+With a given time, the shape of the shortest one is stretched to it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.profile import Form, Law, Profile
+from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_strain
+
+_MOST = 96
+"""How many lengths of a blend, and of a ramp, are compared: of more, as many in equal ratios."""
+
+
+def _pure(u: Array) -> Array:
+    """With ramps and blends as long as they can be: all jerk and no cruise."""
+    u = np.clip(u, 0.0, 1.0)
+    half = np.minimum(u, 1.0 - u)
+    rising = np.where(half < 0.25, 16.0 / 3.0 * half**3, 1.0 / 12.0 + _second_quarter(half - 0.25))
+    s: Array = np.where(u < 0.5, rising, 1.0 - rising)
+    return s
+
+
+def _second_quarter(w: Array) -> Array:
+    quarter: Array = w + 4.0 * w**2 - 16.0 / 3.0 * w**3
+    return quarter
+
+
+def _lengths(most: int, least: int) -> NDArray[np.int64]:
+    """Whole numbers from `least` to `most`: all, or as many as are compared."""
+    if most - least < _MOST:
+        return np.arange(least, most + 1)
+    return np.unique(np.round(np.geomspace(least, most, _MOST)).astype(np.int64))
+
+
+def _forms(segments: int) -> NDArray[np.int64]:
+    """All blends and ramps, the longest first: they are nearest to the pure law."""
+    blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
+    forms = [
+        np.stack((np.full_like(ramps, blend), ramps), axis=1)
+        for blend in blends.tolist()
+        for ramps in [_lengths(blend // 2, 1)[::-1]]
+    ]
+    return np.concatenate(forms)
+
+
+def _control(segments: int, form: Form) -> Array:
+    return trapezoid(segments, *form)
+
+
+def _scaled(had: int, form: Form, gets: int) -> Form:
+    blend, ramp = form
+    longer = min(max(FEWEST_IN_BLEND, round(blend * gets / had)), gets // 2)
+    return longer, min(max(1, round(ramp * gets / had)), longer // 2)
+
+
+_LAW = Law(_pure, _control, _forms, trapezoid_strain, _scaled)
+
+PROFILE = Profile(
+    name="SCURVE",
+    summary="jerk-limited: ramps, blends and cruise as long as the limits ask for, the shortest time that they allow",
+    law=lambda path, bounds: _LAW,  # noqa: ARG005
+    is_stretched=True,
+    has_cruise=True,
+)

@@ -1,0 +1,142 @@
+"""Trials: a path and a law on a number of segments, and what the limits ask of the segment time then.
+
+The control points don't depend on the segment time: once they are known, the shortest time in
+which they keep all limits is a closed form.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.curve import knot_values, middle_values, through_knots
+from yarclang.motion.limits import Bounds, Demand
+from yarclang.motion.path import Path
+from yarclang.motion.profile import Form, Law
+from yarclang.robot.model import Tolerance
+
+_SHARE_OF_TOLERANCE = 0.7
+"""The deviation is looked at in the middle of each segment; the proof of it comes later."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """Control points for a number of segments and a form of the law, and what the limits ask of them."""
+
+    segments: int
+    form: Form
+    control: Array
+    points: Array
+    demands: tuple[Demand, ...]
+
+    @property
+    def demand(self) -> Demand:
+        """The limit that asks most."""
+        return max(self.demands, key=lambda demand: demand.segment)
+
+
+@dataclass(slots=True)
+class Trials:
+    """All trials of a path under one law; each is made once."""
+
+    path: Path
+    law: Law
+    bounds: Bounds
+    tolerance: Tolerance
+    _made: dict[tuple[int, Form], Trial] = field(default_factory=dict)
+
+    def trial(self, segments: int, form: Form) -> Trial:
+        """The control points for a number of segments and a form."""
+        known = self._made.get((segments, form))
+        if known is not None:
+            return known
+        control = self.law.control(segments, form)
+        start, end = self.path.start, self.path.end
+        if self.path.is_straight_in_joints:
+            points = start + control[:, None] * (end - start)
+            points[-3:] = end
+        else:
+            points = through_knots(self.path.joints(knot_values(control)[2:-2]), start, end)
+        made = Trial(segments, form, control, points, self.bounds.demands(points))
+        self._made[segments, form] = made
+        return made
+
+    def within(self, segments: int, segment: float) -> Trial:
+        """The trial with the first form that keeps the limits at a segment time, or the fastest one."""
+        forms = self.law.forms(segments)
+        first = self._likely(segments, forms, segment)
+        trial = self.trial(segments, _form(forms[first]))
+        if trial.demand.segment <= segment:
+            while first and self._foreseen(trial, forms[first - 1 : first])[0] <= segment:
+                nearer = self.trial(segments, _form(forms[first - 1]))
+                if nearer.demand.segment > segment:
+                    break
+                trial, first = nearer, first - 1
+            return trial
+        for place in np.flatnonzero(self._foreseen(trial, forms) <= segment).tolist():
+            trial = self.trial(segments, _form(forms[place]))
+            if trial.demand.segment <= segment:
+                return trial
+        return self.fastest(segments)
+
+    def fastest(self, segments: int) -> Trial:
+        """The trial with the form that needs the shortest segments."""
+        forms = self.law.forms(segments)
+        likely = forms[int(np.argmin(self._from_slope(segments, forms)))] if len(forms) > 1 else forms[0]
+        best = self.trial(segments, _form(likely))
+        for _ in range(3 if len(forms) > 1 else 0):
+            better = self.trial(segments, _form(forms[int(np.argmin(self._foreseen(best, forms)))]))
+            if better.demand.segment >= best.demand.segment:
+                break
+            best = better
+        return best
+
+    def deviation(self, trial: Trial) -> tuple[float, float]:
+        """How far the curve is from the path, in the middle of the segments and at the knots [m], [rad]."""
+        # the knots 2 to n - 2 were solved
+        q = np.concatenate((knot_values(trial.points)[[1, -2]], middle_values(trial.points)))
+        s = np.concatenate((knot_values(trial.control)[[1, -2]], middle_values(trial.control)))
+        return self.path.deviation(q, s)
+
+    def segments_for_tolerance(self, trial: Trial) -> int | None:
+        """How many segments are needed to hold the path; None where the trial holds it."""
+        if self.path.is_straight_in_joints:
+            return None
+        position, angle = self.deviation(trial)
+        excess = max(position / self.tolerance.position, angle / self.tolerance.angle) / _SHARE_OF_TOLERANCE
+        if excess <= 1.0:
+            return None
+        # the error falls with the fourth power of the number of segments
+        return max(trial.segments + 1, math.ceil(trial.segments * math.pow(min(excess, 256.0), 0.25)))
+
+    def _likely(self, segments: int, forms: NDArray[np.int64], segment: float) -> int:
+        """About the first form that keeps the limits."""
+        keeping = self._from_slope(segments, forms) <= segment
+        return int(np.argmax(keeping))
+
+    def _from_slope(self, segments: int, forms: NDArray[np.int64]) -> Array:
+        """About the segment times (K,) that forms need, from the steepest slope of the path alone."""
+        slope, bounds = self.path.slope, self.bounds
+        strain = self.law.strain(segments, forms)
+        rates = np.array(
+            [(slope / limit).max() for limit in (bounds.velocity, bounds.acceleration, bounds.jerk)]
+        )
+        needed: Array = ((strain * rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
+        return needed
+
+    def _foreseen(self, trial: Trial, forms: NDArray[np.int64]) -> Array:
+        """About the segment times (K,) that other forms would need: exact for straight lines in joint space."""
+        had = self.law.strain(trial.segments, np.array([trial.form], dtype=np.int64))[0]
+        gets = self.law.strain(trial.segments, forms)
+        velocity, motors, acceleration, jerk = (demand.segment for demand in trial.demands)
+        asked = np.array([max(velocity, motors), acceleration, jerk])
+        needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)
+        return needed
+
+
+def _form(row: NDArray[np.int64]) -> Form:
+    return tuple(row.tolist())

@@ -11,8 +11,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from yarclang.cell.description import Names, load_cell
 from yarclang.cli.yarc import main
 from yarclang.cli.yarcc import main as yarcc
+from yarclang.robot.description import load_robot
 
 
 @pytest.fixture(autouse=True)
@@ -34,6 +36,15 @@ def test_it_compiles_at_once_without_flags(tmp_path, monkeypatch, robot):
     assert Path("my-cell.pmc").read_text().startswith("; yarcc ")
     assert tomllib.loads(Path("yarc.toml").read_text()) == {"robot": robot.upper()}
     tomllib.loads(Path("cell.toml").read_text())
+
+
+@pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
+def test_the_cell_can_be_read(tmp_path, robot):
+    new("demo", "--robot", robot)
+    names = Names(lambda _: False, load_robot(robot).value)
+    cell = load_cell(tmp_path / "demo" / "cell.toml", names)
+    assert cell.diagnostics == ()
+    assert "TABLE" in cell.value.frames
 
 
 def test_no_mark_of_the_template_is_left(tmp_path):

@@ -209,14 +209,16 @@ def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> Non
             continue
         unit, name = (MM, "mm") if joint.kind == "prismatic" else (DEG, "deg")
         wider: list[tuple[str, float, float, str]] = []
-        if table.position is not None and len(table.position) == 2 and joint.kind != "continuous":
+        # CAD exports write 0 and 0 where they know no range, and 0 for an unknown speed
+        ranged = joint.lower is None or joint.upper is None or joint.lower < joint.upper
+        if table.position is not None and len(table.position) == 2 and joint.kind != "continuous" and ranged:
             for key, theirs, ours, sign in (
                 ("lower", joint.lower, table.position[0], 1.0),
                 ("upper", joint.upper, table.position[1], -1.0),
             ):
                 if theirs is not None and sign * (theirs / unit - ours) > 1e-3:
                     wider.append((key, theirs / unit, ours, name))
-        speed = joint.velocity or 0.0  # CAD exports write 0 where they know no speed
+        speed = joint.velocity or 0.0
         if table.velocity is not None and speed > 0.0 and table.velocity - speed / unit > 1e-3:
             wider.append(("velocity", speed / unit, table.velocity, f"{name}/s"))
         for key, theirs, ours, per in wider:

@@ -71,7 +71,7 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
     origin, geometry = body.first("origin"), body.first("geometry")
     place = (urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)), turned(urdf, origin))
     for material in body.all("material")[:1]:
-        if not material.attributes.get("name"):
+        if "name" not in material.attributes:  # an empty one, as CAD exports write it, does no harm
             urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
         _check_color(urdf, material)
     where = f"A <{body.tag}> of link {link.attributes.get('name', '')}"

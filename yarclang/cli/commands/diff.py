@@ -1,0 +1,137 @@
+"""`yarc diff`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from yarclang.cli.options import Numbers, file_argument, format_option
+
+if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.executed import Executed
+    from yarclang.robot.model import Tolerance
+
+_HEADER = 4096
+"""Within the first characters of a text its robot's fingerprint stands."""
+
+_COLOURS = {"+": "green", "-": "red", "~": "yellow"}
+
+
+@click.command("diff")
+@file_argument("first", metavar="A.yarc|A.pmc")
+@file_argument("second", metavar="B.yarc|B.pmc")
+@click.option(
+    "--tolerance",
+    type=Numbers("MM[,DEG]", most=2, positive=True),
+    help="How far the tool may be off (default: the robot's tolerance of a path; DEG in the same ratio).",
+)
+@click.option("--all", "all_commands", is_flag=True, help="Show commands that are the same, too.")
+@click.option(
+    "--robot", metavar="NAME|PATH", help="A robot of the standard library, or the path of a robot.toml."
+)
+@format_option
+def command(
+    first: str,
+    second: str,
+    tolerance: tuple[float, ...] | None,
+    all_commands: bool,
+    robot: str | None,
+    format_: str,
+) -> None:
+    """Compare two programs by what the robot does: paths, times, configurations, outputs, waits. Comments, layout and renumbering
+    are no difference.
+
+    The status is 0 where they are equal within the tolerance, and 1 where they differ, as diff's; 1 with an error where a program
+    can't be read or compiled.
+    """
+    if first == second == "-":
+        raise click.UsageError("only one of them can be standard input")
+    from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import Diagnostic
+
+    programs: list[Executed] = []
+    for file in (first, second):
+        found, diagnostics = _read(file, robot)
+        show_findings(diagnostics)
+        if found is None:
+            click.echo(f"{file}: nothing was compared", err=True)
+            raise SystemExit(1)
+        programs.append(found)
+    one, other = programs
+    if (one.robot.name, one.robot.joint_names) != (other.robot.name, other.robot.joint_names):
+        message = (
+            f"{first} is for {one.robot.name}, {second} for {other.robot.name}: their ways can't be compared"
+        )
+        show_findings((Diagnostic("Y1163", message, help="give two programs for one robot"),))
+        raise SystemExit(1)
+    from yarclang.report.compared import compare
+
+    _show(compare(one, other, _tolerance(tolerance, other.robot.tolerance)), all_commands, format_)
+
+
+def _show(comparison: Any, all_commands: bool, format_: str) -> None:
+    from yarclang.report.compared_text import compared_json, compared_lines
+
+    if format_ == "json":
+        import json
+
+        click.echo(json.dumps(compared_json(comparison), indent=2, ensure_ascii=False))
+        raise SystemExit(int(not comparison.equal))
+    for sign, line in compared_lines(comparison, all_commands=all_commands):
+        click.echo(click.style(line, fg=_COLOURS[sign]) if sign in _COLOURS else line)
+    raise SystemExit(int(not comparison.equal))
+
+
+def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
+    """What was asked for in mm and deg; an angle that wasn't in the ratio that the robot's has."""
+    from yarclang.robot.model import Tolerance
+    from yarclang.units import DEG, MM
+
+    if asked is None:
+        return usual
+    position = asked[0] * MM
+    angle = asked[1] * DEG if len(asked) > 1 else position * usual.angle / usual.position
+    return Tolerance(position, angle)
+
+
+def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
+    """A program as it is executed, and what is wrong with it."""
+    from yarclang.cli.loading import is_compiled, robot_of_text
+    from yarclang.cli.work import Progress, options_from
+    from yarclang.diagnostics import Diagnostic, has_errors, in_order
+    from yarclang.pipeline.executed import executed
+    from yarclang.pipeline.inputs import open_program
+    from yarclang.pipeline.line_map import is_compiled_text
+    from yarclang.pipeline.sources import read_source
+    from yarclang.pipeline.stages import compile_module
+
+    if is_compiled(file):
+        read = read_source(file)
+        if read.value is None:
+            return None, read.diagnostics
+        if not is_compiled_text(read.value.text):
+            message = "this isn't a text that yarcc has written"
+            return None, (Diagnostic("Y1151", message, read.value, help="give what yarcc made of a program"),)
+        found = robot_of_text(read.value, robot)
+        if found.value is None:
+            return None, found.diagnostics
+        if found.value.fingerprint not in read.value.text[:_HEADER]:
+            click.echo(
+                f"{file} was made for {found.value.name} as it was then; it is read as for today's", err=True
+            )
+        made = executed(read.value.text, found.value, file)
+        return made.value, (*found.diagnostics, *made.diagnostics)
+    with Progress() as progress:
+        opened = open_program(file, options_from({"robot": robot}, progress))
+        if opened.value is None or has_errors(opened.diagnostics):
+            return None, tuple(one for one in in_order(opened.diagnostics) if one.is_error)
+        compiled = compile_module(opened.value.module, opened.value.request)
+    # warnings are for who compiles it
+    errors = tuple(one for one in in_order((*opened.diagnostics, *compiled.diagnostics)) if one.is_error)
+    if compiled.value is None or errors:
+        return None, errors
+    made = executed(compiled.value.text, opened.value.request.robot, file)
+    return made.value, tuple(replace(one, source=None) for one in made.diagnostics)

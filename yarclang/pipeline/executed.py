@@ -1,0 +1,149 @@
+"""What a controller text makes the robot do, command by command: the curves that are executed, and what happens between them.
+
+It is read by the certificate's own reader, from the text alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable, read
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.motion.curve import Curve
+from yarclang.pipeline.line_map import LineMap, map_lines
+from yarclang.robot.actuation import from_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.source import SourceFile
+from yarclang.units import MS
+
+Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Act:
+    """What one command does.
+
+    `what` says it of one that moves nothing, for people and for comparing. `curve` is the executed motion [rad or m],
+    `duration` how long it takes as far as that is known before [s].
+    """
+
+    kind: Kind
+    place: str
+    name: str
+    source_line: int
+    what: str = ""
+    curve: Curve | None = None
+    duration: float = 0.0
+
+    @property
+    def title(self) -> str:
+        """`P0010 MOVEL`, or the name alone."""
+        return f"{self.place} {self.name}" if self.place else self.name
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Executed:
+    """All that a text does, in order, from joint positions `start` (n,) [rad or m]."""
+
+    name: str
+    robot: Robot
+    start: Array
+    acts: tuple[Act, ...]
+
+    @property
+    def duration(self) -> float:
+        """Of all motions and dwells [s]; of ways that part, of both."""
+        return sum(one.duration for one in self.acts)
+
+
+def executed(text: str, robot: Robot, name: str) -> Result[Executed]:
+    """Read a controller text.
+
+    Args:
+        text: that yarcc has written.
+        robot: whom it is for.
+        name: how messages call it.
+
+    Returns:
+        None, with a finding, where it isn't what yarcc writes for this robot's controller.
+    """
+    content = read(text, robot.controller)
+    if isinstance(content, Unreadable):
+        message = f"line {content.line} {content.reason}"
+        help_ = "it isn't as yarcc wrote it: compile the program again"
+        return Result(None, (Diagnostic(content.code, message, SourceFile(name, text), help=help_),))
+    start = _start(content, robot)
+    return Result(Executed(name, robot, start, tuple(_acts(content, map_lines(text), robot, start))))
+
+
+def _start(content: ControllerText, robot: Robot) -> Array:
+    if content.start.rapid is not None:
+        start: Array = content.start.rapid * robot.axis_units
+        return start
+    assert content.start.guard is not None  # the reader has found one of them
+    return from_counts(robot, content.start.guard / (32.0 * robot.controller.ixx08))
+
+
+def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) -> list[Act]:
+    entries = {entry.step: entry for entry in content.entries}
+    moving = [entry for entry in content.entries if entry.first is not None]
+    stand, acts = start, []
+    for item in content.course:
+        match item:
+            case Run():
+                acts += _motions(item, moving, stand, robot)
+                stand = item.points[-1] * robot.axis_units
+            case Stood(point=point):
+                stand = point * robot.axis_units
+            case Barred():
+                acts.append(_barrier(item, entries[item.step]))
+            case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
+                acts.append(
+                    _between(mapped, line, "dwell", f"stands for {milliseconds:g} ms", milliseconds * MS)
+                )
+            case Put(line=line, variable=variable, value=value):
+                acts.append(_between(mapped, line, "set", f"{variable} becomes {value:g}"))
+    return acts
+
+
+def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[Act]:
+    """The commands of a sequence, which are taken from the front of `moving`: its control points are S, S, S, c1 ... cM, cM, cM."""
+    points = run.points * robot.axis_units
+    control = np.concatenate((np.tile(stand, (3, 1)), points, np.tile(points[-1], (2, 1))))
+    acts: list[Act] = []
+    place = segment = 0
+    while place < len(run.lines) and moving:
+        entry = moving.pop(0)
+        behind = int(np.searchsorted(run.lines, entry.last or 0, side="right"))
+        size = behind - place + (2 if behind == len(run.lines) else 0)
+        if size < 1:
+            break
+        curve = Curve(control[segment : segment + size + 3], run.segment_ms * MS, np.empty(0))
+        acts.append(
+            Act("motion", entry.index, entry.name, entry.source_line, "", curve, size * run.segment_ms * MS)
+        )
+        place, segment = behind, segment + size
+    return acts
+
+
+def _barrier(item: Barred, entry: Entry) -> Act:
+    what = {
+        "wait": f"waits for {item.name} ({item.condition}), "
+        + ("for ever" if item.timeout is None else f"at most {item.timeout:g} s"),
+        "hold": f"holds for the operator: {item.name}" if item.name else "holds for the operator",
+        "when": f"the way parts at {item.name} ({item.condition})",
+        "else": "the other way",
+        "end": "the ways meet",
+    }[item.kind]
+    return Act(item.kind, entry.index, entry.name, entry.source_line, what)  # type: ignore[arg-type]
+
+
+def _between(mapped: LineMap, line: int, kind: Kind, what: str, duration: float = 0.0) -> Act:
+    stretch = mapped.at(line)
+    command = stretch.command if stretch is not None else None
+    if command is None:
+        return Act(kind, "", kind.upper(), 0, what, None, duration)
+    return Act(kind, command.index, command.name, command.source_line, what, None, duration)

@@ -1,0 +1,107 @@
+"""Which command of one program is which of another: by what they do and in their order, then by their places.
+
+An inserted command is one that is new, wherever it stands; another index for the same command is no difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from difflib import SequenceMatcher
+
+import numpy as np
+
+from yarclang.pipeline.executed import Act
+
+Pair = tuple[Act | None, Act | None]
+
+_FINE = 1e-3
+"""Ends of motions that round to the same multiple of this [rad or m] are surely one."""
+
+_MOST_CELLS = 200_000
+"""A larger table isn't searched for the best pairs: places decide then."""
+
+_ALONE = 0.7
+_OTHER_PLACE = 0.3
+_OTHER_NAME = 0.15
+_OTHER_END = 0.8
+_FAR = 0.5
+"""An end that is as far off [rad or m] costs all of `_OTHER_END`."""
+
+
+def pairs_of(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
+    """The commands of two programs side by side, in order; None where one has none."""
+    return _aligned(first, second, [_key(one) for one in first], [_key(one) for one in second], _closest)
+
+
+def _key(act: Act) -> Hashable:
+    """What a command surely has in common with the one that does the same."""
+    if act.curve is None:
+        return act.kind, act.what
+    return act.kind, tuple(np.round(act.curve.points[-1] / _FINE).astype(int).tolist())
+
+
+def _aligned(
+    first: Sequence[Act],
+    second: Sequence[Act],
+    keys: Sequence[Hashable],
+    others: Sequence[Hashable],
+    rest: Callable[[Sequence[Act], Sequence[Act]], list[Pair]],
+) -> list[Pair]:
+    """Those with equal keys side by side; `rest` says what becomes of those between them."""
+    pairs: list[Pair] = []
+    for tag, i, j, k, m in SequenceMatcher(None, keys, others, autojunk=False).get_opcodes():
+        if tag == "equal":
+            pairs += zip(first[i:j], second[k:m], strict=True)
+        else:
+            pairs += rest(first[i:j], second[k:m])
+    return pairs
+
+
+def _apart(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
+    return [*((one, None) for one in first), *((None, one) for one in second)]
+
+
+def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
+    """The pairs, in order, that cost least; a command without a partner costs as well."""
+    n, m = len(first), len(second)
+    if n * m == 0:
+        return _apart(first, second)
+    if n * m > _MOST_CELLS:
+        return _aligned(
+            first,
+            second,
+            [(one.kind, one.place, one.name) for one in first],
+            [(one.kind, one.place, one.name) for one in second],
+            _apart,
+        )
+    cost = np.full((n + 1, m + 1), np.inf)
+    cost[:, m] = np.arange(n, -1, -1) * _ALONE
+    cost[n, :] = np.arange(m, -1, -1) * _ALONE
+    pair = [[_cost(one, other) for other in second] for one in first]
+    for i in range(n - 1, -1, -1):
+        for k in range(m - 1, -1, -1):
+            cost[i, k] = min(pair[i][k] + cost[i + 1, k + 1], _ALONE + min(cost[i + 1, k], cost[i, k + 1]))
+    pairs: list[Pair] = []
+    i = k = 0
+    while i < n and k < m:
+        if cost[i, k] == pair[i][k] + cost[i + 1, k + 1]:
+            pairs.append((first[i], second[k]))
+            i, k = i + 1, k + 1
+        elif cost[i, k] == _ALONE + cost[i + 1, k]:
+            pairs.append((first[i], None))
+            i += 1
+        else:
+            pairs.append((None, second[k]))
+            k += 1
+    return [*pairs, *_apart(first[i:], second[k:])]
+
+
+def _cost(one: Act, other: Act) -> float:
+    """How little two commands look like one; infinite for those that can't be."""
+    if one.kind != other.kind:
+        return np.inf
+    cost = _OTHER_PLACE * (one.place != other.place) + _OTHER_NAME * (one.name != other.name)
+    if one.curve is None or other.curve is None:
+        return cost + 0.5 * _OTHER_END * (one.what != other.what)
+    off = float(np.abs(one.curve.points[-1] - other.curve.points[-1]).max())
+    return cost + _OTHER_END * min(1.0, off / _FAR)

@@ -12,6 +12,7 @@ from yarclang import __version__
 _COMMANDS = {
     "check": "Check programs without writing anything.",
     "completion": "Print the shell's completion script.",
+    "diff": "Compare two programs by path and time.",
     "doc": "Print the reference of a module.",
     "doctor": "Look at a controller before a program is run.",
     "explain": "Explain a finding's code.",

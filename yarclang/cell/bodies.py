@@ -91,15 +91,15 @@ def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None
     """A zone; None with findings, or where it depends on a robot that isn't known."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
-    sound = True
+    sound = table.shape is not None
     if table.shape is not None:
         needed, optional = _PARTS[table.shape]
         every = ("frame", "size", "normal", "joints", "xyz", "rpy", "quat")
         sound = _belong(table, path, table.shape, needed, every, around, optional)
+    region = _region(table, path, units, around) if sound else None
     if table.rule is not None:
         slow = table.rule == "slow"
         sound &= _belong(table, path, table.rule, ("speed",) if slow else (), ("speed",), around)
-    region = _region(table, path, units, around) if sound else None
     speed: float | None = None
     if table.speed is not None:
         length = measures.factor(units, "length", (*path, "speed"))

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from yarclang.cell.model import Array, Cell, CellOutput
-from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.diagnostics import Diagnostic, Result, in_order
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from yarclang.cell.measures import Measures
     from yarclang.cell.schema import CellTable
     from yarclang.toml.draft import Draft
-
-FROM_THE_ROBOT = ("B", "FLANGE", "TCP")
-"""Frames that can't be declared: every robot has them."""
 
 IsWord = Callable[[str], bool]
 """Whether a name in upper case is a word of the language."""
@@ -47,7 +44,7 @@ def load_cell(path: FilePath, names: Names) -> Result[Cell]:
     """Reads a cell.toml for the robot of `names`.
 
     Returns:
-        The cell, or None and all mistakes. A file that isn't there is a finding without a place.
+        As `read_cell`. A file that isn't there is a finding without a place.
     """
     source = read_text(path, "Name a cell.toml, seen from the folder of the program.")
     if isinstance(source, Diagnostic):
@@ -64,7 +61,8 @@ def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell
         names: without a robot, all is checked that holds for any.
 
     Returns:
-        None where there are errors, and always without a robot: joint values are those of one.
+        The cell as far as it can be read, beside its mistakes: `places` has the names of broken entries too. None where the text isn't
+        TOML, and always without a robot: joint values are those of one.
     """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
@@ -106,7 +104,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         if (variable := _variable(entry.variable, ("outputs", name, "variable"), file, names.robot))
     }
     findings = in_order(file.findings)
-    if has_errors(findings) or names.robot is None:
+    if names.robot is None:
         return Result(None, findings)
     cell = Cell(
         source,
@@ -159,6 +157,8 @@ _WHAT = {
 
 def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
     """Names follow the language's rules; what programs see is there once, and so are obstacles and zones."""
+    from yarclang.cell.frames import FROM_THE_ROBOT
+
     first: dict[tuple[str, str], str] = {}
     for path, name in _named(draft.table):
         key, upper = str(path[0]), name.upper()

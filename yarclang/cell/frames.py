@@ -21,20 +21,24 @@ ROOTS: Mapping[str, Mount] = {
 """What a cell's frames hang on at last: they come from the robot, whichever it is."""
 
 
+FROM_THE_ROBOT = ("B", "FLANGE", "TCP")
+"""Frames that can't be declared: every robot has them."""
+
+
 def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict[str, CellFrame]:
     """The frames by name in upper case, parents first; findings where a chain doesn't end at {B} or {FLANGE}.
 
     Frames with mistakes, and what hangs on them, aren't there.
     """
-    upper = {name.upper(): name for name in tables}
+    upper = {name.upper(): name for name in reversed([*tables]) if name.upper() not in FROM_THE_ROBOT}
     parents: dict[str, str] = {}
     local = {}
     for name, table in tables.items():
         path: Path = ("frames", name)
         units = measures.of_entry(table.units, path)
         pose = measures.transform(table, path, units)
-        if table.parent is None or upper[name.upper()] != name:
-            continue  # it was said that the parent is missing, or that the name is there twice
+        if table.parent is None or upper.get(name.upper()) != name:
+            continue  # it was said that the parent is missing, or that the name is there twice, or the robot's
         parent = known_frame(table.parent, (*path, "parent"), upper, measures.file)
         if parent is not None:
             parents[name.upper()] = parent

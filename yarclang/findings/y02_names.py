@@ -63,8 +63,8 @@ FINDINGS = (
         "error",
         "a part of the language that this version doesn't carry out",
         "The word belongs to the language, but this version can't do what it says; to leave it out silently would move the arm otherwise.",
-        "P0010 MOVEC {TCP} 0 1174.4 1000; 0 1174.4 900 0 0 0 [4] (mm,deg,s) {B}",
-        "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [4] (mm,deg,s) {B}",
+        "P0010 MOVEJ_AVOID 10 0 0 0 0 0 [5] (deg,s)",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
     ),
     Finding(
         "Y0208",
@@ -81,6 +81,8 @@ FINDINGS = (
         "error",
         "the name means something else",
         "A name is one thing: a number, a joint position, an input, an output, a SUB or a module. Frames have names of their own.",
+        "LET PARK = 5\nP0010 MOVEJ PARK [5] (deg,s)",
+        "JOINTS PARK 0 0 0 0 20 0 (deg)\nP0010 MOVEJ PARK [5] (s)",
     ),
     Finding(
         "Y0210",
@@ -89,6 +91,8 @@ FINDINGS = (
         "nothing of this kind has that name here",
         "A name is known from its declaration to the end of its block or file. A SUB sees its parameters and what its "
         "file declared before it, not what its caller knows. A module's names have its own in front: PALLET.GRID.",
+        "LET PITCH = 10 (deg)\nP0010 DMOVEJ $PICTH 0 0 0 0 0 [5] (deg,s)",
+        "LET PITCH = 10 (deg)\nP0010 DMOVEJ $PITCH 0 0 0 0 0 [5] (deg,s)",
     ),
     Finding(
         "Y0211",
@@ -96,6 +100,8 @@ FINDINGS = (
         "error",
         "this name can't be declared",
         "The words of the language, P with digits, and the frames {B}, {FLANGE} and {TCP} have their meaning already.",
+        "LET WAIT = 5\nP0010 STOP",
+        "LET PAUSE = 5\nP0010 STOP",
     ),
     Finding(
         "Y0212",
@@ -104,6 +110,8 @@ FINDINGS = (
         "a SUB calls itself",
         "Calls are carried out before the robot moves, so that every motion is known. A SUB that calls itself, or is "
         "called by what it calls, would never end.",
+        "SUB AGAIN\n  P0010 DMOVEJ 1 0 0 0 0 0 [1] (deg,s)\n  P0020 CALL AGAIN\nEND\nP0030 CALL AGAIN",
+        "SUB STEP\n  P0010 DMOVEJ 1 0 0 0 0 0 [1] (deg,s)\nEND\nREPEAT 10\n  P0020 CALL STEP\nEND",
     ),
     Finding(
         "Y0213",
@@ -112,5 +120,16 @@ FINDINGS = (
         "the module can't be used",
         "USE names a file beside the program, or one of the standard library, without its ending. Modules may use each "
         "other, but not in a circle.",
+        "USE PALETT\nP0010 STOP",
+        "USE PALLET\nP0010 STOP",
+    ),
+    Finding(
+        "Y0214",
+        "hides-joint-position",
+        "warning",
+        "a name hides a joint position of the robot",
+        "From here on the name is something else, and MOVEJ can't go to that joint position by its name. JOINTS may give it another value.",
+        "LET HOME = 5\nP0010 STOP",
+        "LET SPAN = 5\nP0010 STOP",
     ),
 )

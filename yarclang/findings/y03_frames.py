@@ -64,5 +64,7 @@ FINDINGS = (
         "a length, an angle, a time or a plain number stands where another is wanted",
         "A number with a unit keeps it through an expression and is converted where it stands. Lengths and angles don't add; "
         "a product of two lengths is no length.",
+        "LET TILT = 5 (deg)\nLET HIGH = TILT + 60 (mm)\nP0010 STOP",
+        "LET EDGE = 5 (mm)\nLET HIGH = EDGE + 60 (mm)\nP0010 STOP",
     ),
 )

@@ -19,8 +19,8 @@ FINDINGS = (
         "the ways of a WHEN end at different joint positions",
         "Which way is taken is known only when the program runs. What follows is planned once, from one place: both "
         "ways, or the one way and where the robot stood before, must end there.",
-        "",
-        "",
+        "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nEND",
+        "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\n  P0020 MOVEJ HOME [5] (s)\nEND",
     ),
     Finding(
         "Y1003",
@@ -29,8 +29,8 @@ FINDINGS = (
         "a WAIT on an input has no time",
         "If the input never gets there, the robot stands until somebody looks. With a time, the run ends with an error that says "
         "which input was missing.",
-        "",
-        "",
+        "INPUT DOOR M11\nP0010 WAIT DOOR ON",
+        "INPUT DOOR M11\nP0010 WAIT DOOR ON [30] (s)",
     ),
     Finding(
         "Y1004",
@@ -39,7 +39,7 @@ FINDINGS = (
         "the program has more than a million commands when it is unrolled",
         "Loops and calls are carried out before the robot moves, so that every motion is checked. A program that runs for ever "
         "is run again and again: yarc run --loop.",
-        "",
-        "",
+        "REPEAT 2000000\n  P0010 WAIT [1] (s)\nEND",
+        "REPEAT 20\n  P0010 WAIT [1] (s)\nEND",
     ),
 )

@@ -30,4 +30,14 @@ FINDINGS = (
         "joints = { A1 = [-90, 90] }",
         "joints = { J1 = [-90, 90] }",
     ),
+    Finding(
+        "Y1373",
+        "two-cells",
+        "error",
+        "a program and its modules name different cells",
+        "The robot stands in one cell: with two, it would keep clear of the obstacles of only one of them. A module that names a cell works "
+        "in programs with the same file.",
+        'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
+        'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
+    ),
 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.hir import Array
+from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
@@ -101,6 +102,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         target=options.target,
         progress=options.progress,
         load=loader(folder),
+        load_cell=cell_loader(folder, robot),
     )
     return Result(Opened(module, request), diagnostics)
 

@@ -11,6 +11,7 @@ import numpy as np
 from yarclang import __version__
 from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
+from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
@@ -21,8 +22,10 @@ from yarclang.motion.profile import profile_names
 from yarclang.pipeline.segments import segment_grid
 from yarclang.pmac.program import PmacProgram, Target
 from yarclang.robot.model import Robot, Tolerance
+from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
 from yarclang.semantics.context import Context
+from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 from yarclang.units import MS
 
@@ -36,7 +39,7 @@ class Request:
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
-    the modules that the program uses.
+    the modules that the program uses, `load_cell` its cell.
     """
 
     robot: Robot
@@ -47,6 +50,7 @@ class Request:
     target: Target = "rotary"
     progress: Progress | None = None
     load: Callable[[str], Result[Module]] | None = None
+    load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +66,15 @@ class Compiled:
 def check_program(module: Module, request: Request) -> Result[Program]:
     """Syntax tree to checked program."""
     return check(
-        module, Context(request.robot, profile_names(), request.start, request.fallback_start, request.load)
+        module,
+        Context(
+            request.robot,
+            profile_names(),
+            request.start,
+            request.fallback_start,
+            request.load,
+            request.load_cell,
+        ),
     )
 
 
@@ -89,7 +101,8 @@ def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
     checked = check_program(module, request)
     assert checked.value is not None  # a check always gives a program
     planned = plan_program(checked.value, request)
-    diagnostics = in_order(grouped((*checked.diagnostics, *planned.diagnostics)))
+    told = name_arguments_of_times(planned.diagnostics, checked.value.steps)
+    diagnostics = in_order(grouped((*checked.diagnostics, *told)))
     return Result(None if has_errors(diagnostics) else planned.value, diagnostics)
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
 from yarclang.hir import Array
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
+from yarclang.source import SourceFile
 from yarclang.syntax.ast import FrameName, Module, Statement, Time
 from yarclang.units import Kind, Unit
 
@@ -26,6 +28,8 @@ class Context:
     start: Array | None = None
     fallback_start: Array | None = None
     load: Callable[[str], Result[Module]] | None = None
+    load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
+    """Gives the cell of a path as it stands in a module's file (None: in the program); the same one for the same file."""
     index_needed: bool = True
     """Whether a command needs an index (the live interpreter does without)."""
 

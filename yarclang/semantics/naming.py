@@ -19,8 +19,10 @@ from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.frames import base_axes
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.poses import check_limits, rotation_of
-from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope
+from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope, Where
+from yarclang.semantics.signals import Signals
 from yarclang.semantics.units import amount, missing_unit, number_fault, resolve_units
+from yarclang.source import SourceFile
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
 from yarclang.syntax.words import RESERVED
 from yarclang.transforms import constant
@@ -32,12 +34,26 @@ FIXED_FRAMES = (BASE, "FLANGE", "TCP")
 _INDEX = re.compile(r"P[0-9]+")
 
 
+def is_word(name: str) -> bool:
+    """Whether a name in upper case has its meaning in the language already."""
+    return name in RESERVED or name in commands() or _INDEX.fullmatch(name) is not None
+
+
 def may_be_declared(
-    statement: Statement, word: Word, scope: Scope, robot: Robot, findings: Collector
+    statement: Statement,
+    word: Word,
+    scope: Scope,
+    robot: Robot,
+    findings: Collector,
+    *,
+    may_hide: bool = False,
 ) -> bool:
-    """Whether a name can be given a meaning here; a finding says why it can't."""
+    """Whether a name can be given a meaning here; a finding says why it can't.
+
+    With `may_hide` it may be that of a joint position of the robot without a warning.
+    """
     span, name = statement.span(word.place), word.name
-    if name in RESERVED or name in commands() or _INDEX.fullmatch(name):
+    if is_word(name):
         findings.add("Y0211", f"{word.text} is a word of the language", span, "choose another name")
         return False
     if "." in name:
@@ -46,9 +62,18 @@ def may_be_declared(
     found = scope.name(name)
     of_robot = isinstance(found, JointPosition) and found.q is robot.positions.get(name)
     if found is not None and not of_robot:
-        findings.add("Y0206", f"{name} is declared already", span, "choose another name")
+        message = declared_already(name, scope.where(name), findings.source)
+        findings.add("Y0206", message, span, "choose another name")
         return False
+    if of_robot and not may_hide:
+        message = f"{name} is a joint position of {robot.name}, and means something else from here on"
+        findings.add("Y0214", message, span, "choose another name")
     return True
+
+
+def declared_already(name: str, where: Where | None, source: SourceFile) -> str:
+    """What is said, in `source`, of a name that has a meaning."""
+    return f"{name} is declared already" + (f", in {where.seen_from(source)}" if where else "")
 
 
 def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> bool:
@@ -58,7 +83,8 @@ def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, 
         message = f"{{{name}}} comes from the robot and can't be declared"
         findings.add("Y0211", message, span, "choose another name")
     elif scope.frame(name) is not None:
-        findings.add("Y0206", f"{{{name}}} is declared already", span, "choose another name")
+        message = declared_already(f"{{{name}}}", scope.where_frame(name), findings.source)
+        findings.add("Y0206", message, span, "choose another name")
     elif re.fullmatch(r"[A-Z_][A-Z0-9_]*", name) is None:
         help_ = "names have letters, digits and _"
         findings.add("Y0211", f"{frame.text} is no name of a frame", span, help_)
@@ -120,12 +146,13 @@ def declare_joints(
         help_ = "for example JOINTS PARK 0 0 0 0 0 0 (deg)"
         findings.add("Y0401", "JOINTS wants a name and joint values", statement.whole_span, help_)
         return
-    if not may_be_declared(statement, word, scope, robot, findings):
+    if not may_be_declared(statement, word, scope, robot, findings, may_hide=True):
         return
     numbers = _numbers(statement, Values.JOINTS, tuple(values[1:]), scope, defaults, robot, findings)
     if numbers is not None:
         check_limits(robot, numbers, findings, statement.whole_span)
-    scope.declare(word.name, JointPosition(robot.home if numbers is None else constant(numbers)))
+    position = JointPosition(robot.home if numbers is None else constant(numbers))
+    scope.declare(word.name, position, Where(findings.source, statement.span(word.place)))
 
 
 def joint_values(
@@ -153,10 +180,12 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
         findings.add(error.code, error.message, statement.span(error.place), error.help)
         found = Amount(1.0)
     if allowed:
-        scope.declare(word.name, found)
+        scope.declare(word.name, found, Where(findings.source, statement.span(word.place)))
 
 
-def declare_signal(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> Output | None:
+def declare_signal(
+    statement: Statement, scope: Scope, robot: Robot, signals: Signals, findings: Collector
+) -> Output | None:
     """INPUT DOOR M11, OUTPUT GLUE M1 OFF; an output is given back."""
     kind = statement.name.name
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
@@ -179,12 +208,15 @@ def declare_signal(statement: Statement, scope: Scope, robot: Robot, findings: C
         findings.add("Y0413", f"{variable.text} {found.fault}", span, found.remedy)
         return None
     signal = Signal(word.name, found.name)
+    where = Where(findings.source, statement.span(word.place))
     if kind == "INPUT":
-        scope.declare(word.name, Input(signal))
+        scope.declare(word.name, Input(signal), where)
+        findings.found += signals.add("input", signal, None, where)
         return None
     safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
     output = Output(signal, safe)
-    scope.declare(word.name, output)
+    scope.declare(word.name, output, where)
+    findings.found += signals.add("output", signal, safe, where)
     return output
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount
+from yarclang.source import SourceFile, Span
 
 BASE = "B"
 FLANGE = "FLANGE"
@@ -59,6 +60,19 @@ class Library:
     scope: Scope
 
 
+@dataclass(frozen=True, slots=True)
+class Where:
+    """Where something was declared."""
+
+    source: SourceFile
+    span: Span
+
+    def seen_from(self, source: SourceFile) -> str:
+        """How a message in `source` speaks of it."""
+        line = f"line {self.span.line}"
+        return line if source.name == self.source.name else f"{line} of {self.source.name}"
+
+
 Named = Amount | JointPosition | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
@@ -74,12 +88,13 @@ KINDS: dict[type, str] = {
 class Scope:
     """The names of a block, and those of the blocks around it."""
 
-    __slots__ = ("_frames", "_names", "_outer")
+    __slots__ = ("_frames", "_names", "_outer", "_places")
 
     def __init__(self, outer: Scope | None = None) -> None:
         self._outer = outer
         self._names: dict[str, Named] = {}
         self._frames: dict[str, Frame] = {}
+        self._places: dict[str, Where] = {}
 
     @classmethod
     def of_robot(cls, robot: Robot) -> Scope:
@@ -119,9 +134,26 @@ class Scope:
             scope = scope._outer
         return None
 
-    def declare(self, name: str, meaning: Named) -> None:
+    def declare(self, name: str, meaning: Named, where: Where | None = None) -> None:
         """Give a name a meaning from here on."""
         self._names[name] = meaning
+        if where is not None:
+            self._places[name] = where
+
+    def where(self, name: str) -> Where | None:
+        """Where a name was declared; None for those of the robot."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope._names:
+                return scope._places.get(name)
+            scope = scope._outer
+        return None
+
+    def where_frame(self, name: str) -> Where | None:
+        """Where a frame was declared; None for those of the robot."""
+        found = self.frame(name)
+        link = found.link if found is not None else None
+        return Where(link.source, link.span) if link and link.source and link.span else None
 
     def declare_frame(self, name: str, frame: Frame) -> None:
         """Give a frame's name a meaning from here on."""
@@ -156,4 +188,5 @@ class Scope:
         """The same names, as they are now."""
         made = Scope(self._outer.copy() if self._outer is not None else None)
         made._names, made._frames = dict(self._names), dict(self._frames)
+        made._places = dict(self._places)
         return made

@@ -9,15 +9,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, suggest
 from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
 from yarclang.robot.model import Robot
 from yarclang.semantics.actions import ACTIONS, read_action, read_when
 from yarclang.semantics.amounts import Amount, AmountError
+from yarclang.semantics.arguments import Given, name_arguments, said_of_time
+from yarclang.semantics.cells import Cells
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.declarations import check_robot, read_default, read_start
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.frames import known_frame
+from yarclang.semantics.indices import check_indices, commands_of
 from yarclang.semantics.names import ResolvedName, resolve_name
 from yarclang.semantics.naming import (
     declare_frame,
@@ -28,7 +32,18 @@ from yarclang.semantics.naming import (
     may_be_declared,
 )
 from yarclang.semantics.parts import refuse_parts
-from yarclang.semantics.scope import KINDS, Frame, Input, JointPosition, Library, Named, Routine, Scope
+from yarclang.semantics.scope import (
+    KINDS,
+    Frame,
+    Input,
+    JointPosition,
+    Library,
+    Named,
+    Routine,
+    Scope,
+    Where,
+)
+from yarclang.semantics.signals import Signals
 from yarclang.semantics.to_hir import origin_of, to_step
 from yarclang.semantics.units import amount, number_fault
 from yarclang.source import Span
@@ -98,6 +113,7 @@ class Unrolled:
     steps: list[Step]
     start: Array | None
     outputs: list[Output]
+    cell: Cell | None
     findings: list[Diagnostic]
 
 
@@ -113,6 +129,8 @@ class _Unroller:
         self._robot: Robot = context.robot
         self._steps: list[Step] = []
         self._outputs: list[Output] = []
+        self._signals = Signals()
+        self._cells = Cells(context)
         self._start: Array | None = None
         self._collectors: list[Collector] = []
         self._names: dict[tuple[int, int], ResolvedName | None] = {}
@@ -120,6 +138,7 @@ class _Unroller:
         self._loading: list[str] = []
         self._modules: dict[str, Library] = {}
         self._calls: list[Sub] = []
+        self._given: list[Given] = []
         self._commands = 0
         self._whens = 0
         self._ended: str | None = None
@@ -142,8 +161,12 @@ class _Unroller:
             self._steps.append(Gap())
         if module.unreadable_lines:
             self._steps.append(Gap())
+        if self._cells.broken:
+            self._steps[:] = [Gap()]  # poses and positions that aren't what they should be needn't be planned
         found = [one for collector in self._collectors for one in collector.found]
-        return Unrolled(self._steps, self._start, self._outputs, found)
+        return Unrolled(
+            self._steps, self._start, self._outputs, self._cells.cell, self._cells.without_followers(found)
+        )
 
     def _file(self, module: Module, *, is_program: bool) -> File:
         findings = Collector(module.source)
@@ -207,10 +230,11 @@ class _Unroller:
         if count is None:
             self._steps.append(Gap())
             return
+        where = None if word is None else Where(file.findings.source, head.span(word.place))
         for number in range(count):
             inner = Scope(scope)
             if word is not None:
-                inner.declare(word.name, Amount(float(number)))
+                inner.declare(word.name, Amount(float(number)), where)
             label = f"{word.name}={number}" if word is not None else f"#{number}"
             before = self._commands
             self._nodes(block.body, file, inner, _looped(place, label))
@@ -274,7 +298,7 @@ class _Unroller:
             findings.add("Y0208", f"{word} stands behind a command", span, "move it above the first command")
             return
         file.seen.setdefault(word, statement.line)
-        if not file.is_program and word in ("ROBOT", "CELL", "START"):
+        if not file.is_program and word in ("ROBOT", "START"):
             findings.add("Y0208", f"{word} belongs into the program, not into a module", span, "take it away")
             return
         match word:
@@ -291,15 +315,13 @@ class _Unroller:
             case "LET":
                 declare_number(statement, scope, self._robot, findings)
             case "INPUT" | "OUTPUT":
-                output = declare_signal(statement, scope, self._robot, findings)
+                output = declare_signal(statement, scope, self._robot, self._signals, findings)
                 if output is not None:
                     self._outputs.append(output)
             case "USE":
                 self._use(statement, file, scope)
-            case _:
-                findings.add(
-                    "Y0207", f"{word} is not carried out by this version", span, "take the line away"
-                )
+            case "CELL":
+                self._outputs += self._cells.read(statement, scope, self._signals, findings, file.is_program)
 
     def _use(self, statement: Statement, file: File, scope: Scope) -> None:
         values = _values(statement)
@@ -320,7 +342,7 @@ class _Unroller:
             return
         library = self._modules.get(word.name) or self._load(word, span, file)
         if library is not None:
-            scope.declare(word.name, library)
+            scope.declare(word.name, library, Where(file.findings.source, span))
         else:
             self._steps.append(Gap())
 
@@ -338,6 +360,7 @@ class _Unroller:
             return None
         inner = self._file(module, is_program=False)
         inner.findings.found += loaded.diagnostics
+        check_indices(commands_of(module), inner.findings)
         self._loading.append(word.name)
         try:
             nodes = self._arranged(module, inner)
@@ -377,7 +400,7 @@ class _Unroller:
         if may_be_declared(block.head, word, scope, self._robot, file.findings):
             # what is declared behind it isn't known in it; its own name is, so that recursion is seen
             sub = Sub(block, scope, file)
-            scope.declare(word.name, Routine(sub))
+            scope.declare(word.name, Routine(sub), Where(file.findings.source, block.head.span(word.place)))
             sub.scope = _snapshot(scope)
             self._check_parameters(sub)
 
@@ -390,8 +413,10 @@ class _Unroller:
                     seen.declare_frame(parameter.name, Frame(np.eye(4), on_flange=False))
                 continue
             word = parameter.word if isinstance(parameter, Parameter) else parameter
-            if isinstance(word, Word) and may_be_declared(head, word, seen, self._robot, findings):
-                seen.declare(word.name, Amount(0.0))
+            if isinstance(word, Word) and may_be_declared(
+                head, word, seen, self._robot, findings, may_hide=True
+            ):
+                seen.declare(word.name, Amount(0.0), Where(findings.source, head.span(word.place)))
             if (
                 isinstance(parameter, Parameter)
                 and (unit := parameter.unit)
@@ -436,11 +461,25 @@ class _Unroller:
             self._steps.append(Gap())
             return
         self._calls.append(sub)
+        self._given.append(self._told(sub, statement, values[1:], file))
         try:
             self._nodes(sub.block.body, sub.file, inner, (*_at(place, _index(statement)), ""))
         finally:
             self._calls.pop()
+            self._given.pop()
             sub.file.findings.place = ""
+
+    def _told(self, sub: Sub, statement: Statement, given: list[Value], file: File) -> Given:
+        """What a CALL gives for each parameter, as findings in the SUB speak of it."""
+        told: dict[str, str] = {}
+        for parameter, value in zip(_values(sub.block.head)[1:], given, strict=True):
+            if isinstance(parameter, Word | Parameter):
+                word = parameter.word if isinstance(parameter, Parameter) else parameter
+                line = Where(file.findings.source, statement.span(value.place))
+                told[word.name] = (
+                    f"{word.text} is `{value.text}` in {line.seen_from(sub.file.findings.source)}"
+                )
+        return told
 
     def _refuse_recursion(self, word: Word, span: Span, findings: Collector) -> None:
         names = [one.name for one in self._calls]
@@ -462,7 +501,8 @@ class _Unroller:
         inner = Scope(sub.scope)
         fine = True
         for parameter, value in zip(wanted, given, strict=True):
-            fine &= self._bind(parameter, value, inner, statement, file, scope)
+            where = Where(sub.file.findings.source, sub.block.head.span(parameter.place))
+            fine &= self._bind(parameter, value, inner, statement, file, scope, where)
         return inner if fine else None
 
     def _bind(
@@ -473,8 +513,9 @@ class _Unroller:
         statement: Statement,
         file: File,
         scope: Scope,
+        where: Where,
     ) -> bool:
-        """One parameter; a finding where the argument is of another kind."""
+        """One parameter, declared at `where`; a finding where the argument is of another kind."""
         findings, span = file.findings, statement.span(value.place)
         if isinstance(parameter, FrameName):
             if not isinstance(value, FrameName):
@@ -521,7 +562,7 @@ class _Unroller:
         else:
             findings.add("Y0411", f"`{value.text}` is no argument", span)
             return False
-        inner.declare(word.text.upper(), meaning)
+        inner.declare(word.text.upper(), meaning, where)
         return True
 
     # commands
@@ -543,6 +584,7 @@ class _Unroller:
             return
         where = _at(place, _index(statement))
         file.findings.place = _shown(where) if place else ""
+        given, before = self._given[-1] if self._given else {}, len(file.findings.found)
         step: Step | None
         if word in ACTIONS:
             step = read_action(statement, scope, file.defaults, file.findings)
@@ -557,6 +599,9 @@ class _Unroller:
             message = "STOP in a WHEN is not carried out by this version"
             file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
             step = None
+        name_arguments(statement, file.findings, before, given)
+        if step is not None and not isinstance(step, Gap) and (told := said_of_time(statement.time, given)):
+            step = replace(step, origin=replace(step.origin, time_given=told))
         self._steps.append(step or Gap())
         if isinstance(step, Stop):
             self._ended = step.origin.label or "STOP"

@@ -73,11 +73,14 @@ class _Scanner:
         """`[a.b]` or `[[a.b]]`; the path of its table, with the count in an array of tables."""
         array = self.text.startswith("[[", self.at)
         self.at += 2 if array else 1
+        self.skip()
+        start = self.at
         path = self.key((), resolve=True)
         if array:
             number = self.counts.get(path, 0)
             self.counts[path] = number + 1
-            self.keys.setdefault((*path, number), self.keys[path])
+            end = start + len(self.text[start : self.at].rstrip())
+            self.keys.setdefault((*path, number), self.span(start, end))
             path = (*path, number)
         self.at += 2 if array else 1
         return path

@@ -1,0 +1,55 @@
+"""Where cells are: the path of a CELL line counts from the file that it stands in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from yarclang.cell.description import Names, load_cell
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Diagnostic, Result, in_order
+from yarclang.robot.description import load_robot
+from yarclang.robot.library import DESCRIPTION
+from yarclang.robot.model import Robot
+from yarclang.semantics.naming import is_word
+from yarclang.source import SourceFile
+
+SUFFIX = ".toml"
+
+
+def cell_loader(folder: Path, robot: Robot) -> Callable[[str, SourceFile | None], Result[Cell]]:
+    """How cells of a program in `folder` are read: the path of a CELL line, and the module that it stands in (None: the program).
+
+    The same file gives the same cell, whatever paths lead to it.
+    """
+    known: dict[Path, Result[Cell]] = {}
+
+    def load(path: str, module: SourceFile | None) -> Result[Cell]:
+        place = (folder if module is None else Path(module.name).parent) / path
+        try:
+            key = place.resolve()
+        except (OSError, ValueError, RuntimeError):  # a name that can't be one, links in a circle
+            key = place
+        if key not in known:
+            known[key] = load_cell(place, Names(is_word, robot))
+        return known[key]
+
+    return load
+
+
+def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ...]:
+    """The findings of a cell.toml, or of a robot.toml, by itself.
+
+    Args:
+        path: the file; one that is called robot.toml is a robot's.
+        robot_name: the robot for which joint values of a cell are checked; without one, all is checked that holds for any.
+    """
+    if Path(path).name.lower() == DESCRIPTION:
+        return load_robot(path).diagnostics
+    robot: Robot | None = None
+    if robot_name is not None:
+        found = load_robot(robot_name)
+        if found.value is None:
+            return found.diagnostics
+        robot = found.value
+    return in_order(load_cell(Path(path), Names(is_word, robot)).diagnostics)

@@ -1,0 +1,79 @@
+"""What a CALL gave: so that a finding about `$T` in a SUB names the line that said what T is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+
+from yarclang.diagnostics import Collector, Diagnostic
+from yarclang.hir import Gap, Origin, Step
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Computed, ComputedPercent, Statement, Time
+from yarclang.syntax.expressions import Expression, Name, parts_of
+
+Given = Mapping[str, str]
+"""By the name of each parameter of a SUB that is being carried out, in upper case: what was given for it, and where."""
+
+
+def said_of_time(time: Time | None, given: Given) -> str:
+    """What was given for the parameters in a motion time; empty where there is none in it."""
+    items = time.items if time is not None else ()
+    return _said((item for item in items if isinstance(item, Computed | ComputedPercent)), given)
+
+
+def name_arguments(statement: Statement, findings: Collector, since: int, given: Given) -> None:
+    """Add to the findings about a statement, from number `since` on, what was given for the parameters that they are about."""
+    if not given or len(findings.found) == since:
+        return
+    computed = [
+        item
+        for item in (
+            *(value for waypoint in statement.waypoints for value in waypoint.values),
+            *(statement.time.items if statement.time else ()),
+            *(option.argument for option in statement.options),
+        )
+        if isinstance(item, Computed | ComputedPercent)
+    ]
+    for at in range(since, len(findings.found)):
+        one = findings.found[at]
+        if one.span is not None:
+            span = one.span
+            about = (item for item in computed if _overlap(statement.span(item.place), span))
+            findings.found[at] = _with(one, _said(about, given))
+
+
+def name_arguments_of_times(findings: Iterable[Diagnostic], steps: Iterable[Step]) -> Iterator[Diagnostic]:
+    """The planner's findings; those about a motion time with what a CALL gave for it."""
+    times: dict[tuple[SourceFile, Span, str], Origin] = {}
+    for step in steps:
+        if not isinstance(step, Gap) and step.origin.time_given and step.origin.time_span:
+            times[step.origin.source, step.origin.time_span, step.origin.place] = step.origin
+    for one in findings:
+        origin = times.get((one.source, one.span, one.place)) if one.source and one.span else None
+        # the number would be written over the parameter, for all calls
+        yield one if origin is None else replace(_with(one, origin.time_given), fix=None)
+
+
+def _said(items: Iterable[Computed | ComputedPercent], given: Given) -> str:
+    names = dict.fromkeys(name for item in items for name in _names(item.expression))
+    return "; ".join(given[name] for name in names if name in given)
+
+
+def _names(expression: Expression) -> Iterator[str]:
+    if isinstance(expression, Name):
+        yield expression.name
+    for part in parts_of(expression):
+        yield from _names(part)
+
+
+def _overlap(one: Span, other: Span) -> bool:
+    first, last = (one.line, one.column), (one.end_line, one.end_column)
+    return first < (other.end_line, other.end_column) and (other.line, other.column) < last
+
+
+def _with(finding: Diagnostic, said: str) -> Diagnostic:
+    return (
+        finding
+        if not said
+        else replace(finding, help="; ".join(part for part in (finding.help, said) if part))
+    )

@@ -138,3 +138,17 @@ def test_a_spline_is_scipy_s_natural_one():
     s = np.linspace(0, 1, 500)
     expected = CubicSpline(knots / knots[-1], through, bc_type="natural")(s)
     assert plan.motions[0].path.joints(s) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
+def test_a_motion_that_comes_back_but_for_rounding_goes_nowhere(robot):
+    text = """DEFAULT {TCP} [5] (mm,deg,s) {B}
+P0010 MOVEJ_RPY 0 800 700 10 20 30
+P0020 MOVEL 0 800 720 10 20 30
+P0030 MOVEJ_RPY 0 800 720 10 20 30
+P0040 DMOVE 0 0 -20 0 0 0
+P0050 MOVEJ_RPY 0 800 700 10 20 30
+P0060 DMOVEJ 0.000001 0 0 0 0 0"""
+    plan, diagnostics = planned(text, robot)
+    assert plan is not None
+    assert [(one.code, one.span.line) for one in diagnostics] == [("Y0603", 4), ("Y0603", 6)]

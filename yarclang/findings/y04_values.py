@@ -156,6 +156,6 @@ FINDINGS = (
         "start, via and end give no circle",
         "MOVEC goes through three points. Points that coincide or lie on a line have no circle through them. A full circle is two arcs.",
         "P0010 MOVEC {TCP} 0 1174.4 1026; 0 1174.4 926 0 0 0 [4] (mm,deg,s) {B}",
-        "P0010 MOVEC {TCP} 50 1174.4 1126; 0 1174.4 1076 0 0 0 [4] (mm,deg,s) {B}",
+        "P0010 MOVEJ 0 -10 -40 0 -30 0 [5] (deg,s)\nP0020 MOVEC {TCP} 50 1174.4 1126; 0 1174.4 1076 0 0 0 [MIN] (mm,deg,s) {B}",
     ),
 )

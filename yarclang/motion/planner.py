@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
 from yarclang.motion import messages
@@ -77,6 +75,10 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
     return Result(MotionPlan(program, robot, tuple(motions)) if complete else None, tuple(diagnostics))
 
 
+NO_WAY = 1e-9
+"""The longest way of a joint [axis units] that is rounding."""
+
+
 @dataclass(slots=True)
 class _Planner:
     robot: Robot
@@ -85,7 +87,9 @@ class _Planner:
 
     def curve(self, step: Motion, path: Path, findings: Collector) -> Curve | None:
         """The path in the time, or at the speed, that the command asks for."""
-        if isinstance(path, JointPath) and np.array_equal(path.start, path.end):
+        # inverse kinematics and sums come back to a place but for rounding: far below a count, nothing moves
+        way = path.slope / self.robot.axis_units if isinstance(path, JointPath) else None
+        if way is not None and bool((way <= NO_WAY).all()):
             findings.add(*messages.no_motion(step.origin))
         timing, tolerance, grid = step.timing, self.settings.tolerance, self.settings.grid
         if step.tolerance is not None:

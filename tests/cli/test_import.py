@@ -105,3 +105,26 @@ def test_no_robot_and_no_file():
     assert "Y1391" in run("import", "-", input=TABLE).stderr
     missing = run("import", "nowhere.csv", "--robot", "INDUSTRIAL6")
     assert (missing.exit_code, "Y0107" in missing.stderr) == (1, True)
+
+
+def test_a_file_of_named_states_is_nearly_a_module(tmp_path):
+    joints = "".join(f'<joint name="J{number}" value="0.1"/>' for number in range(1, 7))
+    text = f'<robot name="arm"><group_state name="ready" group="arm">{joints}</group_state></robot>'
+    (tmp_path / "poses.srdf").write_text(text)
+    assert run("import", "poses.srdf", "--robot", "INDUSTRIAL6").exit_code == 0
+    assert run("check", "poses.yarc").exit_code == 0
+    lines = (tmp_path / "poses.yarc").read_text().splitlines()
+    kept = [line for line in lines if not line.startswith("ROBOT") and not line.endswith("STOP")]
+    (tmp_path / "poses.yarc").write_text("\n".join(kept))
+    (tmp_path / "main.yarc").write_text("ROBOT INDUSTRIAL6\nUSE POSES\nP0010 MOVEJ POSES.READY [MIN]\n")
+    assert run("check", "main.yarc").exit_code == 0
+
+
+def test_times_that_break_limits_are_told_by_the_check(tmp_path):
+    (tmp_path / "fast.csv").write_text(TIMED.replace("t [s]", "t [ms]"))
+    assert run("import", "fast.csv", "--robot", "INDUSTRIAL6").exit_code == 0
+    assert "Y0601" in run("check", "fast.yarc").stderr
+    assert (
+        run("import", "fast.csv", "--robot", "INDUSTRIAL6", "--time", "MIN", "-o", "min.yarc").exit_code == 0
+    )
+    assert run("check", "min.yarc").exit_code == 0

@@ -45,6 +45,10 @@ def test_the_cell_can_be_read(tmp_path, robot):
     cell = load_cell(tmp_path / "demo" / "cell.toml", names)
     assert cell.diagnostics == ()
     assert "TABLE" in cell.value.frames
+    program = tmp_path / "demo" / "demo.yarc"
+    program.write_text(program.read_text().replace("P0030 STOP", "P0030 MOVEL 0 0 0 0 0 0 {TABLE} [9]"))
+    found = CliRunner().invoke(main, ["check", str(program)]).stderr
+    assert "Y0210" not in found  # the frame is known, wherever it is
 
 
 def test_no_mark_of_the_template_is_left(tmp_path):

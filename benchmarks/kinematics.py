@@ -1,0 +1,192 @@
+"""Figures of the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
+
+Parts: `branches` (all solutions of the closed form, in batches), `search` (random reachable poses within limits,
+without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in an
+environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import arms
+import numpy as np
+import programs
+from measure import process
+
+from yarclang.robot.chain import joints_between, screws
+from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics import branches, flange_poses, reaching
+from yarclang.robot.kinematics.nearest import nearest_turn
+from yarclang.robot.kinematics.search import span
+from yarclang.robot.model import Chain, Limits
+from yarclang.robot.urdf import MOVING, read_urdf
+from yarclang.source import SourceFile
+
+COUNT, PEER_COUNT = 10_000, 1000
+TASKS = {
+    # base, tip, the peers that know such an arm
+    "UR5": ("base_link", "tool0", ("pin", "rtb", "eaik")),
+    "Panda": ("panda_link0", "panda_link8", ("pin", "rtb")),
+    "calibrated": ("base_link", "flange", ("pin", "rtb")),
+    "Kinova": ("j2s6s200_link_base", "j2s6s200_end_effector", ("pin", "rtb", "eaik")),
+}
+ROUNDS = 15
+
+
+def main() -> None:
+    """Measure what is asked for."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"some of {', '.join(PARTS)}; default: all")
+    parser.add_argument("--peer-python", default=os.environ.get("PEER_PYTHON", ""))
+    options = parser.parse_args()
+    for name in options.parts or PARTS:
+        for row in PARTS[name](options):
+            print(row, flush=True)
+
+
+def _median(work: Callable[[], Any], rounds: int = ROUNDS) -> tuple[float, float]:
+    """Median and least wall time [s]; a first run isn't counted."""
+    work()
+    times = []
+    for _ in range(rounds):
+        begun = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begun)
+    return statistics.median(times), min(times)
+
+
+def measure_branches(_: argparse.Namespace) -> Iterator[str]:
+    """All branches of the spherical-wrist arm."""
+    robot = load_robot("INDUSTRIAL6").value
+    assert robot is not None
+    yield "| all branches of INDUSTRIAL6, poses in a batch | median | least | goal |\n|---|---|---|---|"
+    for count in (100, 1000, 10_000):
+        poses = flange_poses(robot.chain, _draw(robot.chain, robot.limits, count))
+        middle, least = (one / count * 1e6 for one in _median(partial(branches, robot.chain, poses)))
+        yield f"| {count:,} | {middle:.2f} µs a pose | {least:.2f} µs | 3 µs |"
+
+
+def measure_search(options: argparse.Namespace) -> Iterator[str]:
+    """Random reachable poses within limits."""
+    yield "| random reachable poses | solved within limits | a pose | goal |\n|---|---|---|---|"
+    for name, (base, tip, peers) in TASKS.items():
+        text = arms.urdf(name)
+        chain, limits, joints = _arm(text, base, tip, name)
+        poses = flange_poses(chain, _draw(chain, limits, COUNT))
+        reaching(chain, limits, poses[:100])
+        begun = time.perf_counter()
+        q, _ = reaching(chain, limits, poses)
+        seconds = time.perf_counter() - begun
+        share = _solved(chain, limits, poses, q[:, None])
+        yield f"| {name}: ours | {share * 100:.2f} % of {COUNT:,} | {seconds / COUNT * 1e6:.0f} µs | 99.9 % |"
+        task = {
+            "urdf": text,
+            "base": base,
+            "tip": tip,
+            "joints": joints,
+            "poses": poses[:PEER_COUNT].tolist(),
+            "lower": limits.lower.tolist(),
+            "upper": limits.upper.tolist(),
+            "screws": chain.screws.tolist(),
+            "home": chain.base_from_flange.tolist(),
+        }
+        for peer in peers:
+            python = sys.executable if peer == "pin" else options.peer_python
+            if python:
+                yield _peer(name, peer, python, task, chain, limits, poses[:PEER_COUNT])
+
+
+def _peer(name: str, peer: str, python: str, task: Any, chain: Chain, limits: Limits, poses: Any) -> str:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "task.json")
+        path.write_text(json.dumps(task), encoding="utf-8")
+        made = process(python, str(Path(__file__).with_name("peer_search.py")), peer, str(path))
+    found = json.loads(made.output)
+    most = max(len(rows) for rows in found["q"])
+    q = np.array([rows + rows[:1] * (most - len(rows)) for rows in found["q"]])
+    low, high = span(chain, limits)
+    q = nearest_turn(chain, limits, q, 0.5 * (low + high))  # a full turn more or less isn't held against it
+    share = _solved(chain, limits, poses, q)
+    return f"| {name}: {peer} | {share * 100:.2f} % of {len(poses):,} | {found['seconds'] / len(poses) * 1e6:.0f} µs | |"
+
+
+def measure_line(_: argparse.Namespace) -> Iterator[str]:
+    """MOVELs of 400 samples, from checked program to plan."""
+    from yarclang.pipeline import inputs, stages
+
+    text = programs.lines(100).replace("[1]", "[2]")
+    opened = inputs.open_source(SourceFile("benchmark.yarc", text), Path.cwd(), inputs.Options(tm=5.0)).value
+    assert opened is not None
+    checked = stages.check_program(opened.module, opened.request).value
+    assert checked is not None
+    settings: list[Any] = []
+    plan = stages.plan
+
+    def kept(*arguments: Any) -> Any:
+        settings[:] = arguments
+        return plan(*arguments)
+
+    stages.plan = kept
+    stages.plan_module(opened.module, opened.request)
+    stages.plan = plan
+    planned = plan(*settings).value
+    assert planned is not None
+    counts = [motion.curve.segments for motion in planned.motions[1:]]
+    middle, least = _median(lambda: plan(*settings))
+    yield "| a checked program planned | median | least | goal |\n|---|---|---|---|"
+    yield (
+        f"| a MOVEL of {statistics.mean(counts):.0f} samples, one of {len(counts)} | "
+        f"{middle / len(counts) * 1e3:.2f} ms | {least / len(counts) * 1e3:.2f} ms | 3 ms |"
+    )
+
+
+PARTS = {"branches": measure_branches, "search": measure_search, "line": measure_line}
+
+
+def _arm(text: str, base: str, tip: str, name: str) -> tuple[Chain, Limits, list[str]]:
+    """Chain, position limits and joint names of a URDF's arm; the paper's robot has those of its robot.toml."""
+    urdf = read_urdf(SourceFile("arm.urdf", text))
+    joints = [joint for joint in joints_between(urdf, base, tip) or () if joint.kind in MOVING]
+    chain = screws(urdf, base, tip, joints)
+    assert chain is not None, urdf.findings
+    ends = [
+        (joint.lower, joint.upper) if joint.kind != "continuous" else (-np.inf, np.inf) for joint in joints
+    ]
+    lower, upper = (np.array([end[side] for end in ends], dtype=float) for side in (0, 1))
+    if name == "calibrated":
+        robot = load_robot("INDUSTRIAL6").value
+        assert robot is not None
+        lower, upper = robot.limits.lower, robot.limits.upper
+    ones = np.ones(len(joints))
+    return chain, Limits(lower, upper, ones, ones, ones, ones), [joint.name for joint in joints]
+
+
+def _draw(chain: Chain, limits: Limits, count: int) -> Any:
+    """Random joint positions (count, n) within limits."""
+    low, high = span(chain, limits)
+    return low + np.random.default_rng(0).random((count, chain.size)) * (high - low)
+
+
+def _solved(chain: Chain, limits: Limits, poses: Any, q: Any) -> float:
+    """The share of poses that one of the answers (N, B, n) reaches within 1e-8 and limits."""
+    stand = flange_poses(chain, q.reshape(-1, chain.size)).reshape(*q.shape[:2], 4, 4)
+    good = np.abs(stand - poses[:, None]).max(axis=(2, 3)) < 1e-8
+    good &= ((q >= limits.lower - 1e-8) & (q <= limits.upper + 1e-8)).all(axis=2)
+    return float(good.any(axis=1).mean())
+
+
+if __name__ == "__main__":
+    main()

@@ -15,7 +15,7 @@ from yarclang.runtime.performance import connect, perform
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned, stand
 
-NAMES = sorted(path.name for path in EXAMPLES.glob("0[5-8]_*.yarc"))
+NAMES = sorted(path.name for path in EXAMPLES.glob("0[5-9]_*.yarc"))
 
 
 class Cell:
@@ -48,7 +48,7 @@ class Cell:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_runs_to_its_end(name):
-    opened = open_program(str(EXAMPLES / name), Options()).value
+    opened = open_program(str(EXAMPLES / name), Options(robot="INDUSTRIAL6")).value
     compiled = compile_module(opened.module, opened.request).value
     robot = opened.request.robot
     job = job_of_text(compiled.text, robot, name).value
@@ -68,4 +68,4 @@ def test_an_example_runs_to_its_end(name):
 
 
 def test_there_are_such_examples():
-    assert len(NAMES) == 4
+    assert len(NAMES) == 5

@@ -11,13 +11,13 @@ from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import compile_module
 
 GOLDEN = HERE / "golden"
+WITHOUT_ROBOT = ("01_listing4", "09_fixture_cell")
 PROGRAMS = sorted(EXAMPLES.glob("*.yarc"))
 
 
 def make(path, target="rotary"):
-    opened = open_program(
-        str(path), Options(robot="INDUSTRIAL6" if path.stem == "01_listing4" else None, target=target)
-    )
+    robot = "INDUSTRIAL6" if path.stem in WITHOUT_ROBOT else None
+    opened = open_program(str(path), Options(robot=robot, target=target))
     compiled = compile_module(opened.value.module, opened.value.request)
     assert not [one for one in (*opened.diagnostics, *compiled.diagnostics) if one.is_error]
     # versions of libraries stand in the header: the rest doesn't depend on them

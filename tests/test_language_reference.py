@@ -14,6 +14,8 @@ import yarclang
 from yarclang.commands.registry import commands
 from yarclang.findings import CATALOGUE, FAMILIES
 from yarclang.motion.profile import profile_names
+from yarclang.pipeline.cells import cell_loader
+from yarclang.robot.description import load_robot
 from yarclang.semantics.declarations import declared_robot
 from yarclang.units import UNITS
 
@@ -22,6 +24,7 @@ REFERENCE = ROOT / "docs" / "language.md"
 TEXT = REFERENCE.read_text(encoding="utf-8")
 
 _BLOCK = re.compile(r"^```yarc *(?P<info>[^\n]*)\n(?P<program>.*?)^```$", re.DOTALL | re.MULTILINE)
+_TOML = re.compile(r"^```toml (?P<name>\S+)\n(?P<content>.*?)^```$", re.DOTALL | re.MULTILINE)
 _LABEL = re.compile(r"(error|warning|note) (Y\d{4})")
 _CODES = re.compile(r"(?<=<!-- codes -->\n).*?(?=<!-- /codes -->)", re.DOTALL)
 _NOT_YET = re.compile(r"(?<=<!-- not-yet -->\n).*?(?=<!-- /not-yet -->)", re.DOTALL)
@@ -59,10 +62,23 @@ def rewritten(part: re.Pattern[str], today: str) -> str:
     return today
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The TOML files that the reference shows, and the meshes that they name."""
+    made = tmp_path_factory.mktemp("reference")
+    for block in _TOML.finditer(TEXT):
+        (made / block["name"]).write_text(block["content"])
+        for mesh in re.findall(r'^file = "(.*?)"', block["content"], re.MULTILINE):
+            (made / mesh).write_text("solid a\nendsolid a\n")
+    return made
+
+
 @pytest.mark.parametrize(("info", "program"), BLOCKS)
-def test_example(info, program):
+def test_example(info, program, folder):
     """An example compiles without a finding, or has just the finding that stands at its head."""
-    value, diagnostics = compiled(program, robot_of(program))
+    robot = robot_of(program)
+    load_cell = cell_loader(folder, load_robot(robot).value)
+    value, diagnostics = compiled(program, robot, load_cell=load_cell)
     if not info:
         assert codes(diagnostics) == []
         assert value is not None

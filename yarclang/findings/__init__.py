@@ -18,7 +18,7 @@ FAMILIES = {
     "10": "flow",
     "11": "controller and certificate",
     "12": "style",
-    "13": "robot and settings files",
+    "13": "robot, cell and settings files",
     "14": "logs of runs",
     "15": "imported files, new projects",
 }

@@ -1,10 +1,12 @@
 """Tables to programs: headers, units, numbers; arbitrary tables keep their values."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from programs import checked, codes
+from programs import checked, codes, planned
 
 from tests.convert.conversions import NAMES, commands, converted, numbers, program_of, refused
 
@@ -67,6 +69,20 @@ def test_times_make_one_motion():
     assert "a point is passed at 2.000 s instead of 0.900 s" in program
     assert commands(program_of(text, said="deg", form="moves")) == ["MOVEJ"] * 3
     assert "[MIN]" in program_of(text, said="deg", time="MIN")
+
+
+def test_the_told_deviation_is_that_of_the_planned_motion():
+    rows = [(0, 0), (1, 4), (5, 9), (6, 30), (9, 31)]
+    text = f"{NAMES},t [s]\n" + "".join(f"{q},{-q},0,0,{q / 2},0,{time}\n" for time, q in rows)
+    program = program_of(text, said="deg")
+    told = re.search(r"passed at (\S+) s instead of (\S+) s", program)
+    motions = planned(program)[0]
+    times = np.linspace(0, 9, 9001)
+    at = np.degrees(motions.sample(times)[0][:, 0])
+    passed = {time: float(np.interp(q, at, times)) for time, q in rows}
+    worst = max(passed, key=lambda time: abs(passed[time] - time))
+    assert float(told[2]) == worst
+    assert float(told[1]) == pytest.approx(passed[worst], abs=0.03)
 
 
 def test_names_are_declared_once_and_comments_stay():

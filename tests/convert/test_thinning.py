@@ -64,7 +64,7 @@ def test_every_keeps_both_ends():
     rows = "".join(f"{n},0,0,0,0,0\n" for n in range(11))
     program = program_of(f"{NAMES}\n{rows}", said="deg", every=4)
     assert numbers(program)[:, 0].tolist() == [0, 4, 8, 10]
-    assert "4 of 11 points are kept (each 4th)" in program
+    assert "4 of 11 points are kept (one in 4)" in program
 
 
 def dense(count, seconds):

@@ -45,8 +45,8 @@ def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings:
     comments: tuple[str, ...] = ()
     if columns.comment is not None:
         comments = tuple(row[columns.comment.number] for row in table.rows)
-    what = "joint positions" if columns.target == "JOINTS" else "poses of {TCP} in {B}"
-    kind = f"a table of {len(table.rows):,} {what}"
+    what, where = ("joint position", "") if columns.target == "JOINTS" else ("pose", " of {TCP} in {B}")
+    kind = f"a table of {len(table.rows):,} {what}{'s' * (len(table.rows) > 1)}{where}"
     return Content(kind, (Course(columns.target, values, times, names, comments),))
 
 

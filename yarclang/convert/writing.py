@@ -173,17 +173,23 @@ def _without_repeats(course: Course) -> Course:
 
 def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
     """What becomes of the times of a course that is passed without a stop."""
-    if course.times is None or course.size < 3:
+    if course.size < 3:
         return
-    yield "All points are passed in one go: the arm speeds up once and slows down once, so the times between aren't kept."
-    if wishes.time is not None or course.target != "JOINTS":
+    yield "All points are passed in one go: the arm speeds up once and slows down once."
+    if course.target != "JOINTS":
+        yield "From pose to pose the joints follow their spline, not a straight line of the tool."
+        if course.times is not None:
+            yield "The times between aren't kept."
+        return
+    if course.times is None or wishes.time is not None:
         return
     way = way_shares(course.values * robot.axis_units)
     asked = course.times - course.times[0]
     passed = _lspb_time(way) * asked[-1]
     worst = int(np.argmax(np.abs(passed - asked)))
     yield (
-        f"The greatest deviation: a point is passed at {passed[worst]:.3f} s instead of {asked[worst]:.3f} s after the start."
+        f"The times between aren't kept; the greatest deviation: a point is passed at {passed[worst]:.3f} s instead of "
+        f"{asked[worst]:.3f} s after the start."
     )
 
 
@@ -220,7 +226,7 @@ def _check_density(course: Course, robot: Robot, wishes: Wishes, findings: Colle
 
 def _why_fewer(wishes: Wishes) -> str:
     """How the kept targets were chosen."""
-    parts = [f"each {wishes.every}th"] * (wishes.every > 1)
+    parts = [f"one in {wishes.every}"] * (wishes.every > 1)
     if wishes.tolerance is not None:
         parts.append(f"the others are within {wishes.tolerance:g} (deg and mm) of the way")
     return f" ({', '.join(parts)})" if parts else " (the others repeat the one before)"

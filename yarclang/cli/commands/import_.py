@@ -117,7 +117,9 @@ def command(
     show_findings(diagnostics)
     failed = any(one.is_error for one in diagnostics)
     if failed:
-        click.echo(f"{file}: {count_text(diagnostics)}; nothing written", err=True)
+        click.echo(
+            f"{'<stdin>' if file == STANDARD else file}: {count_text(diagnostics)}; nothing written", err=True
+        )
     elif destination != STANDARD:
         click.echo(f"written to {destination}; yarc check plans it")
     raise SystemExit(1 if failed else 0)

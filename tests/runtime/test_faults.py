@@ -200,6 +200,18 @@ def test_a_controller_that_cannot_be_reached_at_all():
     assert "disconnected" in run(world, job).what
 
 
+@pytest.mark.parametrize("late", ["slow:1.3", "freeze@0"])
+def test_a_controller_that_answers_too_slowly_or_not_at_all(late):
+    job, _ = prepared(tm=5)
+    world = world_of(job, prepare=False)
+    world.spoil_by(late)
+    with pytest.raises(Trouble, match="answers too slowly, or not at all: no reply to .* in time") as trouble:
+        world.perform(connect(world.operation))
+    assert "PMAC" not in trouble.value.what
+    assert trouble.value.remedy
+    assert world.operation.state is State.DISCONNECTED
+
+
 def test_something_else_at_the_address():
     job, _ = prepared(tm=5)
     world = world_of(job, prepare=False)
@@ -335,7 +347,10 @@ def test_a_controller_that_is_reset(saved):
     # nothing is closed or moved again
     assert looked_at(world, job) == [f"motor {motor}" for motor in job.robot.controller.motors]
     assert world.operation.state is State.FAULT
-    assert ended.joints is not None
+    # its registers count from where it woke up
+    assert ended.joints is None
+    assert "home it" in ended.remedy
+    assert "--from" not in ended.remedy
 
 
 @pytest.mark.parametrize("alone", [True, False])
@@ -409,6 +424,27 @@ def test_a_fault_is_seen_over_a_slow_link(delay):
     world.spoil_by(f"amplifier@{AT + 20 * delay}:1")
     fails(world, job, "motor 1: its amplifier reports a fault")
     held_within(world, since, AT + 20 * delay + 1.0)
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("amplifier@line30:1", "motor 1: its amplifier reports a fault"),
+        ("following@line30:3", "motor 3: its following error is beyond Ixx11"),
+    ],
+)
+def test_a_fault_while_the_program_is_loaded(fault, words):
+    """Nothing has moved: no command was executed, and it is the motor that is told of, not that R is refused."""
+    job, _ = prepared(tm=5)
+    world = world_of(job, faults=[fault])
+    ended = run(world, job)
+    assert not ended.well
+    assert words in ended.what
+    assert "ERR012" not in ended.what
+    assert "close its loop" in ended.remedy
+    assert (ended.command, ended.command_index, ended.done) == ("", "", 0.0)
+    assert State.MOVE not in world.states
+    assert world.operation.state is State.FAULT
 
 
 def test_all_motors_killed_by_somebody():

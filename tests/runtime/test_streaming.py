@@ -365,6 +365,38 @@ def test_a_host_that_stood_still_for_seconds(robot, tm):
     assert any(isinstance(notice, Remark) and notice.warning for notice in world.told)
 
 
+@pytest.mark.parametrize("asleep", [12.0, 300.0])
+def test_a_host_that_slept_for_long_waits_for_a_person(asleep):
+    """Somebody may stand at the robot by now: it stays held until it is resumed."""
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True, delay=0.005)
+    since = world.now
+    world.stall_at = [(since + 1.0, asleep)]
+    world.order(Resume(), 1.0 + asleep + 20.0)
+    ended = run(world, job)
+    assert ended.well, ended
+    assert at_its_end(world, job)
+    assert tuple(written(world)) == job.lines
+    assert moved_along(world, job, plan, since) < 1.0
+    assert "yarc resume" in world.words
+    moves = [
+        notice.time - since
+        for notice in world.told
+        if isinstance(notice, Changed) and notice.state is State.MOVE
+    ]
+    assert len(moves) == 2
+    assert moves[1] == pytest.approx(1.0 + asleep + 20.0, abs=0.5)
+
+
+def test_a_host_that_slept_through_the_end():
+    """All lines were in: there is nothing to resume."""
+    job, _ = prepared(tm=50)
+    world = world_of(job)
+    world.stall_at = [(world.now + 4.2, 60.0)]
+    assert run(world, job).well
+    assert at_its_end(world, job)
+
+
 def test_the_host_holds_before_the_guard_does():
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)

@@ -315,9 +315,12 @@ class _Run:
             async with asyncio.timeout(_RESCUE):
                 await session.perform(connect(session.operation))
                 joints = await session.perform(end_what_runs(session.operation, self.robot, abort=False))
-                self.screen.say(
-                    f"a bug of yarclang has ended the run; {self.robot.name} stands at {described(self.robot, joints)}"
+                where = (
+                    f"stands at {described(self.robot, joints)}"
+                    if joints is not None
+                    else "isn't homed any more"
                 )
+                self.screen.say(f"a bug of yarclang has ended the run; {self.robot.name} {where}")
         session.close()
 
     # saying how it ended

@@ -46,6 +46,10 @@ class Lost(Exception):  # noqa: N818 - an event that scripts unwind for
     """The connection is of no use any more: late, closed, or something came that can't be a reply."""
 
 
+class TooLate(Lost):
+    """Lost because no whole reply came in time: the other end is slow, or stands still."""
+
+
 class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
     """The run can't go on: what is the matter, and what to do about it."""
 

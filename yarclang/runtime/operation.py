@@ -10,7 +10,7 @@ import re
 from collections import deque
 
 from yarclang.pmac.errors import ERRORS
-from yarclang.runtime.actions import Lost, Script, Trouble, Wait
+from yarclang.runtime.actions import Lost, Script, TooLate, Trouble, Wait
 from yarclang.runtime.messages import (
     Answer,
     Ask,
@@ -32,6 +32,9 @@ PATIENCE = 2.0
 
 URGENT = (Hold, Stop, Abort, Fail)
 """Orders that don't wait for anything but the reply that is on its way."""
+
+LONGEST_SLEEP = 10.0
+"""A process that stood still for longer doesn't go on with a motion by itself [s]."""
 
 _AGAIN = 0.02
 """When a busy controller is asked again [s]."""
@@ -61,7 +64,6 @@ class Operation:
     """One run against one controller.
 
     Attributes:
-        now: the host's clock [s].
         state: see `yarclang.runtime.state`.
         orders: what people want, oldest first.
         notices: what is to be told, oldest first; whoever tells it takes it away.
@@ -69,10 +71,14 @@ class Operation:
         patience: how long a controller may be busy [s].
         override: the pace that people want, 1 at 100 %; it stays from one job to the next.
         settled: no motor's rest before counts [s]: the time base may still be on its way to 0.
+        longest_sleep: when the clock jumps by more [s], this process stood still.
+        slept: by how much it has jumped then [s]; 0 once that was looked at.
     """
 
     def __init__(self, now: float = 0.0) -> None:
-        self.now = now
+        self._now = now
+        self.longest_sleep = LONGEST_SLEEP
+        self.slept = 0.0
         self.state = State.DISCONNECTED
         self.orders: deque[Order] = deque()
         self.notices: deque[Notice] = deque()
@@ -80,6 +86,18 @@ class Operation:
         self.patience = PATIENCE
         self.override = 1.0
         self.settled = -math.inf
+
+    @property
+    def now(self) -> float:
+        """The host's clock [s]."""
+        return self._now
+
+    @now.setter
+    def now(self, now: float) -> None:
+        # between two steps of a script lies one reply, or a short wait
+        if now - self._now > self.longest_sleep:
+            self.slept = max(self.slept, now - self._now)
+        self._now = now
 
     def go(self, event: Event, why: str = "") -> None:
         """Change the state as the table says, and tell it."""
@@ -117,7 +135,7 @@ class Operation:
                         )
                     yield Wait(self.now + _AGAIN)
                 case _:
-                    raise Lost(_reason(event))
+                    raise _lost(event)
 
     def one(self, line: str) -> Script[str]:
         """The only item of a reply."""
@@ -150,20 +168,20 @@ class Operation:
             case Answer(items=(text,)):
                 return text
             case _:
-                raise Lost(_reason(event))
+                raise _lost(event)
 
     def control(self, character: str) -> Script[None]:
         """A control character without a reply."""
         event = yield Control(character)
         if not isinstance(event, Taken):
-            raise Lost(_reason(event))
+            raise _lost(event)
 
     def write(self, lines: tuple[str, ...]) -> Script[Written]:
         """Lines by WRITEBUFFER; the event says whether all are in."""
         self._give_way()
         event = yield Write(lines)
         if not isinstance(event, Written):
-            raise Lost(_reason(event))
+            raise _lost(event)
         return event
 
     # stops: they don't give way
@@ -178,7 +196,7 @@ class Operation:
                 # control characters are taken at any time
                 yield from self.hold_all(within)
             case _:
-                raise Lost(_reason(event))
+                raise _lost(event)
 
     def hold_all(self, within: float) -> Script[None]:
         """^O, or ^A if somebody wants an abort."""
@@ -210,6 +228,11 @@ def number_in(text: str) -> float:
     if not _NUMBER.fullmatch(text):
         raise ValueError(f"{text!r} isn't a number")
     return float(int(text[1:], 16)) if text.startswith("$") else float(text)
+
+
+def _lost(event: object) -> Lost:
+    """Why the connection is of no use any more."""
+    return TooLate(_reason(event)) if isinstance(event, Late) else Lost(_reason(event))
 
 
 def _reason(event: object) -> str:

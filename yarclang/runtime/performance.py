@@ -7,7 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.actions import Connect, Connected, Lost, Script, Stopped, Trouble, Unreachable, Wait
+from yarclang.runtime.actions import (
+    Connect,
+    Connected,
+    Lost,
+    Script,
+    Stopped,
+    TooLate,
+    Trouble,
+    Unreachable,
+    Wait,
+)
 from yarclang.runtime.inspection import Inspection, Item, inspect
 from yarclang.runtime.job import Job
 from yarclang.runtime.legs import perform_legs
@@ -21,6 +31,7 @@ from yarclang.runtime.protocol import GREETING
 from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.streaming import Stream
+from yarclang.runtime.watching import RESET_REMEDY, were_reset
 
 AGAIN_FOR = 10.0
 """How long a lost connection is tried to be made again [s]."""
@@ -43,6 +54,11 @@ def connect(operation: Operation) -> Script[None]:
     assert isinstance(outcome, Connected)
     try:
         yield from _greet(operation)
+    except TooLate as late:
+        raise Trouble(
+            f"the controller at that address answers too slowly, or not at all: {late}",
+            "look whether it hangs, what else keeps it busy, and how fast the link is",
+        ) from None
     except Lost as lost:
         raise Trouble(
             f"there is something at that address, but it doesn't answer as a PMAC: {lost}",
@@ -169,18 +185,24 @@ def _settle(operation: Operation, stream: Stream, event: Event, what: str, remed
     return _ended(stream, what, remedy, joints)
 
 
-def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array]:
-    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands."""
+def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array | None]:
+    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands.
+
+    Returns:
+        None behind a reset: the registers count from where the robot was then.
+    """
     operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
     while True:
         try:
-            yield from come_to_rest(operation, robot)
+            motors = yield from come_to_rest(operation, robot)
             break
         except Interrupted:
             operation.orders.clear()
             yield from operation.abort()
     operation.watch = ()
     yield from leave(operation, robot)
+    if were_reset(motors):
+        return None
     return (yield from stands_at(operation, robot))
 
 
@@ -208,7 +230,11 @@ def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
                 return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy, None)
             else:
                 operation.go(Event.FAULT, what)
-                remedy = "find out why, run `yarc doctor`, then go on with --from"
+                remedy = (
+                    "find out why, run `yarc doctor`, then go on with --from"
+                    if joints is not None
+                    else RESET_REMEDY
+                )
                 return _ended(stream, what, remedy, joints)
         if operation.now >= until:
             operation.go(Event.FAULT, what)
@@ -242,16 +268,19 @@ def _ended(stream: Stream, what: str, remedy: str, joints: Array | None) -> Ende
     )
 
 
-def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array]:
+def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
     """Without a job of ours: hold (or abort) what the coordinate system does, and end it at rest.
 
     Returns:
-        Where the robot stands (n,) [rad or m].
+        Where the robot stands (n,) [rad or m]; None if the controller was reset, so that nobody knows.
     """
     if abort:
         yield from operation.abort()
     else:
         yield from operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
     joints = yield from _end_at_rest(operation, robot)
-    operation.remark(f"the robot stands at {described(robot, joints)}")
+    if joints is None:
+        operation.remark(f"the controller was reset: {RESET_REMEDY}", warning=True)
+    else:
+        operation.remark(f"the robot stands at {described(robot, joints)}")
     return joints

@@ -13,7 +13,7 @@ from typing import TypeVar
 from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
 from yarclang.runtime.messages import Event, Late, Request, Violation
 from yarclang.runtime.notices import Abort, Fail, Notice, Order, Stop
-from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, Operation
+from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, LONGEST_SLEEP, Operation
 from yarclang.runtime.protocol import Connection
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.tcp import Wire, connect
@@ -45,6 +45,7 @@ class Session:
         self.port = port
         self.pace = pace
         self.operation = Operation()
+        self.operation.longest_sleep = max(LONGEST_SLEEP, reply_time + 1.0) * pace
         self._reply_time = reply_time
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()

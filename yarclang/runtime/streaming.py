@@ -14,7 +14,7 @@ from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
-from yarclang.runtime.operation import URGENT, Interrupted, Operation
+from yarclang.runtime.operation import URGENT, Interrupted, Operation, Refused
 from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
 from yarclang.runtime.rotary import Rotary
@@ -146,6 +146,12 @@ class Stream:
         except Interrupted:
             self.begun = False
             raise
+        except Refused:
+            # nothing moves; the motors say more than the refusal does
+            self.begun = False
+            yield from look_at_motors(self.operation, self.job.robot)
+            raise
+        self.operation.slept = 0.0
         self.operation.settled = -math.inf
         self.operation.go(Event.BEGIN)
         return True
@@ -157,7 +163,9 @@ class Stream:
         operation, feed, due = self.operation, self.feed, self._due
         now = operation.now
         moving = operation.state is State.MOVE
-        if self._refilling:
+        if operation.slept:
+            yield from self._wake_up()
+        elif self._refilling:
             yield from self._go_on()
         elif moving and feed.runs_low(now):
             if feed.heard_at < now:
@@ -259,6 +267,7 @@ class Stream:
                 continue
             match orders[0]:
                 case Resume() if operation.state is State.HOLD:
+                    operation.slept = 0.0
                     yield from self._go_on()
                 case Override(percent=percent):
                     yield from operation.ask(f"%{percent:g}")
@@ -299,6 +308,22 @@ class Stream:
         operation.remark("the buffer ran low: holding to refill it", warning=True)
         self._refilling = True
 
+    def _wake_up(self) -> Script[None]:
+        """This process stood still for long, and the guard PLC has held: what goes on is for a person to say, who looks first."""
+        operation, feed = self.operation, self.feed
+        if feed.heard_at < operation.now:
+            yield from self._ask_lines()
+        slept, operation.slept = operation.slept, 0.0
+        if feed.left == 0 and feed.at_most == 0:
+            return
+        self._refilling = False
+        if operation.state is State.MOVE:
+            yield from self._hold(f"this process stood still for {slept:.0f} s")
+        operation.remark(
+            "nobody has looked after the robot meanwhile: look at it, then Enter or `yarc resume` goes on",
+            warning=True,
+        )
+
     def _held_by_others(self) -> Script[None]:
         """Nothing moves though lines are ahead. If it was the guard PLC, refill and go on; else somebody else must say."""
         operation = self.operation
@@ -332,6 +357,8 @@ class Stream:
         yield from self.outputs.restore(operation, feed.sent - feed.at_most)
         if feed.left:
             yield from self.rotary.open()
+        if operation.slept:
+            return  # on the way here
         yield from operation.ask("R")
         operation.settled = -math.inf
         self._refilling = False

@@ -20,6 +20,14 @@ def look_at_motors(operation: Operation, robot: Robot) -> Script[tuple[MotorStat
     return motors
 
 
+RESET_REMEDY = "find out why; look at the robot, home it, and run `yarc doctor`"
+
+
+def were_reset(motors: tuple[MotorStatus, ...]) -> bool:
+    """Whether no motor is closed-loop or homed, as behind a reset: positions mean nothing then."""
+    return all(motor.has("open loop") and not motor.has("home complete") for motor in motors)
+
+
 def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
     """Raise what keeps a motor from moving.
 
@@ -28,11 +36,8 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
     Raises:
         Trouble: a reset, which opens all loops; else the first motor's with a fault, else the first's that is open-loop.
     """
-    if all(motor.has("open loop") and not motor.has("home complete") for motor in motors):
-        raise Trouble(
-            "the controller was reset: no motor is closed-loop or homed",
-            "find out why; look at the robot, home it, and run `yarc doctor`",
-        )
+    if were_reset(motors):
+        raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY)
     pairs = list(zip(robot.controller.motors, motors, strict=True))
     for number, motor in sorted(pairs, key=lambda pair: not pair[1].faulted):
         if what := motor.trouble:

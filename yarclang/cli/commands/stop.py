@@ -73,7 +73,10 @@ def _stop_controller(to: Address, name: str, what: Abort | Stop) -> None:
         raise SystemExit(1)
     _tell_run(to, what)
     joints = asyncio.run(_end(to, robot, what))
-    click.echo(f"no program runs on {to}; {robot.name} stands at {described(robot, joints)}")
+    where = (
+        f"stands at {described(robot, joints)}" if joints is not None else "isn't homed any more: look at it"
+    )
+    click.echo(f"no program runs on {to}; {robot.name} {where}")
 
 
 def _tell_run(to: Address, what: Abort | Stop) -> None:
@@ -91,7 +94,7 @@ def _tell_run(to: Address, what: Abort | Stop) -> None:
             time.sleep(0.05)
 
 
-async def _end(to: Address, robot: Robot, what: Abort | Stop) -> Array:
+async def _end(to: Address, robot: Robot, what: Abort | Stop) -> Array | None:
     from yarclang.runtime.notices import Abort
     from yarclang.runtime.performance import connect, end_what_runs
     from yarclang.runtime.session import Session

@@ -14,7 +14,7 @@ _LARGEST_FILE = 20_000_000
 
 def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
     """The text of a file, or why there is none (without a place, unless it is in that very file)."""
-    name = path.name[:80]
+    name = (path.name or str(path))[:80]
     try:
         if path.is_dir():
             return Diagnostic("Y1302", f"{name} is a folder, not a file.", help=remedy)

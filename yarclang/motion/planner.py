@@ -88,8 +88,7 @@ class _Planner:
     def curve(self, step: Motion, path: Path, findings: Collector) -> Curve | None:
         """The path in the time, or at the speed, that the command asks for."""
         # inverse kinematics and sums come back to a place but for rounding: far below a count, nothing moves
-        way = path.slope / self.robot.axis_units if isinstance(path, JointPath) else None
-        if way is not None and bool((way <= NO_WAY).all()):
+        if isinstance(path, JointPath) and bool((path.slope <= NO_WAY * self.robot.axis_units).all()):
             findings.add(*messages.no_motion(step.origin))
         timing, tolerance, grid = step.timing, self.settings.tolerance, self.settings.grid
         if step.tolerance is not None:

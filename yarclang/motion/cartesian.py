@@ -77,7 +77,7 @@ class CartesianPath:
 
     @property
     def places(self) -> Array:
-        """Where the arm was followed (M,): the denser the faster a joint turns."""
+        """Where the arm was followed (k,): the denser the faster a joint turns."""
         return self.followed.s
 
     @property

@@ -183,13 +183,28 @@ class _Fitter:
         """The fastest of a few numbers of segments from `segments` on, if possible one with segments that
         aren't too long.
         """
-        trials = [self.trials.fastest(number) for number in range(segments, segments + MORE_SEGMENTS + 1)]
+        # without blends and ramps there is nothing to round
+        more = MORE_SEGMENTS if len(self.trials.law.forms(segments)) > 1 else 0
+        numbers = range(segments, segments + more + 1)
+        if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
+            # what other numbers need is known without their control points, so many can be compared
+            numbers = self._likeliest(range(segments, segments + max(MORE_SEGMENTS, segments // 4) + 1))
+        trials = [self.trials.fastest(number) for number in numbers]
 
         def duration(trial: Trial) -> tuple[bool, float]:
             segment = self.quick.not_below(trial.demand.segment)
             return segment > self.grid.largest, trial.segments * segment
 
         return min(trials, key=duration)
+
+    def _likeliest(self, numbers: range) -> range:
+        """The one of `numbers` of segments with the shortest duration, of a straight line in joint space."""
+        least = self.trials.foreseen_least(self.trials.fastest(numbers[0]), numbers)
+        durations = [
+            number * self.quick.not_below(segment) for number, segment in zip(numbers, least, strict=True)
+        ]
+        best = numbers[int(np.argmin(durations))]
+        return range(best, best + 1)
 
     def usable(self, duration: float) -> float:
         """A duration of few digits, not below `duration` [s], that works when it is given."""

@@ -32,7 +32,7 @@ class Path(Protocol):
 
     @property
     def places(self) -> Array:
-        """Places s (k,) that matter beyond equal distances: way-points, and where the joints turn fast."""
+        """Places s (k,) that show the path's bends, where equal distances may be too few."""
         ...
 
     def joints(self, s: Array) -> Array:

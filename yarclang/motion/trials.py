@@ -95,6 +95,10 @@ class Trials:
             best = better
         return best
 
+    def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
+        """About the shortest segment times [s] of other numbers of segments: exact for straight lines in joint space."""
+        return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
+
     def deviation(self, trial: Trial) -> tuple[float, float]:
         """How far the curve is from the path, in the middle of the segments and at the knots [m], [rad]."""
         # the knots 2 to n - 2 were solved
@@ -128,10 +132,12 @@ class Trials:
         needed: Array = ((strain * rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
-    def _foreseen(self, trial: Trial, forms: NDArray[np.int64]) -> Array:
-        """About the segment times (K,) that other forms would need: exact for straight lines in joint space."""
+    def _foreseen(self, trial: Trial, forms: NDArray[np.int64], segments: int | None = None) -> Array:
+        """About the segment times (K,) that other forms, of as many segments or others, would need: exact for straight
+        lines in joint space.
+        """
         had = self.law.strain(trial.segments, np.array([trial.form], dtype=np.int64))[0]
-        gets = self.law.strain(trial.segments, forms)
+        gets = self.law.strain(segments or trial.segments, forms)
         velocity, motors, acceleration, jerk = (demand.segment for demand in trial.demands)
         asked = np.array([max(velocity, motors), acceleration, jerk])
         needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from yarclang.hir import Array
 from yarclang.motion.natural import NaturalSpline
 
+_PLACES = 800
+"""How many places of a spline show its bends."""
+
 SAME_PLACE = 1e-12
 """Way-points nearer than this [rad or m] count once."""
 
@@ -52,8 +55,11 @@ class SplinePath:
 
     @property
     def places(self) -> Array:
-        """Where the way-points are (w,)."""
-        return self.spline.knots
+        """The way-points, and equal distances on each leg between two (k,)."""
+        knots = self.spline.knots
+        between = max(1, _PLACES // (len(knots) - 1))
+        inner: Array = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(between) / between
+        return inner.ravel()
 
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,)."""

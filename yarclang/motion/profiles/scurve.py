@@ -6,6 +6,8 @@ With a given time, the shape of the shortest one is stretched to it.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +40,7 @@ def _lengths(most: int, least: int) -> NDArray[np.int64]:
     return np.unique(np.round(np.geomspace(least, most, _MOST)).astype(np.int64))
 
 
+@lru_cache(maxsize=512)
 def _forms(segments: int) -> NDArray[np.int64]:
     """All blends and ramps, the longest first: they are nearest to the pure law."""
     blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
@@ -67,4 +70,5 @@ PROFILE = Profile(
     law=lambda path, bounds: _LAW,  # noqa: ARG005
     is_stretched=True,
     has_cruise=True,
+    longest_segment=0.02,
 )

@@ -8,6 +8,8 @@ based on Reachability Analysis, IEEE T-RO 34, 2018).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,10 +18,16 @@ from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
 from yarclang.motion.profile import NO_FORM, Form, Law, Profile
 
-_PLACES = 300
-"""At how many places of the path, at least, the limits are looked at."""
+_PLACES = 400
+"""At how many places of the path the limits are looked at, at least: the denser the sharper it bends."""
 
-_SHARE = 0.999
+_FINE = 400
+"""At how many the bends are looked for."""
+
+_NO_BOUND = 1e8
+"""A bound of the speed of s, squared, that is none."""
+
+_SHARE = 0.9998
 """The share of the limits that the law uses: between the places it may use a little more."""
 
 
@@ -55,24 +63,35 @@ def _fastest(path: Path, bounds: Bounds) -> tuple[Array, Array, Array]:
     import toppra
     from toppra import constraint
 
-    places = np.unique(np.concatenate((np.linspace(0.0, 1.0, _PLACES + 1), path.places)))
-    joints = path.joints(places)
+    places, joints = _places(path, bounds)
     if not np.ptp(joints, axis=0).any():
         return np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.5, 1.0]), np.array([0.0, 2.0, 0.0])
-    # motors as further joints: their speed is limited, and their acceleration by that of the joints they turn with
-    both = np.concatenate((joints, joints @ bounds.counts.T), axis=1)
-    velocity = np.concatenate((bounds.velocity, bounds.motor_velocity)) * _SHARE
-    acceleration = np.concatenate((bounds.acceleration, 2.0 * np.abs(bounds.counts) @ bounds.acceleration))
-    scale = np.concatenate((np.ones(len(bounds.velocity)), bounds.motor_velocity))
+
+    class SpeedLimit(constraint.LinearConstraint):  # type: ignore[misc]
+        """Joints and motors: an upper bound of the square of the speed of s at each place."""
+
+        def get_dof(self) -> int:
+            return joints.shape[1]
+
+        def compute_constraint_params(self, curve: Any, gridpoints: Array) -> tuple[Array | None, ...]:
+            slope = np.abs(curve(gridpoints, 1))
+            motors = np.abs(curve(gridpoints, 1) @ bounds.counts.T)
+            shares = np.maximum(
+                (slope / bounds.velocity).max(axis=1), (motors / bounds.motor_velocity).max(axis=1)
+            )
+            most = np.minimum((_SHARE / np.maximum(shares, 1e-12)) ** 2, _NO_BOUND)
+            return None, None, None, None, None, None, np.stack((np.zeros_like(most), most), axis=1)
+
+    acceleration = bounds.acceleration * _SHARE
     instance = toppra.algorithm.TOPPRA(
         [
-            constraint.JointVelocityConstraint(_both_ways(velocity / scale)),
+            SpeedLimit(),
             constraint.JointAccelerationConstraint(
-                _both_ways(acceleration / scale * _SHARE),
+                np.stack((-acceleration, acceleration), axis=1),
                 discretization_scheme=constraint.DiscretizationType.Interpolation,
             ),
         ],
-        toppra.SplineInterpolator(places, both / scale),
+        toppra.SplineInterpolator(places, joints),
         gridpoints=places,
         parametrizer="ParametrizeConstAccel",
     )
@@ -83,8 +102,22 @@ def _fastest(path: Path, bounds: Bounds) -> tuple[Array, Array, Array]:
     return np.concatenate(([0.0], np.cumsum(steps))), places, speed
 
 
-def _both_ways(limit: Array) -> Array:
-    return np.stack((-limit, limit), axis=1)
+def _places(path: Path, bounds: Bounds) -> tuple[Array, Array]:
+    """Places (N,), the denser the sharper the path bends, and the joint positions there (N, n)."""
+    fine = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
+    joints = path.joints(fine)
+    if path.is_straight_in_joints:
+        return fine[:: _FINE // _PLACES], joints[:: _FINE // _PLACES]
+    slope = np.diff(joints, axis=0) / np.diff(fine)[:, None]
+    bend = np.abs(np.diff(slope, axis=0)) / ((fine[2:] - fine[:-2]) / 2.0)[:, None] / bounds.acceleration
+    sharpness = np.sqrt(bend.max(axis=1))
+    density = np.concatenate((sharpness[:1], sharpness, sharpness[-1:]))
+    density += density.mean() + 1e-9
+    count = np.concatenate(([0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(fine))))
+    wanted = max(_PLACES, len(path.places)) + 1
+    places = np.interp(np.linspace(0.0, count[-1], wanted), count, fine)
+    places[0], places[-1] = 0.0, 1.0
+    return places, path.joints(places)
 
 
 PROFILE = Profile(
@@ -93,5 +126,5 @@ PROFILE = Profile(
     law=_law,
     is_stretched=True,
     has_jerk_limit=False,
-    longest_segment=0.01,
+    longest_segment=0.005,
 )

@@ -1,9 +1,12 @@
 """CELL in programs and modules: what is known from its line on, and what clashes."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from programs import codes, source
 
-from yarclang.pipeline.cells import cell_loader, check_description
+from yarclang.pipeline.cells import cell_loader, check_cell, check_description
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.stages import Request, check_program, compile_module, plan_module
@@ -99,6 +102,24 @@ def test_names_of_a_cell_hide_nothing(tmp_path, text, expected):
 def test_a_frame_of_the_robot_cannot_be_a_cells(tmp_path):
     found = program(tmp_path, 'CELL "cell.toml"\nP0010 STOP', cell='[frames]\nTCP = { parent = "FLANGE" }')[1]
     assert [(one.code, one.source.name.rpartition("/")[2]) for one in found] == [("Y1310", "cell.toml")]
+
+
+def test_a_tool_frame_that_the_robot_names_cannot_be_a_cells(tmp_path):
+    robot = load_robot("INDUSTRIAL6").value
+    robot = replace(robot, flange_from_frame={**robot.flange_from_frame, "GRIPPER": np.eye(4)})
+    (tmp_path / "cell.toml").write_text(CELL)
+    request = Request(robot, load_cell=cell_loader(tmp_path, robot))
+    (found,) = check_program(parse(source('CELL "cell.toml"\nP0010 STOP')).value, request).diagnostics
+    assert (found.code, found.message) == ("Y0206", "{GRIPPER} is a frame of the robot already")
+    assert found.span.line == 4
+
+
+def test_a_text_that_is_being_edited(tmp_path):
+    text = CELL.replace("-50, 0]", "-50]").replace('"B"', '"BB"')
+    assert codes(check_cell(source(text), tmp_path)) == ["Y1329"]
+    assert codes(check_cell(source(text), tmp_path, load_robot("INDUSTRIAL6").value)) == ["Y1329", "Y1309"]
+    crlf = check_cell(source(text.replace("\n", "\r\n")), tmp_path)
+    assert [(one.code, one.span.line) for one in crlf] == [("Y1329", 3)]
 
 
 def test_home_of_a_cell_is_home(tmp_path):

@@ -20,7 +20,7 @@ FINDINGS: tuple[Finding, ...] = (
         "unreadable-file",
         "error",
         "the file can't be read",
-        "robot.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked for beside "
+        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked for beside "
         "the robot.toml.",
         'urdf = "industrial.urdf"',
         'urdf = "industrial6.urdf"',

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from yarclang.cell.description import Names, load_cell
+from yarclang.cell.description import Names, load_cell, read_cell
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, in_order
 from yarclang.robot.description import load_robot
@@ -35,6 +35,17 @@ def cell_loader(folder: Path, robot: Robot) -> Callable[[str, SourceFile | None]
         return known[key]
 
     return load
+
+
+def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> tuple[Diagnostic, ...]:
+    """The findings of a cell.toml's text by itself, for example of one that is being edited.
+
+    Args:
+        source: the text.
+        folder: where it stands; mesh files are seen from there.
+        robot: for which joint values are checked; without one, all is checked that holds for any.
+    """
+    return in_order(read_cell(source, folder, Names(is_word, robot)).diagnostics)
 
 
 def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ...]:

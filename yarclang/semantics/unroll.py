@@ -7,20 +7,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, suggest
 from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
 from yarclang.robot.model import Robot
 from yarclang.semantics.actions import ACTIONS, read_action, read_when
-from yarclang.semantics.amounts import Amount, AmountError
+from yarclang.semantics.amounts import Amount
 from yarclang.semantics.arguments import Given, name_arguments, said_of_time
 from yarclang.semantics.cells import Cells
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.declarations import check_robot, read_default, read_start
 from yarclang.semantics.evaluate import EvaluationError, evaluate
-from yarclang.semantics.frames import known_frame
 from yarclang.semantics.indices import check_indices, commands_of
 from yarclang.semantics.names import ResolvedName, resolve_name
 from yarclang.semantics.naming import (
@@ -28,17 +25,13 @@ from yarclang.semantics.naming import (
     declare_joints,
     declare_number,
     declare_signal,
-    frame_may_be_declared,
     may_be_declared,
 )
+from yarclang.semantics.parameters import bind, check_parameters, given_by
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.scope import (
     KINDS,
-    Frame,
-    Input,
-    JointPosition,
     Library,
-    Named,
     Routine,
     Scope,
     Where,
@@ -50,19 +43,16 @@ from yarclang.source import Span
 from yarclang.syntax.ast import (
     Block,
     Computed,
-    FrameName,
     Module,
     Node,
     Number,
     Parameter,
-    Quantity,
     Statement,
     Value,
     Word,
 )
 from yarclang.syntax.blocks import arrange
 from yarclang.syntax.words import DECLARATIONS
-from yarclang.units import UNITS, Unit
 
 MOST_COMMANDS = 1_000_000
 """Unrolled commands of a program."""
@@ -402,28 +392,7 @@ class _Unroller:
             sub = Sub(block, scope, file)
             scope.declare(word.name, Routine(sub), Where(file.findings.source, block.head.span(word.place)))
             sub.scope = _snapshot(scope)
-            self._check_parameters(sub)
-
-    def _check_parameters(self, sub: Sub) -> None:
-        """Names of parameters are declared as others are, and their units are units."""
-        head, findings, seen = sub.block.head, sub.file.findings, Scope(sub.scope)
-        for parameter in _values(head)[1:]:
-            if isinstance(parameter, FrameName):
-                if frame_may_be_declared(head, parameter, seen, findings):
-                    seen.declare_frame(parameter.name, Frame(np.eye(4), on_flange=False))
-                continue
-            word = parameter.word if isinstance(parameter, Parameter) else parameter
-            if isinstance(word, Word) and may_be_declared(
-                head, word, seen, self._robot, findings, may_hide=True
-            ):
-                seen.declare(word.name, Amount(0.0), Where(findings.source, head.span(word.place)))
-            if (
-                isinstance(parameter, Parameter)
-                and (unit := parameter.unit)
-                and unit.text.lower() not in UNITS
-            ):
-                help_ = suggest(unit.text, UNITS) or f"units are {', '.join(UNITS)}"
-                findings.add("Y0305", f"`{unit.text}` is no unit", head.span(unit.place), help_)
+            check_parameters(block.head, sub.scope, self._robot, file.findings)
 
     def _call(self, statement: Statement, file: File, scope: Scope, place: tuple[str, ...]) -> None:
         findings = file.findings
@@ -456,12 +425,12 @@ class _Unroller:
             self._refuse_recursion(word, span, findings)
             self._steps.append(Gap())
             return
-        inner = self._bound(statement, values[1:], sub, file, scope)
-        if inner is None:
+        inner, head, source = Scope(sub.scope), sub.block.head, sub.file.findings.source
+        if not bind(statement, scope, findings, head, source, inner):
             self._steps.append(Gap())
             return
         self._calls.append(sub)
-        self._given.append(self._told(sub, statement, values[1:], file))
+        self._given.append(given_by(statement, findings.source, head, source))
         try:
             self._nodes(sub.block.body, sub.file, inner, (*_at(place, _index(statement)), ""))
         finally:
@@ -469,101 +438,11 @@ class _Unroller:
             self._given.pop()
             sub.file.findings.place = ""
 
-    def _told(self, sub: Sub, statement: Statement, given: list[Value], file: File) -> Given:
-        """What a CALL gives for each parameter, as findings in the SUB speak of it."""
-        told: dict[str, str] = {}
-        for parameter, value in zip(_values(sub.block.head)[1:], given, strict=True):
-            if isinstance(parameter, Word | Parameter):
-                word = parameter.word if isinstance(parameter, Parameter) else parameter
-                line = Where(file.findings.source, statement.span(value.place))
-                told[word.name] = (
-                    f"{word.text} is `{value.text}` in {line.seen_from(sub.file.findings.source)}"
-                )
-        return told
-
     def _refuse_recursion(self, word: Word, span: Span, findings: Collector) -> None:
         names = [one.name for one in self._calls]
         through = names[names.index(word.name.rpartition(".")[2]) + 1 :]
         how = f"{word.text} calls itself" + (f" through {', '.join(through)}" if through else "")
         findings.add("Y0212", how, span, "a program must end: use REPEAT")
-
-    def _bound(
-        self, statement: Statement, given: list[Value], sub: Sub, file: File, scope: Scope
-    ) -> Scope | None:
-        """The scope of a call: parameters and what they are given."""
-        wanted = list(_values(sub.block.head)[1:])
-        name = _values(sub.block.head)[0].text
-        if len(given) != len(wanted):
-            listed = " ".join(value.text for value in wanted) or "nothing"
-            message = f"{name} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), {len(given)} given"
-            file.findings.add("Y0411", message, statement.whole_span)
-            return None
-        inner = Scope(sub.scope)
-        fine = True
-        for parameter, value in zip(wanted, given, strict=True):
-            where = Where(sub.file.findings.source, sub.block.head.span(parameter.place))
-            fine &= self._bind(parameter, value, inner, statement, file, scope, where)
-        return inner if fine else None
-
-    def _bind(
-        self,
-        parameter: Value,
-        value: Value,
-        inner: Scope,
-        statement: Statement,
-        file: File,
-        scope: Scope,
-        where: Where,
-    ) -> bool:
-        """One parameter, declared at `where`; a finding where the argument is of another kind."""
-        findings, span = file.findings, statement.span(value.place)
-        if isinstance(parameter, FrameName):
-            if not isinstance(value, FrameName):
-                findings.add("Y0411", f"a frame is wanted for {parameter.text}, not {value.text}", span)
-                return False
-            frame = known_frame(statement, value, scope, findings)
-            if frame is not None:
-                inner.declare_frame(parameter.name, frame)
-            return frame is not None
-        word = parameter.word if isinstance(parameter, Parameter) else parameter
-        unit = _unit_of(parameter)
-        meaning: Named | None
-        if isinstance(value, FrameName):
-            findings.add("Y0411", f"{word.text} isn't a frame", span)
-            return False
-        if isinstance(value, Word):
-            meaning = scope.name(value.name)
-            if isinstance(meaning, Amount):
-                help_ = f"write ${value.text} for its value"
-                findings.add("Y0411", f"{value.text} is a number", span, help_)
-                return False
-            if not isinstance(meaning, JointPosition | Input | Output):
-                known = sorted(set(scope.names(JointPosition, Input, Output)))
-                help_ = suggest(value.text, known)
-                message = (
-                    f"{value.text} is {KINDS[type(meaning)]}" if meaning else f"nothing is named {value.text}"
-                )
-                findings.add("Y0411", message, span, help_)
-                return False
-            if unit is not None:
-                findings.add(
-                    "Y0411", f"{word.text} is a number of {unit.name}, not {KINDS[type(meaning)]}", span
-                )
-                return False
-        elif isinstance(value, Number | Computed | Quantity):
-            found = amount(value, scope, statement, findings)
-            if found is None:
-                return False
-            try:
-                meaning = found if unit is None else Amount(found.in_unit(unit), unit)
-            except AmountError as error:
-                findings.add("Y0411", f"{word.text}: {error.message}", span, error.help)
-                return False
-        else:
-            findings.add("Y0411", f"`{value.text}` is no argument", span)
-            return False
-        inner.declare(word.text.upper(), meaning, where)
-        return True
 
     # commands
 
@@ -632,12 +511,6 @@ class _Unroller:
 def _snapshot(scope: Scope) -> Scope:
     """The names that are known now; what comes later stays outside."""
     return scope.copy()
-
-
-def _unit_of(parameter: Value) -> Unit | None:
-    if not isinstance(parameter, Parameter) or parameter.unit is None:
-        return None
-    return UNITS.get(parameter.unit.text.lower())
 
 
 def _shown(place: tuple[str, ...]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
@@ -100,7 +100,9 @@ def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certific
         shown = Diagnostic(content.code, f"line {content.line} {content.reason}", source)
         return Result(None, (shown,))
     program = _told(content, robot, source)
-    judge = _Judge(program, robot, robot.tolerance, [])
+    # the source isn't there: its commands are shown by their first moves, or where the map lists them
+    lines = {entry.step: entry.first or entry.at for entry in content.entries}
+    judge = _Judge(program, robot, robot.tolerance, [], lines)
     layout = lay_out(content, program, program.start, robot.axis_units)
     if not isinstance(layout, Layout):
         step, reason = layout
@@ -139,6 +141,8 @@ class _Judge:
     robot: Robot
     tolerance: Tolerance
     findings: list[Diagnostic]
+    lines: Mapping[int, int] = field(default_factory=dict)
+    """Of each step, the line to show of a text that is judged without its source."""
 
     def find(self, code: str, message: str, step: int | None) -> None:
         """Add a finding about a step of the program."""
@@ -149,9 +153,8 @@ class _Judge:
         assert not isinstance(command, hir.Gap)  # such a program is refused before
         origin = command.origin
         help_ = _REMEDIES.get(code, "")
-        self.findings.append(
-            Diagnostic(code, f"{_title(origin)}: {message}", origin.source, origin.span, help_)
-        )
+        span = Span.on_line(self.lines[step], 1, 2) if step in self.lines else origin.span
+        self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, span, help_))
 
     # start, times, rest
 

@@ -110,7 +110,8 @@ def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain
     base_from_world = world_from_base.inverse()
     columns = [model.joints[model.getJointId(joint.name)].idx_v for joint in joints]
     # Pinocchio's world Jacobian: velocity of the point at the world's origin, then angular velocity
-    matrix = base_from_world.toActionMatrix() @ data.J[:, columns]
+    jacobian = np.reshape(data.J, (6, -1))  # Pinocchio gives a vector for a single column
+    matrix = base_from_world.toActionMatrix() @ jacobian[:, columns]
     placed = (base_from_world * world_from_flange).homogeneous
     return Chain(frozen(matrix.T), frozen(placed))
 

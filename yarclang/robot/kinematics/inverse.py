@@ -28,9 +28,18 @@ POLISH = 1e-10
 REACHED = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
+NEARLY_REACHED = 1e-6
+"""The same for an arm with fewer than six joints. The poses that it reaches are a thin set: axes that are parallel but for
+the last digits of a URDF, or a pose typed with some decimals, would leave nothing of it."""
+
 STRETCHED = 1.0
 """What a branch that doesn't reach the pose costs against one that does, in squared joint differences: a
 seed at the edge of the workspace stays on its own branch instead of jumping to another."""
+
+
+def reached_within(chain: Chain) -> float:
+    """The miss [m or rad] up to which a joint position counts as a solution."""
+    return REACHED if chain.size >= 6 else NEARLY_REACHED
 
 
 def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, Array, Array]:
@@ -99,7 +108,7 @@ def branches(
     poses = np.repeat(base_from_flange, RESTARTS, axis=0)
     fitted = fit(chain, poses, starts)
     q = wrapped(chain, fitted.q).reshape(count, RESTARTS, size)
-    reached = (fitted.total < REACHED).reshape(count, RESTARTS)
+    reached = (fitted.total < reached_within(chain)).reshape(count, RESTARTS)
     first = reached & ~_repeated(chain, q, reached)
     # those found first, in their order, then the rest as fillers
     order = np.argsort(~first, axis=1, kind="stable")[:, :BRANCHES]

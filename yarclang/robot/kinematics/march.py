@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.robot.kinematics.fk import walk_with_jacobian
-from yarclang.robot.kinematics.inverse import REACHED
+from yarclang.robot.kinematics.inverse import reached_within
 from yarclang.robot.kinematics.numeric import damped_step, fit, pose_columns, pose_error
 from yarclang.robot.kinematics.strands import FINEST, NEAR, End, Strand
 from yarclang.robot.model import Array, Chain
@@ -84,4 +84,4 @@ def _leap(
     )
     guess = q + step.T
     found = fit(chain, poses[1:], guess, rounds=25)
-    return found.q, np.abs(found.q - guess).max(axis=1), found.total < REACHED
+    return found.q, np.abs(found.q - guess).max(axis=1), found.total < reached_within(chain)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from yarclang.robot.kinematics.closed_form import TURN, closed_form
 from yarclang.robot.kinematics.fk import walk, walk_with_jacobian
 from yarclang.robot.kinematics.geometry import wristed_arm
-from yarclang.robot.kinematics.inverse import REACHED, branches, restarts
+from yarclang.robot.kinematics.inverse import branches, reached_within, restarts
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.model import Array, Chain, Limits
 
@@ -179,10 +179,10 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Ar
     seeds = np.vstack([start, seeds])
     poses = np.broadcast_to(pose, (len(seeds), 4, 4))
     clipped = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper)
-    q = clipped.q[clipped.total < REACHED]
+    q = clipped.q[clipped.total < reached_within(chain)]
     free = branches(chain, pose[None])
     from_reference = fit(chain, pose[None], start[None])
-    q = np.vstack([q, free[0][0][free[1][0]], from_reference.q[from_reference.total < REACHED]])
+    q = np.vstack([q, free[0][0][free[1][0]], from_reference.q[from_reference.total < reached_within(chain)]])
     if chain.size > 6 and len(q):
         q = np.vstack([q, _pulled(chain, limits, pose, nearest_turn(chain, limits, q, reference), start)])
     return q
@@ -201,7 +201,7 @@ def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Arra
         step = wanted * np.minimum(1.0, 0.3 / np.maximum(largest, 1e-12))
         moved = fit(chain, poses, q + step, lower=limits.lower, upper=limits.upper, rounds=12)
         nearer = (np.square(moved.q - reference).sum(axis=1) < np.square(q - reference).sum(axis=1)) & (
-            moved.total < REACHED
+            moved.total < reached_within(chain)
         )
         if not nearer.any() or np.abs(moved.q - q)[nearer].max() < 1e-6:
             break
@@ -223,7 +223,7 @@ def _reaching(chain: Chain, pose: Array, q: Array) -> NDArray[np.bool_]:
     """Which of the joint positions (m, n) reach the pose, by forward kinematics."""
     columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
     position, angle = misses(columns, pose_columns(pose[None]))
-    reaching: NDArray[np.bool_] = np.maximum(position, angle) < REACHED
+    reaching: NDArray[np.bool_] = np.maximum(position, angle) < reached_within(chain)
     return reaching
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.kinematics.geometry import wristed_arm
-from yarclang.robot.kinematics.inverse import REACHED, branches, extent, restarts
+from yarclang.robot.kinematics.inverse import branches, extent, reached_within, restarts
 from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import fit
 from yarclang.robot.kinematics.reach import arm_length
@@ -73,7 +73,7 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
             rounds=rounds,
         )
         found, inside = _within(chain, limits, fitted.q)
-        good = np.logical_and(inside, fitted.total < REACHED).reshape(len(todo), starts)
+        good = np.logical_and(inside, fitted.total < reached_within(chain)).reshape(len(todo), starts)
         choice = np.argmax(good, axis=1)
         rows = np.arange(len(todo))
         q[todo] = found.reshape(len(todo), starts, chain.size)[rows, choice]

@@ -15,7 +15,7 @@ import numpy as np
 
 from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import wristed_arm
-from yarclang.robot.kinematics.inverse import REACHED, branches, follow, restarts
+from yarclang.robot.kinematics.inverse import branches, follow, reached_within, restarts
 from yarclang.robot.kinematics.march import march
 from yarclang.robot.kinematics.nearest import beyond, nearest_miss, nearest_turn
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
@@ -182,7 +182,7 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand) -> Broken:
     worst = int(np.argmax(position + angle))
     spread = np.vstack([q, restarts(chain, 24)])
     free = fit(chain, np.repeat(poses[worst : worst + 1], len(spread), axis=0), spread)
-    if free.total.min() < REACHED:
+    if free.total.min() < reached_within(chain):
         return Broken(s, "configuration", q)
     _, miss, turn = nearest_miss(chain, poses[worst], spread)
     return Broken(s, "reach", q, amount=miss, angle=turn)
@@ -192,7 +192,7 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
     """What a strand ends of whose nearest continuation is away from `q` (n,)."""
     # a little further on, where the joints stand clear of the singularity
     further = follow(chain, pose_at(np.array([min(s + CLEAR, 1.0)])), beyond[None])
-    if max(further[1][0], further[2][0]) < REACHED:
+    if max(further[1][0], further[2][0]) < reached_within(chain):
         beyond = further[0][0]
     jump = beyond - q
     joint = int(np.argmax(np.abs(jump)))

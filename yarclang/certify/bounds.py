@@ -3,8 +3,9 @@
 Hermite remainder: a function e on an interval of length d, minus the cubic with the same values
 and derivatives at both ends, is at most d^4/384 max|e''''|; a jump G of e''' inside adds at most
 d^3/192 |G| (the deflection of a beam clamped at both ends, under an even load and under a load in its
-middle). The cubic itself stays in the convex hull of its four Bezier points. Both hold for
-vectors and matrices in any norm that comes from an inner product.
+middle). The derivatives differ by at most sqrt(3)/216 d^3 max|e''''| (Birkhoff and Priver 1967). The cubic
+itself stays in the convex hull of its four Bezier points. All of it holds for vectors and matrices in
+any norm that comes from an inner product.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from yarclang.robot.model import Array, Chain
 
 HERMITE = 1.0 / 384.0
 JUMP = 1.0 / 192.0
+HERMITE_RATE = np.sqrt(3.0) / 216.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,6 +116,20 @@ def fourth(w: Array, a: Array, j: Array) -> Array:
     return w**4 + 6.0 * w * w * a + 3.0 * a * a + 4.0 * w * j
 
 
+def path_fourth(bounds: Array, w: Array, a: Array, j: Array) -> Array:
+    """The same bound for a path P(s(t)) with a cubic s(t).
+
+    Args:
+        bounds: (N, 4) of the first to the fourth derivative of P over s; the first doesn't enter, as s'''' = 0.
+        w: (N,) of |s'|; a and j likewise of |s''| and |s'''|.
+        a: (N,).
+        j: (N,).
+    """
+    bend, third, last = bounds[:, 1], bounds[:, 2], bounds[:, 3]
+    total: Array = last * w**4 + 6.0 * third * w * w * a + bend * (3.0 * a * a + 4.0 * w * j)
+    return total
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FourthDerivatives:
     """Bounds (N,) of the fourth time derivatives of the arm: of the tool's origin [m/s^4], and
@@ -195,7 +211,9 @@ def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -
     return e0, e0 + third * rate0, e1 - third * rate1, e1
 
 
-def catch_up(bezier: Array, group: NDArray[np.int64], end: float = 1.0) -> Array:
+def catch_up(
+    bezier: Array, group: NDArray[np.int64], end: float = 1.0, covered: Array | None = None
+) -> Array:
     """How far a path parameter is from one that goes over the whole path and never back.
 
     The Bezier points of s(t), clipped to the path and replaced by the most so far, the first by the
@@ -207,13 +225,18 @@ def catch_up(bezier: Array, group: NDArray[np.int64], end: float = 1.0) -> Array
         bezier: (P, 4) Bezier points of s on each piece, in order of time.
         group: (P,) the command of each piece, in order, from 0 on.
         end: the value of s at the path's end.
+        covered: (C, 2) the shares of the path at which each command joins and leaves it; None: 0 and 1.
 
     Returns:
         (P,) the largest distance on each piece, in s.
     """
+    opens, closes = np.flatnonzero(np.diff(group, prepend=-1)), np.flatnonzero(np.diff(group, append=-1))
     share = np.clip(bezier / end, 0.0, 1.0)
-    share[np.flatnonzero(np.diff(group, prepend=-1)), 0] = 0.0
-    share[np.flatnonzero(np.diff(group, append=-1)), 3] = 1.0
+    if covered is None:
+        share[opens, 0], share[closes, 3] = 0.0, 1.0
+    else:
+        share = np.clip(share, covered[group, :1], covered[group, 1:])
+        share[opens, 0], share[closes, 3] = covered[:, 0], covered[:, 1]
     lift = 2.0 * group[:, None]
     forward = np.maximum.accumulate((share + lift).ravel()).reshape(bezier.shape) - lift
     behind: Array = np.abs(forward * end - bezier).max(axis=1)

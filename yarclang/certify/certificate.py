@@ -9,7 +9,7 @@ from typing import Any, Literal
 from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
-Kind = Literal["joint", "line", "spline"]
+Kind = Literal["joint", "line", "arc", "spline", "pose_spline"]
 Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_velocity", "hold"]
 
 
@@ -36,10 +36,11 @@ IDLE = Load("", 0.0)
 class Deviation:
     """How far the executed path is from the programmed one, at most: `position` [m] and `angle` [rad].
 
-    Of a line: the moving frame's. Of joint motions: each prismatic or revolute joint's, and the moving
+    Of lines, arcs and splines of poses: the moving frame's. Of joint motions: each prismatic or revolute joint's, and the moving
     frame's at a pose that is programmed as a goal. `remainder_position` and `remainder_angle` are
     what of it comes from bounding between the places that were calculated. `end_position` and `end_angle`
-    are the distance of the end from the goal. Infinite where nothing could be proved.
+    are the distance of the end from the goal; zero where the motion flows into the next one, and ends nowhere. Between two
+    blends, only what lies between them counts. Infinite where nothing could be proved.
     """
 
     position: float
@@ -62,6 +63,57 @@ class Deviation:
 
 
 @dataclass(frozen=True, slots=True)
+class Blended:
+    """What was proved where a motion flows into the next one, over `segments` segments, half of them its own.
+
+    The moving frame is within `position` [m] of the programmed corner and turned by `angle` [rad] at most, where `radius` and `turn`
+    are allowed; between two joint motions the joints are, prismatic by `position` and revolute by `angle`. So is what of
+    both paths isn't followed. With a radius of 0 both paths are followed up to the corner.
+    """
+
+    segments: int
+    radius: float
+    turn: float
+    position: float
+    angle: float
+
+    def to_json(self) -> dict[str, Any]:
+        """In mm and deg."""
+        return {
+            "segments": self.segments,
+            "radius_mm": _number(self.radius / MM),
+            "turn_deg": _number(self.turn / DEG),
+            "position_mm": _number(self.position / MM),
+            "angle_deg": _number(self.angle / DEG),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class ToolSpeed:
+    """How fast the moving frame goes: its origin [m/s], or, where its path only turns (`turns`), its angular speed [rad/s].
+
+    All are proved bounds, not samples: `largest` of the whole command; of a `programmed` speed (NaN: none) also `least` and `most`
+    from where it is first reached up to where it is last left, outside of blends (NaN: it never is). `beyond` is the largest
+    speed as a share of what is allowed.
+    """
+
+    turns: bool
+    largest: float
+    programmed: float
+    least: float
+    most: float
+    beyond: float
+
+    def to_json(self) -> dict[str, Any]:
+        """In mm/s or deg/s."""
+        unit, name = (DEG, "deg_s") if self.turns else (MM, "mm_s")
+        values = {"largest": self.largest}
+        if not math.isnan(self.programmed):
+            values.update(programmed=self.programmed, cruise_least=self.least, cruise_most=self.most)
+        return {f"{key}_{name}": _number(value / unit) for key, value in values.items()}
+
+
+@dataclass(frozen=True, slots=True)
 class CommandCertificate:
     """What was proved for one motion command.
 
@@ -69,7 +121,8 @@ class CommandCertificate:
     (None where it has none). Times are in s; `programmed_duration` is None for the shortest that the
     limits allow. `hold`
     is the most that a hold in the worst moment asks of a joint, |a| + |v| / hold time, against the
-    acceleration of an emergency stop: stated, not judged.
+    acceleration of an emergency stop: stated, not judged. `tool_speed` is that of Cartesian motions; `blended` is the blend behind
+    the command. The jerk of a time-optimal motion (profile TOPP) is stated as well, and not judged: `jerk_judged`.
     """
 
     step: int
@@ -89,6 +142,9 @@ class CommandCertificate:
     motor_velocity: Load
     hold: Load
     deviation: Deviation
+    tool_speed: ToolSpeed | None = None
+    blended: Blended | None = None
+    jerk_judged: bool = True
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the unit in each name."""
@@ -111,6 +167,9 @@ class CommandCertificate:
             "motor_velocity": self.motor_velocity.to_json(),
             "hold": self.hold.to_json(),
             "deviation": self.deviation.to_json(),
+            "tool_speed": self.tool_speed.to_json() if self.tool_speed else None,
+            "blend": self.blended.to_json() if self.blended else None,
+            "jerk_judged": self.jerk_judged,
         }
 
 

@@ -2,156 +2,310 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from yarclang import hir
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.certificate import Deviation
-from yarclang.certify.joint import by_kind, joint_weights, straight_deviations
+from yarclang.certify.cartesian import Followed, Stretch, follow
+from yarclang.certify.certificate import Deviation, ToolSpeed
+from yarclang.certify.corner import Judged, Starts, check_claims, claimed_joints, find_starts, shown
+from yarclang.certify.flows import Flows, cruise, find_flows, speeds_around
+from yarclang.certify.joint import JointLines, by_kind, joint_weights, straight_deviations
 from yarclang.certify.layout import Layout, Place, row_chunks
-from yarclang.certify.line import Lines, goal_pose, line_deviations
 from yarclang.certify.pose import distance
-from yarclang.certify.spline import spline_deviation
+from yarclang.certify.posespline import PoseSpline
+from yarclang.certify.programmed import Arcs, FramePaths, Lines, goal_pose
+from yarclang.certify.speed import Programmed
+from yarclang.certify.spline import NaturalSpline, spline_deviation
 from yarclang.robot.kinematics.fk import flange_poses
-from yarclang.robot.model import Array, Robot, Tolerance
-from yarclang.units import DEG, MM
+from yarclang.robot.model import Array
+
+Rows = list[tuple[int, Place]]
+
+STILL = 1e-9
+"""The origin of a frame that goes no farther than this [m] stands still: its speed is that of the turn."""
 
 
-@dataclass(frozen=True, slots=True)
-class Paths:
-    """What the paths are judged by. `find` takes a code, a message and the number of a step."""
+@dataclass(slots=True, eq=False)
+class Proofs:
+    """What was proved of every motion, and about which path: by the motion's number among the motions, but `deviations` and
+    `speeds` by its step.
 
-    robot: Robot
-    tolerance: Tolerance
-    witnesses: Mapping[int, Array]
-    laws: Mapping[int, Array]
-    find: Callable[[str, str, int | None], None]
+    `frames` are paths of moving frames, each one of several; `curves` those in joint space. `covered` (P, 2) are the shares
+    of the paths between which they were followed.
+    """
+
+    starts: Starts
+    flows: Flows
+    covered: Array
+    deviations: dict[int, Deviation] = field(default_factory=dict)
+    speeds: dict[int, ToolSpeed] = field(default_factory=dict)
+    frames: dict[int, tuple[FramePaths, int]] = field(default_factory=dict)
+    curves: dict[int, NaturalSpline] = field(default_factory=dict)
 
 
-def find_deviations(paths: Paths, layout: Layout) -> dict[int, Deviation]:
+def find_deviations(judged: Judged, layout: Layout) -> Proofs:
     """A bound for every step, and a finding for each that is beyond the tolerance."""
-    flanges = flange_poses(paths.robot.chain, layout.stands)
-    found: dict[int, Deviation] = {}
-    chosen: dict[type, list[tuple[int, Place]]] = {hir.JointMove: [], hir.LineMove: [], hir.SplineMove: []}
+    count = len(layout.places)
+    poses = flange_poses(judged.robot.chain, np.concatenate([layout.begins, layout.ends]))
+    starts, flanges = find_starts(judged, layout, poses[:count]), poses[count:]
+    covered = np.tile([0.0, 1.0], (count, 1))
+    proofs = Proofs(starts, find_flows(layout, judged.robot), covered)
+    chosen: dict[type, Rows] = {kind: [] for kind in hir.Motion.__args__}
     for row, place in enumerate(layout.places):
         chosen[type(place.motion)].append((row, place))
     for rows in row_chunks(chosen[hir.JointMove]):
-        found.update(_joint_moves(paths, layout, rows, flanges))
-    for rows in row_chunks(chosen[hir.LineMove]):
-        found.update(_line_moves(paths, layout, rows, flanges))
+        _joint_moves(judged, layout, rows, flanges, proofs)
+    around = speeds_around(layout, proofs.flows)
+    for kind in (hir.LineMove, hir.ArcMove):
+        for rows in row_chunks(chosen[kind]):
+            _frame_moves(judged, layout, rows, flanges, around, proofs)
+    for one in chosen[hir.PoseSplineMove]:
+        _frame_moves(judged, layout, [one], flanges, around, proofs)
     for row, place in chosen[hir.SplineMove]:
-        found[place.step] = _spline_move(paths, layout, row, place)
+        proofs.deviations[place.step] = _spline_move(judged, layout, row, place, proofs)
     for place in layout.places:
-        _judge_deviation(paths, place, found[place.step])
-    return found
+        _judge_deviation(judged, place, proofs.deviations[place.step])
+    return proofs
 
 
-def _judge_deviation(paths: Paths, place: Place, deviation: Deviation) -> None:
-    tolerance = paths.tolerance
+def _judge_deviation(judged: Judged, place: Place, deviation: Deviation) -> None:
+    tolerance = judged.tolerance_of(place.motion)
     if deviation.end_position > tolerance.position or deviation.end_angle > tolerance.angle:
-        paths.find(
+        judged.find(
             "Y1160",
-            f"the motion ends {_shown(deviation.end_position, deviation.end_angle)} from its goal, "
-            f"allowed are {_shown(tolerance.position, tolerance.angle)} (line {place.last_line})",
+            f"the motion ends {shown(deviation.end_position, deviation.end_angle)} from its goal, "
+            f"allowed are {shown(tolerance.position, tolerance.angle)} (line {place.last_line})",
             place.step,
         )
     elif not (deviation.position <= tolerance.position and deviation.angle <= tolerance.angle):
-        paths.find(
+        judged.find(
             "Y1159",
-            f"the path is proved within {_shown(deviation.position, deviation.angle)}, allowed are "
-            f"{_shown(tolerance.position, tolerance.angle)}",
+            f"the path is proved within {shown(deviation.position, deviation.angle)}, allowed are "
+            f"{shown(tolerance.position, tolerance.angle)}",
             place.step,
         )
 
 
-def _shown(position: float, angle: float) -> str:
-    """A distance [m] and an angle [rad] for a reader."""
-    return f"{position / MM:.6g} mm and {angle / DEG:.6g} deg"
-
-
-def _joint_moves(
-    paths: Paths, layout: Layout, rows: list[tuple[int, Place]], flanges: Array
-) -> Iterator[tuple[int, Deviation]]:
-    robot = paths.robot
+def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, proofs: Proofs) -> None:
+    robot, starts, flows = judged.robot, proofs.starts, proofs.flows
     goals, ends = [], []
     for row, place in rows:
         step = place.motion
         assert isinstance(step, hir.JointMove)
-        end = layout.stands[row + 1]
-        if isinstance(step.goal, hir.PoseGoal):
+        end = layout.ends[row]
+        flows_on = place.behind is not None
+        if isinstance(step.goal, hir.PoseGoal) and flows_on:
+            claimed = claimed_joints(judged, place, 1)
+            ends.append(check_claims(judged, place))
+            goals.append(end if claimed is None else claimed[0])
+        elif isinstance(step.goal, hir.PoseGoal):
             position, angle = distance(
-                flanges[row + 1] @ step.goal.flange_from_moving, step.goal.base_from_moving
+                flanges[row] @ step.goal.flange_from_moving, step.goal.base_from_moving
             )
             goals.append(end)
             ends.append((float(position), float(angle)))
         else:
-            goal = step.goal.q if isinstance(step.goal, hir.JointGoal) else layout.stands[row] + step.goal.dq
+            goal = step.goal.q if isinstance(step.goal, hir.JointGoal) else starts.q[row] + step.goal.dq
             goals.append(goal)
-            ends.append(by_kind(np.abs(end - goal), robot))
-    # a command without moves is one control point: where the robot stands
-    control = [layout.points(place) if place.size else layout.stands[row : row + 1] for row, place in rows]
+            off = np.abs((end if place.size else starts.q[row]) - goal)
+            ends.append((0.0, 0.0) if flows_on else by_kind(off, robot))
+    control, following = [], []
+    for row, _ in rows:
+        begin, stop = flows.follow[row]
+        following.append(begin < stop)
+        # a command without moves is one control point: where the robot stands
+        control.append(layout.points_of(begin, stop) if begin < stop else starts.q[row : row + 1])
     first = np.cumsum([0, *(len(points) for points in control[:-1])])
-    joints = straight_deviations(np.concatenate(control), first, np.array(goals), robot, paths.tolerance)
-    for (_, place), off, end in zip(rows, joints, ends, strict=True):
+    numbers = np.array([row for row, _ in rows])
+    free = flows.free[numbers] & np.array(following)[:, None]
+    lines = JointLines(starts.q[numbers], np.array(goals), free)
+    joints, covered = straight_deviations(np.concatenate(control), first, lines, robot, judged.tolerance)
+    weights = joint_weights(robot, judged.tolerance)
+    for i, (row, place) in enumerate(rows):
+        off, rest = joints[i], (0.0, 0.0)
+        proofs.covered[row] = covered[i]
+        if place.before is not None or place.behind is not None:
+            proofs.curves[row] = NaturalSpline.through(np.stack([starts.q[row], goals[i]]))
+            if place.size and not following[i]:
+                off, proofs.covered[row] = np.zeros_like(off), 0.5
+            elif (off * weights).max() > 1.0:
+                # control points next to a blend may be off a line that the motion itself keeps to
+                begin, stop = flows.follow[row]
+                cubics = layout.cubics(begin, stop)
+                ways = np.stack([starts.q[row], goals[i]])
+                bound = spline_deviation(cubics, ways, weights, free=(bool(free[i, 0]), bool(free[i, 1])))
+                off, rest = bound.deviation, by_kind(bound.remainder, robot)
+                proofs.covered[row] = bound.covered
         slide, turn = by_kind(off, robot)
-        yield place.step, Deviation(max(slide, end[0]), max(turn, end[1]), *end)
+        end = ends[i]
+        deviation = Deviation(max(slide, end[0]), max(turn, end[1]), *end, *rest)
+        proofs.deviations[place.step] = deviation
 
 
-def _line_moves(
-    paths: Paths, layout: Layout, rows: list[tuple[int, Place]], flanges: Array
-) -> Iterator[tuple[int, Deviation]]:
-    starts, goals, frames, ends = [], [], [], []
+def _frame_moves(
+    judged: Judged, layout: Layout, rows: Rows, flanges: Array, around: Array, proofs: Proofs
+) -> None:
+    """Motions of one kind along paths of the moving frame."""
+    moving = [(row, place) for row, place in rows if place.size]
     for row, place in rows:
-        step = place.motion
-        assert isinstance(step, hir.LineMove)
-        start, goal = goal_pose(step.goal, flanges[row])
-        end = flanges[row + 1] @ step.goal.flange_from_moving
-        if place.size == 0:
-            position, angle = (float(x) for x in distance(end, goal))
-            yield place.step, Deviation(position, angle, position, angle)
-            continue
+        if not place.size:
+            _stays(place, proofs.starts.flange[row], proofs)
+    if not moving:
+        return
+    numbers = np.array([row for row, _ in moving])
+    paths = _paths(moving, proofs)
+    ends = distance(flanges[numbers] @ paths.flange_from_moving, paths.goal)
+    stretch = _stretch(judged, layout, moving, paths, around, proofs)
+    found = None
+    law = _law(judged, moving[0][1]) if len(moving) == 1 else None
+    if law is not None:
+        found = follow(stretch, paths, judged.robot, law)
+    if found is None or found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle:
+        found = follow(stretch, paths, judged.robot)
+    proofs.covered[numbers] = found.covered
+    for i, (row, place) in enumerate(moving):
+        proofs.frames[row] = paths, i
+        end = (0.0, 0.0) if place.behind is not None else (float(ends[0][i]), float(ends[1][i]))
+        proofs.deviations[place.step] = Deviation(
+            max(float(found.position[i]), end[0]),
+            max(float(found.angle[i]), end[1]),
+            *end,
+            float(found.rest[i]),
+            float(found.angle_rest[i]),
+        )
+        proofs.speeds[place.step] = _tool_speed(found, i)
+
+
+def _stays(place: Place, flange: Array, proofs: Proofs) -> None:
+    """A motion without moves must have nowhere to go."""
+    step = place.motion
+    if isinstance(step, hir.LineMove):
+        goals = [goal_pose(step.goal, flange)[1]]
+        frame = step.goal.flange_from_moving
+    elif isinstance(step, hir.ArcMove):
+        goals, frame = [step.goal.base_from_moving], step.goal.flange_from_moving
+    else:
+        assert isinstance(step, hir.PoseSplineMove)
+        goals = [goal.base_from_moving for goal in step.waypoints]
+        frame = step.waypoints[0].flange_from_moving
+    here = flange @ frame
+    position, angle = (float(far.max()) for far in distance(here[None], np.array(goals)))
+    if isinstance(step, hir.ArcMove):
+        position = max(position, float(np.linalg.norm(here[:3, 3] - step.via)))
+    end_position, end_angle = (float(far) for far in distance(here, goals[-1]))
+    proofs.deviations[place.step] = Deviation(position, angle, end_position, end_angle)
+
+
+def _paths(moving: Rows, proofs: Proofs) -> FramePaths:
+    starts, goals, frames, vias = [], [], [], []
+    for row, place in moving:
+        step, flange = place.motion, proofs.starts.flange[row]
+        if isinstance(step, hir.PoseSplineMove):
+            frame = step.waypoints[0].flange_from_moving
+            through = np.array([flange @ frame, *(goal.base_from_moving for goal in step.waypoints)])
+            free = proofs.flows.free[row]
+            spline = PoseSpline.through(through, frame, (bool(free[0]), bool(free[1])))
+            return spline or Lines.between(through[:1], through[-1:], frame[None])
+        assert isinstance(step, hir.LineMove | hir.ArcMove)
+        start, goal = goal_pose(step.goal, flange)
         starts.append(start)
         goals.append(goal)
         frames.append(step.goal.flange_from_moving)
-        ends.append(end)
-    moving = [place for _, place in rows if place.size]
-    if not moving:
-        return
-    rows_of = np.concatenate([np.arange(place.first, place.last) for place in moving])
+        if isinstance(step, hir.ArcMove):
+            vias.append(step.via)
+    if vias:
+        return Arcs.through(np.array(starts), np.array(vias), np.array(goals), np.array(frames))
+    return Lines.between(np.array(starts), np.array(goals), np.array(frames))
+
+
+def _stretch(
+    judged: Judged, layout: Layout, moving: Rows, paths: FramePaths, around: Array, proofs: Proofs
+) -> Stretch:
+    rows_of = np.concatenate([np.arange(place.first, place.last) for _, place in moving])
     cubics = Cubics.of_spline(layout.control, layout.at[rows_of], layout.time[rows_of])
-    first = np.cumsum([0, *(place.size for place in moving[:-1])])
-    lines = Lines(np.array(starts), np.array(goals), np.array(frames))
-    found = line_deviations(cubics, first, lines, np.array(ends), paths.robot, paths.tolerance)
-    for place, deviation in zip(moving, found, strict=True):
-        yield place.step, deviation
+    first = np.cumsum([0, *(place.size for _, place in moving[:-1])])
+    numbers = np.array([row for row, _ in moving])
+    follows = proofs.flows.follow[numbers] - np.array([place.first for _, place in moving])[:, None]
+    count = len(moving)
+    own = np.arange(count)
+    reach = paths.bounds(own, np.zeros(count), np.ones(count)).position[:, 0]
+    turns = reach < STILL
+    speeds = np.array([cruise(place) for _, place in moving])
+    wanted = Programmed(
+        np.where(turns, speeds[:, 1], speeds[:, 0]),
+        turns,
+        np.where(turns[:, None], np.inf, around[numbers]),
+    )
+    tolerances = np.array([judged.tolerance_of(place.motion).position for _, place in moving])
+    return Stretch(
+        cubics,
+        first,
+        follows + first[:, None],
+        proofs.flows.free[numbers],
+        tolerances,
+        judged.tolerance.angle,
+        wanted,
+    )
 
 
-def _spline_move(paths: Paths, layout: Layout, row: int, place: Place) -> Deviation:
-    robot = paths.robot
+def _law(judged: Judged, place: Place) -> tuple[Array, int] | None:
+    """A claimed law that covers all of the command, with half of each blend's segments on either side."""
+    law = judged.laws.get(place.step)
+    lead, trail = (place.before or 0) // 2, (place.behind or 0) // 2
+    if law is None or law.shape != (place.size + lead + trail + 3,) or not np.isfinite(law).all():
+        return None
+    return law, -lead
+
+
+def _tool_speed(found: Followed, i: int) -> ToolSpeed:
+    speeds = found.speeds
+    return ToolSpeed(
+        bool(speeds.turns[i]),
+        float(speeds.largest[i]),
+        float(speeds.programmed[i]),
+        float(speeds.least[i]),
+        float(speeds.most[i]),
+        float(speeds.beyond[i]),
+    )
+
+
+def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs: Proofs) -> Deviation:
+    robot, start = judged.robot, proofs.starts.q[row]
     step = place.motion
     assert isinstance(step, hir.SplineMove)
-    witness = paths.witnesses.get(place.step)
-    shape = (len(step.waypoints), robot.size)
-    if witness is None or witness.shape != shape or not np.isfinite(witness).all():
-        paths.find("Y1161", f"no joint positions of shape {shape} were given for its way-points", place.step)
-        return Deviation(math.inf, math.inf, 0.0, 0.0)
-    off_position, off_angle = _check_witness(paths, step, witness, place.step)
-    stand, end = layout.stands[row], layout.stands[row + 1]
+    off_position, off_angle = check_claims(judged, place)
+    witness = claimed_joints(judged, place, len(step.waypoints))
+    if witness is None:
+        return Deviation(np.inf, np.inf, 0.0, 0.0)
+    end = layout.ends[row] if place.size else start
     end_position, end_angle = by_kind(np.abs(end - witness[-1]), robot)
-    points = np.concatenate([stand[None], witness])
-    if place.size:
-        rows = slice(place.first, place.last)
-        cubics = Cubics.of_spline(layout.control, layout.at[rows], layout.time[rows])
-        law = paths.laws.get(place.step)
-        bound = spline_deviation(cubics, points, joint_weights(robot, paths.tolerance), law)
+    if place.behind is not None:
+        end_position, end_angle = 0.0, 0.0
+    points = np.concatenate([start[None], witness])
+    if place.before is not None or place.behind is not None:
+        proofs.curves[row] = NaturalSpline.through(points)
+    begin, stop = (int(x) for x in proofs.flows.follow[row])
+    if begin < stop:
+        free = proofs.flows.free[row]
+        claimed = _law(judged, place)
+        law = None
+        if claimed is not None:
+            skip = begin - place.first - claimed[1]
+            law = claimed[0][skip : skip + stop - begin + 3]
+        weights = joint_weights(robot, judged.tolerance)
+        cubics = layout.cubics(begin, stop)
+        bound = spline_deviation(cubics, points, weights, law, (bool(free[0]), bool(free[1])))
         position, angle = by_kind(bound.deviation, robot)
         rest = by_kind(bound.remainder, robot)
+        proofs.covered[row] = bound.covered
+    elif place.size:
+        position, angle, rest = 0.0, 0.0, (0.0, 0.0)
+        proofs.covered[row] = 0.5
     else:
-        position, angle = by_kind(np.abs(points - stand).max(axis=0), robot)
+        position, angle = by_kind(np.abs(points - start).max(axis=0), robot)
         rest = 0.0, 0.0
     deviation = Deviation(position, angle, end_position, end_angle, *rest)
     return replace(
@@ -159,25 +313,3 @@ def _spline_move(paths: Paths, layout: Layout, row: int, place: Place) -> Deviat
         position=max(position, end_position, off_position),
         angle=max(angle, end_angle, off_angle),
     )
-
-
-def _check_witness(paths: Paths, step: hir.SplineMove, witness: Array, number: int) -> tuple[float, float]:
-    """How far the claimed joint way-points are from the programmed ones [m], [rad]."""
-    worst = 0.0, 0.0
-    flanges = flange_poses(paths.robot.chain, witness)
-    for i, waypoint in enumerate(step.waypoints):
-        if isinstance(waypoint, hir.JointGoal):
-            off = by_kind(np.abs(witness[i] - waypoint.q), paths.robot)
-            allowed = 1e-9, 1e-9
-        else:
-            position, angle = distance(flanges[i] @ waypoint.flange_from_moving, waypoint.base_from_moving)
-            off = float(position), float(angle)
-            allowed = paths.tolerance.position, paths.tolerance.angle
-        if off[0] > allowed[0] or off[1] > allowed[1]:
-            paths.find(
-                "Y1161",
-                f"the planned way-point {i + 1} is {_shown(*off)} from the programmed one",
-                number,
-            )
-        worst = max(worst[0], off[0]), max(worst[1], off[1])
-    return worst

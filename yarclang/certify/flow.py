@@ -1,4 +1,7 @@
-"""What a text does between its motions: dwells, outputs, waits and ways must be the program's, each in its place and at rest."""
+"""What a text does between its motions: dwells, outputs, waits and ways must be the program's, each in its place and at rest.
+
+Only an output behind a motion that flows into the next one is set while the robot moves: in the middle of the blend.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.read import Barred, ControllerText, Dwelt, Put, Run, Stood
+from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -15,6 +18,8 @@ Deed = tuple[object, ...]
 Fault = tuple[int | None, str]
 """The step of the program that it is about, if one is known, and what is wrong."""
 
+SEGMENTS_OFF = 1
+"""An output in the middle of a blend is set at most this many segments before or behind it."""
 _SAME_TIME = 1e-6
 
 
@@ -33,6 +38,7 @@ def check_flow(
     if dict(text.outputs) != meant:
         yield None, "the safe values of the outputs aren't the program's"
     yield from _not_at_rest(text)
+    yield from _not_in_the_middle(text)
     yield from _stands_elsewhere(text, start / axis_units)
     told = list(_told(text))
     for place, (step, deed) in enumerate(
@@ -78,9 +84,16 @@ def _told(text: ControllerText) -> Iterator[Deed]:
     for item in text.course:
         match item:
             case Run():
+                puts = list(item.puts)
                 while entry is not None and (entry.first or 0) <= int(item.lines[-1]):
                     yield ("move", entry.step)
+                    # those nearer to this command's end than to that of the next one
+                    while puts and _behind(item, puts[0], entry) <= SEGMENTS_OFF:
+                        put = puts.pop(0)
+                        yield ("set", put.variable, put.value)
                     entry = next(moving, None)
+                for put in puts:
+                    yield ("set", put.variable, put.value)
             case Dwelt(milliseconds=milliseconds) if milliseconds > 0.0:
                 yield ("dwell", milliseconds)
             case Put(variable=variable, value=value):
@@ -90,6 +103,34 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 yield (item.kind, item.step, name, float(wanted), item.timeout)
             case Barred():
                 yield (item.kind, item.step)
+
+
+def _behind(run: Run, put: Put, entry: Entry) -> int:
+    """How many segments behind the command's end an output is set: a move line begins the segment of its number in the sequence."""
+    return int(
+        np.searchsorted(run.lines, put.line) - np.searchsorted(run.lines, entry.last or 0, side="right")
+    )
+
+
+def _not_in_the_middle(text: ControllerText) -> Iterator[Fault]:
+    """An output that is set in step with a move, elsewhere than in the middle of a blend."""
+    for run in text.runs:
+        blended = [
+            entry
+            for entry in text.entries
+            if entry.blend is not None and run.lines[0] <= (entry.last or 0) <= run.lines[-1]
+        ]
+        for put in run.puts:
+            if not blended:
+                yield (
+                    None,
+                    f"line {put.line} sets {put.variable} while the robot moves, and no blend is there",
+                )
+                continue
+            off = min((_behind(run, put, entry) for entry in blended), key=abs)
+            if abs(off) > SEGMENTS_OFF:
+                there = f"{abs(off)} segments {'behind' if off > 0 else 'before'} the middle of the blend"
+                yield None, f"line {put.line} sets {put.variable} {there}"
 
 
 def _same(found: Deed, deed: Deed) -> bool:

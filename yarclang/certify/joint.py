@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,37 +22,60 @@ def by_kind(deviations: Array, robot: Robot) -> tuple[float, float]:
     return float(deviations[prismatic].max(initial=0.0)), float(deviations[~prismatic].max(initial=0.0))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class JointLines:
+    """C straight lines in joint space, from `start` to `goal` (C, n) [rad or m].
+
+    `free` (C, 2) says whether the line is joined, and left, elsewhere than at its start and its end.
+    """
+
+    start: Array
+    goal: Array
+    free: NDArray[np.bool_]
+
+
 def straight_deviations(
-    control: Array, first: NDArray[np.int64], goals: Array, robot: Robot, tolerance: Tolerance
-) -> Array:
+    control: Array, first: NDArray[np.int64], lines: JointLines, robot: Robot, tolerance: Tolerance
+) -> tuple[Array, Array]:
     """Proved bounds of the deviation from straight lines in joint space.
 
     Every point of the motion is a convex combination of control points S + s_i D + r_i. At any instant it
     is the point S + s D of the line, with s the same combination of the s_i, plus the same combination
     of the residuals r_i: at most max |r_i|. The s_i are kept in [0, 1], never go back (a
     spline with growing control points grows) and end with 1, so the bound holds in order of time and
-    for all of the line.
+    for all of the line; where the motion flows on, for what of the line lies between its first and its last s.
 
     Args:
         control: (G, n) control points of C commands, one command behind the other, [rad or m].
-        first: (C,) the first control point of each: where the robot stands.
-        goals: (C, n) the ends of the lines.
+        first: (C,) the first control point of each.
+        lines: the programmed paths.
         robot: the arm.
         tolerance: by which the joints are weighed in the projection.
 
     Returns:
-        (C, n) the largest deviation of each joint [rad or m].
+        (C, n) the largest deviation of each joint [rad or m], and (C, 2) the shares between which the line was followed.
     """
     owner = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(control))))
+    last = np.append(first[1:], len(control)) - 1
     weights = joint_weights(robot, tolerance)
-    start = control[first]
-    way = (goals - start) * weights
+    start, free = lines.start, lines.free
+    way = (lines.goal - start) * weights
     norm = np.einsum("ni,ni->n", way, way)
     norm[norm == 0.0] = np.inf
     s = np.einsum("ni,ni->n", (control - start[owner]) * weights, way[owner]) / norm[owner]
     lift = 2.0 * owner
     s = np.clip(s, 0.0, 1.0)
-    s[np.append(first[1:], len(s)) - 1] = 1.0
+    s[last[~free[:, 1]]] = 1.0
     s = np.maximum.accumulate(s + lift) - lift
-    residual = np.abs(control - start[owner] - s[:, None] * (goals - start)[owner])
-    return segment_max(residual, first)
+    residual = np.abs(control - start[owner] - s[:, None] * (lines.goal - start)[owner])
+    covered = np.tile([0.0, 1.0], (len(first), 1))
+    joined, left = np.flatnonzero(free[:, 0]), np.flatnonzero(free[:, 1])
+    covered[joined, 0] = _knot(s, first[joined])
+    covered[left, 1] = _knot(s, last[left] - 2)
+    return segment_max(residual, first), covered
+
+
+def _knot(s: Array, at: NDArray[np.int64]) -> Array:
+    """The value of the B-spline with the control values `s` at the knots of the points `at` to `at` + 2."""
+    value: Array = (s[at] + 4.0 * s[at + 1] + s[at + 2]) / 6.0
+    return value

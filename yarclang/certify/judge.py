@@ -10,19 +10,22 @@ from types import MappingProxyType
 import numpy as np
 
 from yarclang import hir
+from yarclang.certify.blend import judge_blends
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation, Kind
-from yarclang.certify.deviations import Paths, find_deviations
+from yarclang.certify.certificate import Blended, Certificate, CommandCertificate, Deviation, Kind, ToolSpeed
+from yarclang.certify.corner import Judged
+from yarclang.certify.deviations import find_deviations
 from yarclang.certify.flow import check_flow
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, lay_out, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, Loads, check_limits
 from yarclang.certify.read import TM_STEPS_PER_MS, ControllerText, Unreadable, read
+from yarclang.certify.speed import KEPT
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile, Span
-from yarclang.units import MS
+from yarclang.units import DEG, MM, MS
 
 NO_LAWS: Mapping[int, Array] = MappingProxyType({})
 
@@ -30,6 +33,18 @@ _REMEDIES = {
     "Y1159": "allow more (--tolerance), or take shorter segments (--tm)",
     "Y1160": "allow more (--tolerance): the controller's numbers have 9 decimals at most",
 }
+
+KINDS: Mapping[type, Kind] = MappingProxyType(
+    {
+        hir.JointMove: "joint",
+        hir.LineMove: "line",
+        hir.ArcMove: "arc",
+        hir.SplineMove: "spline",
+        hir.PoseSplineMove: "pose_spline",
+    }
+)
+TIME_OPTIMAL = "TOPP"
+"""The profile without a limit of the jerk."""
 
 GUARD_SHARE = 0.05
 """A fixed program may start so far off that it adds this share of the acceleration limit."""
@@ -50,10 +65,12 @@ def certify(
         program: what the robot shall do.
         robot: geometry, limits, actuation and controller.
         tolerance: how far the executed path may be from the programmed one.
-        witnesses: for each SplineMove, by its number in the program's steps: the joint positions (k, n) that
-            the planner chose for its k way-points. Claims: each is checked against its way-point.
-        laws: for SplineMoves, by the same number: control values (segments + 3,) of the share of the way over time.
-            Claims: a wrong one proves less, never more.
+        witnesses: by the number of a motion in the program's steps, the joint positions that the planner chose: for each
+            SplineMove (k, n) for its k way-points; for a JointMove to a pose that flows into the next motion, and, where that one
+            is in joint space, for a Cartesian motion, (1, n) for its end. Claims: each is checked against its way-point.
+        laws: for SplineMoves and PoseSplineMoves, by the same number: control values (segments + 3,) of the share of the way over
+            time. The segments of a motion in a chain reach half a blend beyond its own on either side. Claims: a
+            wrong one proves less, never more.
 
     Returns:
         The certificate, also where it proves violations (these are errors among the findings); None where
@@ -76,9 +93,20 @@ def certify(
     judge.segment_times(content, layout)
     judge.rest(layout)
     loads = judge.limits(layout)
-    deviations = find_deviations(Paths(robot, tolerance, witnesses, laws, judge.find), layout)
+    judged = Judged(robot, tolerance, witnesses, laws, judge.find)
+    proofs = find_deviations(judged, layout)
+    blends = judge_blends(judged, layout, proofs)
+    judge.speeds(layout, proofs.speeds)
     commands = tuple(
-        judge.command(layout, place, loads[place.step], deviations[place.step]) for place in layout.places
+        judge.command(
+            layout,
+            place,
+            loads[place.step],
+            proofs.deviations[place.step],
+            proofs.speeds.get(place.step),
+            blends.get(place.step),
+        )
+        for place in layout.places
     )
     return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
 
@@ -129,7 +157,9 @@ def _told(content: ControllerText, robot: Robot, source: SourceFile) -> hir.Prog
         origin = hir.Origin(entry.index, entry.name, source, Span.on_line(entry.source_line, 1, 2))
         goal = hir.JointGoal(q)  # where it goes isn't judged
         still = entry.first is None
-        steps.append(hir.Stop(origin) if still else hir.JointMove(origin, goal, "", hir.Timing(None)))
+        blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
+        move = hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend)
+        steps.append(hir.Stop(origin) if still else move)
     return hir.Program(source, q, tuple(steps))
 
 
@@ -250,23 +280,59 @@ class _Judge:
             for place, found in zip(places, check_limits(layout, places, cubics, self.robot), strict=True):
                 loads[place.step] = found
                 for excess in found.excesses:
+                    if excess.quantity == "jerk" and place.motion.profile == TIME_OPTIMAL:
+                        continue
                     code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
                     self.find(
                         code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step
                     )
         return loads
 
+    def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:
+        """A programmed speed is kept, from when it is reached up to when it is left, and nowhere exceeded."""
+        for place in layout.places:
+            speed = speeds.get(place.step)
+            if speed is None or math.isnan(speed.programmed):
+                continue
+            unit, name = (DEG, "deg/s") if speed.turns else (MM, "mm/s")
+            programmed = f"programmed are {speed.programmed / unit:.6g} {name}"
+            if not speed.beyond <= 1.0 + KEPT:
+                self.find(
+                    "Y1167",
+                    f"the moving frame goes up to {speed.beyond:.3%} of the speed that is allowed, {programmed}",
+                    place.step,
+                )
+            elif math.isnan(speed.least):
+                self.find(
+                    "Y1167",
+                    f"the moving frame never goes at its speed: at most {speed.largest / unit:.6g} {name}, {programmed}",
+                    place.step,
+                )
+            elif speed.least < speed.programmed * (1.0 - KEPT):
+                self.find(
+                    "Y1167",
+                    f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps, {programmed}",
+                    place.step,
+                )
+
     # the table
 
-    def command(self, layout: Layout, place: Place, loads: Loads, deviation: Deviation) -> CommandCertificate:
+    def command(
+        self,
+        layout: Layout,
+        place: Place,
+        loads: Loads,
+        deviation: Deviation,
+        speed: ToolSpeed | None = None,
+        blended: Blended | None = None,
+    ) -> CommandCertificate:
         """What was proved for one command."""
         step = place.motion
-        kinds: dict[type, Kind] = {hir.JointMove: "joint", hir.LineMove: "line", hir.SplineMove: "spline"}
         return CommandCertificate(
             step=place.step,
             index=step.origin.label,
             name=step.origin.name,
-            kind=kinds[type(step)],
+            kind=KINDS[type(step)],
             source_line=step.origin.span.line,
             lines=place.lines,
             segments=place.size,
@@ -280,6 +346,9 @@ class _Judge:
             motor_velocity=loads.loads["motor_velocity"],
             hold=loads.hold,
             deviation=deviation,
+            tool_speed=speed,
+            blended=blended,
+            jerk_judged=step.profile != TIME_OPTIMAL,
         )
 
 

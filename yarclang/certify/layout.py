@@ -3,7 +3,8 @@
 The controller's law (SPLINE1, TUM 289-290): the control points of one sequence are
 S, S, S, c1 ... cM, cM, cM, with S where the robot stands and ci the programmed points; segment k, of
 duration TM, is the uniform cubic B-spline of the points k to k + 3. It starts and ends at rest. Three equal
-points inside a sequence are a full stop, and so a command ends there and the next one begins.
+points inside a sequence are a full stop, and so a command ends there and the next one begins. Commands that flow into each other
+stand in one sequence; the header's map says where, and how many segments belong to both.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang import hir
+from yarclang.certify.bounds import Cubics
 from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.robot.model import Array
 from yarclang.units import MS
@@ -27,7 +29,8 @@ CHUNK = 8192
 class Place:
     """The segments `first` to `last` (not included) of `motion`, step `step` of the program.
 
-    `lines` are the first and the last of its move lines in the text; None for a step without.
+    `lines` are the first and the last of its move lines in the text; None for a step without. `before` and `behind` are the
+    segments of the blends at its start and its end, half of which belong to it; None where it starts or ends at rest.
     """
 
     step: int
@@ -35,6 +38,8 @@ class Place:
     first: int
     last: int
     lines: tuple[int, int] | None
+    before: int | None = None
+    behind: int | None = None
 
     @property
     def size(self) -> int:
@@ -53,21 +58,30 @@ class Layout:
 
     `control` (G, n) has the control points of all sequences [rad or m], `at` (N,) where
     the four of a segment begin in it, `time` (N,) the duration of a segment [s]. `places` has one
-    entry for each motion of the program, in order; `stands` (len(places) + 1, n) is where the robot
-    is before each of them and behind the last.
+    entry for each motion of the program, in order; `begins` and `ends` (len(places), n) are where the robot
+    is before and behind each of them.
     """
 
     control: Array
     at: NDArray[np.int64]
     time: Array
     places: tuple[Place, ...]
-    stands: Array
+    begins: Array
+    ends: Array
 
     def points(self, place: Place) -> Array:
         """The control points of one command (segments + 3, n) [rad or m]."""
         if place.size == 0:
             return self.control[:0]
-        return self.control[self.at[place.first] : self.at[place.last - 1] + 4]
+        return self.points_of(place.first, place.last)
+
+    def points_of(self, begin: int, stop: int) -> Array:
+        """The control points of the segments `begin` up to `stop` (not included) of one sequence [rad or m]."""
+        return self.control[self.at[begin] : self.at[stop - 1] + 4]
+
+    def cubics(self, begin: int, stop: int) -> Cubics:
+        """The segments `begin` up to `stop` (not included)."""
+        return Cubics.of_spline(self.control, self.at[begin:stop], self.time[begin:stop])
 
 
 def lay_out(
@@ -106,11 +120,14 @@ def lay_out(
     spans = _spans(moving, lines)
     if isinstance(spans, tuple):
         return spans
+    if problem := _blends(moving, spans, lines, program):
+        return problem
     everything = Layout(
         np.concatenate(control) if control else np.empty((0, len(start))),
         np.concatenate(at) if at else np.empty(0, dtype=np.int64),
         np.concatenate(time) if time else np.empty(0),
         (),
+        np.empty((0, len(start))),
         np.empty((0, len(start))),
     )
     return _with_places(everything, text.entries, program, spans, start)
@@ -147,6 +164,8 @@ def _compare(entries: tuple[Entry, ...], program: hir.Program) -> tuple[int | No
             return step, f"the map says command {words[0]} where the program has {words[1]} (line {entry.at})"
         if entry.first is not None and not isinstance(meant_step, hir.Motion):
             return step, f"the map gives a {origin.name} move lines (line {entry.at})"
+        if entry.blend is not None and getattr(meant_step, "blend", None) is None:
+            return step, f"the map blends a command that shall end at rest (line {entry.at})"
     if len(entries) != len(program.steps):
         return None, f"the map has {len(entries)} commands, the program {len(program.steps)}"
     return None
@@ -184,6 +203,35 @@ def _spans(
     return spans
 
 
+def _blends(
+    moving: list[Entry],
+    spans: dict[int, tuple[int, int]],
+    lines: list[NDArray[np.int64]],
+    program: hir.Program,
+) -> tuple[int, str] | None:
+    """Blends that the sequences can't hold, or that run over what the robot does at rest."""
+    last_lines = {int(run[-1]) for run in lines}
+    before = 0
+    for place, entry in enumerate(moving):
+        blend = entry.blend or 0
+        size = spans[entry.step][1] - spans[entry.step][0]
+        if blend % 2:
+            return entry.step, f"the blend has {blend} segments, which have no middle (line {entry.at})"
+        if (before + blend) // 2 > size:
+            return entry.step, (
+                f"the command has {size} segments, and {before // 2} and {blend // 2} of them would lie in blends (line {entry.at})"
+            )
+        before = blend
+        if entry.blend is None:
+            continue
+        if entry.last in last_lines:
+            return entry.step, f"the sequence ends where it shall flow into the next one (line {entry.at})"
+        between = program.steps[entry.step + 1 : moving[place + 1].step]
+        if not all(isinstance(step, hir.SetOutput | hir.Motion) for step in between):
+            return entry.step, f"the map blends over what is done at rest (line {entry.at})"
+    return None
+
+
 def _with_places(
     segments: Layout,
     entries: tuple[Entry, ...],
@@ -191,27 +239,47 @@ def _with_places(
     spans: dict[int, tuple[int, int]],
     start: Array,
 ) -> Layout:
-    places, stands = [], [start]
-    behind = 0
+    places, begins, ends = [], [], []
+    stand, behind = start, 0
+    before: int | None = None
+    ways: list[Array] = []
     for entry, step in zip(entries, program.steps, strict=True):
+        match step:
+            case hir.When():
+                ways.append(stand)
+            case hir.Else() if ways:
+                stand = ways[-1]
+            case hir.EndWhen() if ways:
+                ways.pop()
         if not isinstance(step, hir.Motion):
             continue
         first, last = spans.get(entry.step, (behind, behind))
-        lines = (entry.first, entry.last) if entry.first is not None and entry.last is not None else None
-        places.append(Place(entry.step, step, first, last, lines))
-        if last > first:
+        begins.append(stand)
+        if last == first:
+            places.append(Place(entry.step, step, first, last, None))
+        else:
+            assert entry.first is not None and entry.last is not None  # noqa: PT018 - as it has a span
+            lines = (entry.first, entry.last)
+            places.append(Place(entry.step, step, first, last, lines, before, entry.blend))
             f = segments.control[segments.at[last - 1] + 1 : segments.at[last - 1] + 4]
             # exact where the command ends at rest; where it doesn't, the knot
-            stands.append(f[2] if np.array_equal(f[0], f[2]) else (f[0] + 4.0 * f[1] + f[2]) / 6.0)
-        else:
-            stands.append(stands[-1])
-        behind = last
-    return Layout(segments.control, segments.at, segments.time, tuple(places), np.array(stands))
+            stand = f[2] if np.array_equal(f[0], f[2]) else (f[0] + 4.0 * f[1] + f[2]) / 6.0
+            before, behind = entry.blend, last
+        ends.append(stand)
+    shape = (len(places), len(start))
+    return Layout(
+        segments.control,
+        segments.at,
+        segments.time,
+        tuple(places),
+        np.array(begins).reshape(shape),
+        np.array(ends).reshape(shape),
+    )
 
 
 def moving_at_ends(layout: Layout) -> list[Place]:
-    """The commands that don't end at rest: their last three control points differ."""
-    if not (moving := [place for place in layout.places if place.size]):
+    """The commands that don't end at rest, and shall: their last three control points differ."""
+    if not (moving := [place for place in layout.places if place.size and place.behind is None]):
         return []
     last = layout.at[np.array([place.last for place in moving]) - 1] + 3
     control = layout.control

@@ -25,7 +25,10 @@ LARGEST_TM_MS = 4096
 _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 """Possessive: a line that has matched is never tried again, so that the time is linear."""
 _TARGET = re.compile(r"; target (rotary|prog)")
-_ENTRY = re.compile(r"; command ([0-9]+) (\S+) (\S+) ([0-9]+) (?:([0-9]+) ([0-9]+)|- -)")
+_ENTRY = re.compile(
+    r"; command ([0-9]+) (\S+) (\S+) ([0-9]+) (?:([0-9]+) ([0-9]+)(?: blend ([0-9]{1,6}))?|- -)"
+)
+_TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]+(?:\.[0-9]{1,9})?)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
 _BARRIER = re.compile(r"; barrier ([0-9]+) (wait|hold|when|else|end) ([0-9]+) (\S+) (\S+) (.*)")
 _CONDITION = re.compile(r"([IPQM][0-9]{1,4})=(-?[0-9]+(?:\.[0-9]{1,9})?)")
@@ -47,7 +50,8 @@ class Unreadable:
 class Entry:
     """A line `; command` of the header: which move lines belong to which step of the program.
 
-    `first` and `last` are lines of the text, from 1; None for a step without move lines.
+    `first` and `last` are lines of the text, from 1; None for a step without move lines. `blend` is the number of segments, half
+    of them before and half behind the command's end, in which it flows into the next one; None where it ends at rest.
     """
 
     at: int
@@ -57,6 +61,17 @@ class Entry:
     source_line: int
     first: int | None
     last: int | None
+    blend: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Put:
+    """A variable gets a value: at rest, or, where it is `synchronous`, when the move of the next line begins."""
+
+    line: int
+    variable: str
+    value: float
+    synchronous: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,13 +79,14 @@ class Run:
     """One spline sequence: the move lines between two values of TM.
 
     `segment_ms` is TM [ms], exact; `points` (M, n) are the printed numbers [deg or mm];
-    `lines` (M,) are their lines in the text.
+    `lines` (M,) are their lines in the text. `puts` are the outputs set between them, while the robot moves.
     """
 
     segment_ms: float
     tm_line: int
     points: Array
     lines: NDArray[np.int64]
+    puts: tuple[Put, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,15 +95,6 @@ class Dwelt:
 
     line: int
     milliseconds: float
-
-
-@dataclass(frozen=True, slots=True)
-class Put:
-    """A variable gets a value."""
-
-    line: int
-    variable: str
-    value: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +234,12 @@ class _Cursor:
         self.line += len(points)
         return points
 
+    def move_follows(self) -> bool:
+        """Whether a move line comes next, other outputs, comments and the guard's flag left out."""
+        rest = re.compile(r"(?:;[^\n]*\n|P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
+        found = rest.match(self._text, self._place)
+        return self._block.match(self._text, found.end() if found else self._place) is not None
+
     def expect(self, *lines: str) -> None:
         """The next lines are these."""
         for line in lines:
@@ -268,7 +281,10 @@ def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, 
         elif found := _ENTRY.fullmatch(line):
             index = "" if found[2] == "-" else found[2]
             first, last = (int(found[5]), int(found[6])) if found[5] else (None, None)
-            entries.append(Entry(cursor.line, int(found[1]), index, found[3], int(found[4]), first, last))
+            blend = int(found[7]) if found[7] else None
+            entries.append(
+                Entry(cursor.line, int(found[1]), index, found[3], int(found[4]), first, last, blend)
+            )
         elif found := _BARRIER.fullmatch(line):
             timeout = None if found[5] == "-" else float(found[5])
             barriers[int(found[1])] = Barred(
@@ -368,6 +384,8 @@ def _read_course(
             continue
         elif (found := _CONDITION.fullmatch(content)) and course.rests:
             course.items.append(Put(line, found[1], float(found[2])))
+        elif (found := _TRIGGER.fullmatch(content)) and course.moves_on(cursor):
+            course.puts.append(Put(line, found[1], float(found[2]), synchronous=True))
         else:
             cursor.refuse(f"is {_shown(content)}: no move line, TM, P8100 or CLOSE" + _why(content), back=1)
     course.finish()
@@ -384,6 +402,13 @@ class _Course:
         self._ms: float | None = None
         self._tm_line = 0
         self._blocks: list[tuple[int, Array]] = []
+        self.puts: list[Put] = []
+
+    def moves_on(self, cursor: _Cursor) -> bool:
+        """Whether moves of the sequence stand before this place and right behind it: elsewhere an output that is set in step with a
+        move is set at no known time, or not at all.
+        """
+        return bool(self._blocks) and cursor.move_follows()
 
     @property
     def rests(self) -> bool:
@@ -411,9 +436,10 @@ class _Course:
             raise _Refusal(self._tm_line, "is a TM without move lines", "Y1151")
         lines = np.concatenate([np.arange(line, line + len(block)) for line, block in self._blocks])
         points = np.concatenate([block for _, block in self._blocks])
-        self.items.append(Run(self._ms, self._tm_line, points, lines))
+        self.items.append(Run(self._ms, self._tm_line, points, lines, tuple(self.puts)))
         self._ms = None
         self._blocks.clear()
+        self.puts.clear()
 
 
 def _read_stand(cursor: _Cursor, line: int) -> Stood:

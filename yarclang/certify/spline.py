@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import HERMITE, JUMP, Cubics, catch_up, hermite_bezier
+from yarclang.certify.project import guess_by_length, project
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
@@ -16,10 +17,6 @@ MOST_PIECES = 16
 """... but never more than this many a segment."""
 SAME = 1e-9
 """Neighbours nearer than this [rad or m] are one way-point."""
-_STIFFNESS = 1e-3
-_GAUSS_NODES = np.sqrt(0.6) * np.array([-0.5, 0.0, 0.5]) + 0.5
-_GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
-_TABLE = 32
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,16 +33,20 @@ class NaturalSpline:
 
     @staticmethod
     def through(points: Array) -> NaturalSpline:
-        """The spline through `points` (m, n); equal neighbours count once."""
+        """The spline through `points` (m, n) over the chord length; equal neighbours count once."""
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > SAME
         y = points[np.concatenate([[True], apart])]
-        chord = np.linalg.norm(np.diff(y, axis=0), axis=1)
-        s = np.concatenate([[0.0], np.cumsum(chord)])
+        return NaturalSpline.over(np.linalg.norm(np.diff(y, axis=0), axis=1), y)
+
+    @staticmethod
+    def over(steps: Array, y: Array) -> NaturalSpline:
+        """The spline through `y` (m, n) over a parameter that grows by `steps` (m - 1,) from one to the next."""
+        s = np.concatenate([[0.0], np.cumsum(steps)])
         bend = np.zeros_like(y)
         if len(y) > 2:
-            slope = np.diff(y, axis=0) / chord[:, None]
+            slope = np.diff(y, axis=0) / steps[:, None]
             bend[1:-1] = _solve_tridiagonal(
-                chord[1:-1], 2.0 * (chord[:-1] + chord[1:]), 6.0 * np.diff(slope, axis=0)
+                steps[1:-1], 2.0 * (steps[:-1] + steps[1:]), 6.0 * np.diff(slope, axis=0)
             )
         return NaturalSpline(s, y, bend)
 
@@ -87,14 +88,21 @@ def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SplineBound:
-    """The largest deviation of each joint (n,) [rad or m], and what of it is remainder."""
+    """The largest deviation of each joint (n,) [rad or m], what of it is remainder, and the shares of the spline between
+    which it was followed (2,).
+    """
 
     deviation: Array
     remainder: Array
+    covered: Array
 
 
 def spline_deviation(
-    cubics: Cubics, waypoints: Array, weights: Array, law: Array | None = None
+    cubics: Cubics,
+    waypoints: Array,
+    weights: Array,
+    law: Array | None = None,
+    free: tuple[bool, bool] = (False, False),
 ) -> SplineBound:
     """A proved bound of the deviation from the natural spline through way-points.
 
@@ -108,33 +116,53 @@ def spline_deviation(
         weights: (n,) one over the tolerance of each joint.
         law: (segments + 3,) the share of the way over time that the planner claims, as control values
             of a cubic B-spline. A claim can't do harm: any s(t) that leads from start to end gives a proof.
+        free: whether the spline is joined, and left, elsewhere than at its start and its end.
     """
     spline = NaturalSpline.through(waypoints)
     if len(spline.y) == 1:
         lower, upper = cubics.position_range()
         away = np.maximum(np.abs(lower - spline.y), np.abs(upper - spline.y)).max(axis=0)
-        return SplineBound(away, np.zeros_like(away))
+        return SplineBound(away, np.zeros_like(away), np.array([0.0, 1.0]))
     claimed = law if law is not None and len(law) == len(cubics.h) + 3 and np.isfinite(law).all() else None
-    bound = _proved(cubics, spline, weights, claimed)
+    bound = _proved(cubics, spline, weights, claimed, free)
     if claimed is not None and (bound.deviation * weights).max() > 1.0:
-        projected = _proved(cubics, spline, weights, None)
+        projected = _proved(cubics, spline, weights, None, free)
         bound = min(bound, projected, key=lambda one: float((one.deviation * weights).max()))
     return bound
 
 
-def _proved(cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None) -> SplineBound:
+def _proved(
+    cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None, free: tuple[bool, bool]
+) -> SplineBound:
     """The bound with pieces so short that the remainder hardly counts."""
     pieces = 1 if len(cubics.h) >= 4 else 4  # third differences want four points
     while True:
-        bound = _bound(cubics, spline, weights, pieces, law)
+        bound = _bound(cubics, spline, weights, pieces, law, free)
         need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
         if need <= 1.0 or pieces == MOST_PIECES:
             return bound
         pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * need**0.25))))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Weighed:
+    """A spline in joints that count the same."""
+
+    spline: NaturalSpline
+    weights: Array
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        y, slope = self.spline.at(s)
+        return y * self.weights, slope * self.weights
+
+
 def _bound(
-    cubics: Cubics, spline: NaturalSpline, weights: Array, pieces: int, law: Array | None
+    cubics: Cubics,
+    spline: NaturalSpline,
+    weights: Array,
+    pieces: int,
+    law: Array | None,
+    free: tuple[bool, bool],
 ) -> SplineBound:
     count = len(cubics.h) * pieces
     segment = np.arange(count) // pieces
@@ -144,20 +172,24 @@ def _bound(
     q, rate = starts.at(offset)
     q_end, rate_end = starts.at(offset + d)
     q, rate = np.concatenate([q, q_end[-1:]]), np.concatenate([rate, rate_end[-1:]])
+    end = float(spline.s[-1])
     if law is None:
-        s, s_rate = _project(starts, offset, q, rate, spline, weights, d)
+        curve = _Weighed(spline, weights)
+        guess, pace = guess_by_length(curve, q * weights, end, free)
+        s, s_rate = project(curve, q * weights, rate * weights, guess, pace, d)
     else:
-        s, s_rate = _claimed(law * spline.s[-1], float(cubics.h[0]), pieces)
+        s, s_rate = _claimed(law * end, float(cubics.h[0]), pieces)
 
     y, slope = spline.at(s)
     e, e_rate = q - y, rate - slope * s_rate[:, None]
     hull = np.stack(hermite_bezier(e[:-1], e_rate[:-1], e[1:], e_rate[1:], d[:, None]))
     bezier_s = np.stack(hermite_bezier(s[:-1], s_rate[:-1], s[1:], s_rate[1:], d), axis=1)
     rest = _remainder(spline, bezier_s, d)
-    behind = catch_up(bezier_s, np.zeros(count, dtype=np.int64), float(spline.s[-1]))
-    reach = _steepest(spline, float(max(-bezier_s.min(), bezier_s.max() - spline.s[-1], 0.0)))
+    covered = np.where(free, np.clip([s[0] / end, s[-1] / end], 0.0, 1.0), [0.0, 1.0])
+    behind = catch_up(bezier_s, np.zeros(count, dtype=np.int64), end, covered[None])
+    reach = _steepest(spline, float(max(-bezier_s.min(), bezier_s.max() - end, 0.0)))
     deviation = np.abs(hull).max(axis=0) + rest + behind[:, None] * reach
-    return SplineBound(deviation.max(axis=0), rest.max(axis=0))
+    return SplineBound(deviation.max(axis=0), rest.max(axis=0), covered)
 
 
 def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
@@ -172,70 +204,6 @@ def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
     ) / 6.0
     rate = (w**2 * (f1 - f0) + (1 + 2 * u - 2 * u**2) * (f2 - f1) + u**2 * (f3 - f2)) / (2.0 * h)
     return s, rate
-
-
-def _project(
-    starts: Cubics, offset: Array, q: Array, rate: Array, spline: NaturalSpline, weights: Array, d: Array
-) -> tuple[Array, Array]:
-    """Values and derivatives of a good s(t) at the points between pieces. Any would be lawful.
-
-    Least squares of q - y(s), weighed by the tolerances. Where a spline turns back on itself, y' is zero
-    and the position doesn't say what s is: a little stiffness against third differences, of no effect
-    elsewhere, carries s smoothly through. Arc length, which knows which way it goes, starts the iteration.
-    """
-    from scipy.linalg import solveh_banded
-
-    run = np.zeros(len(d))
-    for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True):
-        run += weight * np.linalg.norm(starts.at(offset + node * d)[1] * weights, axis=1) * d
-    run = np.concatenate([[0.0], np.cumsum(run)])
-    table_s, table_run = _arc_length(spline, weights)
-    s = np.interp(run * (table_run[-1] / max(run[-1], 1e-300)), table_run, table_s)
-
-    typical = (table_run[-1] / table_s[-1]) ** 2
-    stiffness = _STIFFNESS**2 * typical
-    bands = _third_differences(len(s)) * stiffness
-    for _ in range(5):
-        y, slope = spline.at(s)
-        system = bands.copy()
-        system[0] += ((slope * weights) ** 2).sum(axis=1) + 1e-9 * stiffness
-        pull = ((q - y) * slope * weights**2).sum(axis=1)
-        s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
-    y, slope = spline.at(s)
-    guess = np.gradient(s, float(d[0]))
-    steep = ((slope * weights) ** 2).sum(axis=1)
-    s_rate = ((rate * slope * weights**2).sum(axis=1) + stiffness * guess) / (steep + stiffness)
-    return s, s_rate
-
-
-def _arc_length(spline: NaturalSpline, weights: Array) -> tuple[Array, Array]:
-    """A table of s and of the weighed arc length up to there."""
-    chord = np.diff(spline.s)
-    left = (spline.s[:-1, None] + chord[:, None] * (np.arange(_TABLE) / _TABLE)).ravel()
-    width = np.repeat(chord / _TABLE, _TABLE)
-    run = np.zeros(len(left))
-    for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True):
-        run += weight * np.linalg.norm(spline.at(left + node * width)[1] * weights, axis=1) * width
-    return np.append(left, spline.s[-1]), np.concatenate([[0.0], np.cumsum(run)])
-
-
-def _third_differences(size: int) -> Array:
-    """The matrix of the sum of squared third differences, lower bands (4, size)."""
-    kernel = np.array([-1.0, 3.0, -3.0, 1.0])
-    bands = np.zeros((4, size))
-    for band in range(4):
-        for first in range(4 - band):
-            bands[band, first : size - 3 + first] += kernel[first] * kernel[first + band]
-    return bands
-
-
-def _times(bands: Array, x: Array) -> Array:
-    """The symmetric banded matrix times x."""
-    product = bands[0] * x
-    for band in range(1, len(bands)):
-        product[band:] += bands[band, :-band] * x[:-band]
-        product[:-band] += bands[band, :-band] * x[band:]
-    return np.asarray(product)
 
 
 def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
@@ -257,6 +225,8 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
         inside = slice(low[row] + 1, high[row] + 1)
         bend[row] = np.maximum(bend[row], np.abs(spline.bend[inside]).max(axis=0))
         sharp[row] = np.maximum(sharp[row], np.abs(third[low[row] : high[row] + 1]).max(axis=0))
+    # a cubic passes a place once, or, where it turns back, three times at most
+    jump *= np.where((ds.min(axis=1) < 0.0) & (ds.max(axis=1) > 0.0), 3.0, 1.0)[:, None]
     change: Array = 6.0 * s1 * s1 * s2 * sharp + (3.0 * s2 * s2 + 4.0 * s1 * s3) * bend
     rest: Array = HERMITE * d[:, None] ** 4 * change + JUMP * d[:, None] ** 3 * s1**3 * jump
     return rest

@@ -124,4 +124,21 @@ FINDINGS: tuple[Finding, ...] = (
         "Dwells, outputs, waits, and the ways of a WHEN must stand in the text as in the program, each at rest. An output "
         "that is set while the robot moves, or a wait that is run past, does harm that no path shows.",
     ),
+    Finding(
+        "Y1166",
+        "blend-left",
+        "error",
+        "a blend leaves the ball round the corner",
+        "Where a motion flows into the next one (BLEND 5), the moving frame may leave the programmed paths only within that distance of "
+        "the corner, and turn by no more than both motions do there; between two joint motions the same holds for each joint. The "
+        "bound that was proved for the emitted motion, or for a path that it leaves too early or joins too late, is larger.",
+    ),
+    Finding(
+        "Y1167",
+        "speed-not-kept",
+        "error",
+        "the moving frame doesn't keep its programmed speed",
+        "With a speed ([V 250]) the moving frame goes at that speed, within 0.1 %, from the end of its first ramp to the beginning of "
+        "its last, and never faster. The bounds that were proved for the emitted motion say otherwise.",
+    ),
 )

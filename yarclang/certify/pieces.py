@@ -1,0 +1,93 @@
+"""Segments of a motion cut into pieces, the moving frames between them, and what bounds them there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.certify.bounds import Cubics, arm_fourth, reaches
+from yarclang.certify.programmed import Motion, Rows
+from yarclang.robot.kinematics.fk import poses_and_jacobians
+from yarclang.robot.model import Array, Chain, Robot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """Segments cut into pieces: `segment` (P,), duration `d` (P,) [s], and `command` (P,), in order.
+
+    Piece k lies between the points `left`[k] and `left`[k] + 1; those of one command are one more than its pieces. `owner`
+    (N,), `q` and `rate` (N, n) [rad or m, and per s] are the points'.
+    """
+
+    segment: Rows
+    d: Array
+    command: Rows
+    left: Rows
+    owner: Rows
+    q: Array
+    rate: Array
+
+    @staticmethod
+    def cut(cubics: Cubics, command: Rows, pieces: Rows) -> Pieces:
+        """Cut each segment of the commands `command` (N,) into `pieces` (N,) equal ones."""
+        segment = np.repeat(np.arange(len(pieces)), pieces)
+        number = np.arange(len(segment)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        d = (cubics.h / pieces)[segment]
+        of = command[segment]
+        begins = np.flatnonzero(np.diff(of, prepend=-1))
+        left = np.arange(len(segment)) + of
+        last = np.append(begins[1:], len(segment)) + np.arange(len(begins))
+        q, rate = (np.empty((len(segment) + len(begins), cubics.x.shape[1])) for _ in range(2))
+        q[left], rate[left] = cubics.take(segment).at(number * d)
+        closing = np.append(np.flatnonzero(np.diff(command)), len(command) - 1)
+        q[last], rate[last] = cubics.take(closing).at(cubics.h[closing])
+        owner = np.empty(len(q), dtype=np.int64)
+        owner[left], owner[last] = of, np.arange(len(begins))
+        return Pieces(segment, d, of, left, owner, q, rate)
+
+
+def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion:
+    """Moving frames at the points between pieces, each on its `flange_from_moving` (N, 4, 4)."""
+    flange, jacobian = poses_and_jacobians(chain, cut.q, np.eye(4))
+    twist = (jacobian @ cut.rate[:, :, None])[:, :, 0]
+    arm = (flange[:, :3, :3] @ flange_from_moving[:, :3, 3:])[:, :, 0]
+    angular = twist[:, 3:]
+    return Motion(
+        flange[:, :3, 3] + arm,
+        twist[:, :3] + np.cross(angular, arm),
+        flange[:, :3, :3] @ flange_from_moving[:, :3, :3],
+        angular,
+        cut.d,
+    )
+
+
+def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: Robot) -> tuple[Array, Array]:
+    """Bounds (N,) of the fourth time derivatives of the frames' origins and rotations, segment by segment.
+
+    Args:
+        cubics: N segments.
+        command: (N,) which of the frames each moves.
+        flange_from_moving: (C, 4, 4).
+        robot: the arm.
+    """
+    travel = np.abs(np.concatenate(cubics.position_range())).max(axis=0)
+    w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
+    origin, rotation = np.empty(len(command)), np.empty(len(command))
+    frames, group = np.unique(flange_from_moving.reshape(-1, 16), axis=0, return_inverse=True)
+    for i, frame in enumerate(frames):
+        chosen = np.isin(command, np.nonzero(group.ravel() == i)[0])
+        reach = reaches(robot.chain, frame.reshape(4, 4), travel)
+        bound = arm_fourth(reach, robot.chain.is_prismatic, w[chosen], a[chosen], j[chosen])
+        origin[chosen], rotation[chosen] = bound.origin, bound.rotation
+    return origin, rotation
+
+
+def hull(e: Array, rate: Array, left: Rows, right: Rows, d: Array) -> Array:
+    """The largest Bezier point of each piece, of errors e (N, m) and their rates at the points."""
+    ends = np.linalg.norm(e, axis=1)
+    third = (d / 3.0)[:, None]
+    inner = np.linalg.norm(e[left] + third * rate[left], axis=1)
+    outer = np.linalg.norm(e[right] - third * rate[right], axis=1)
+    largest: Array = np.maximum(np.maximum(ends[left], ends[right]), np.maximum(inner, outer))
+    return largest

@@ -66,7 +66,8 @@ P0040 MOVEJ 0 0 0 0 0 0 [0.5] (deg,s)
 def test_a_wait_comes_first(workshop, simulator, options):
     workshop.write("q.yarc", WAITS)
     text = workshop.yarc(*run_on(simulator, *options, program="q.yarc"), status=1)
-    assert "error: P0010 WAIT has waited 0.5 s for READY (M11) to be ON: it is OFF" in text
+    assert "q.yarc:3:1: error Y1604: P0010 WAIT has waited 0.5 s for READY (M11) to be ON: it is OFF" in text
+    assert "    3 | P0010 WAIT READY ON [0.5] (s)\n" in text
     assert "  it stood at P0010 WAIT\n" in text
     assert (simulator.stands() == 0.0).all()
     assert simulator.complaints() == []

@@ -24,7 +24,7 @@ def runs(workshop, *faults, status=1):
 
 
 def assert_told(text, cause, *more):
-    assert re.search(rf"^error: [^\n]*{cause}", text, re.MULTILINE), text
+    assert re.search(rf"^(?:\S+:\d+:\d+: )?error(?: Y16\d\d)?: [^\n]*{cause}", text, re.MULTILINE), text
     for words in more:
         assert re.search(words, text), (words, text)
 

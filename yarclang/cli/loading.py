@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.inputs import open_program
 from yarclang.pipeline.jobs import Papers, job_of_text
+from yarclang.pipeline.origins import Origins, origins_of_text
 from yarclang.pipeline.parts import motion_number, part
 from yarclang.pipeline.sources import read_source
 from yarclang.pipeline.stages import Compiled, compile_module
@@ -38,6 +41,7 @@ class Loaded:
         steps: the commands of that one by one, if that is wanted.
         plan: of the program, if the program itself is known and not only its text.
         begins_within: whether a command was named to begin with.
+        origins: looks where its commands come from.
     """
 
     program: Job
@@ -45,6 +49,7 @@ class Loaded:
     steps: tuple[Job, ...] = ()
     plan: MotionPlan | None = None
     begins_within: bool = False
+    origins: Callable[[], Origins] = lambda: Origins(None, "its source isn't known")
 
 
 Found = tuple[Diagnostic, ...]
@@ -96,15 +101,16 @@ def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
         refused = (replace(one, help=one.help or _AGAIN) for one in made.diagnostics)
         return Result(None, (*robot.diagnostics, *refused))
     judged = certify_text(source.text, robot.value, source)
-    # their lines are those of the program, which isn't here
-    found = (replace(one, span=None, help=one.help or _AGAIN) for one in judged.diagnostics)
+    found = (replace(one, help=one.help or _AGAIN) for one in judged.diagnostics)
     diagnostics = (*robot.diagnostics, *found)
     if judged.value is None or has_errors(diagnostics):
         return Result(None, diagnostics)
     papers = Papers("", json.dumps(judged.value.to_json()))
     job = job_of_text(source.text, robot.value, name, papers).value
     assert job is not None  # it was one without papers
-    return Result(Loaded(job, job), diagnostics)
+    known = robot.value
+    origins = partial(origins_of_text, source.text, Path(file).parent, known)
+    return Result(Loaded(job, job, origins=origins), diagnostics)
 
 
 def robot_of_text(source: SourceFile, name: str | None) -> Result[Robot]:
@@ -141,7 +147,7 @@ def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Lo
         name = "stdin" if file == STANDARD else Path(file).name
         source = plan.program.source.text
         program = _job(compiled.value, name, source)
-        number = _number(plan, program, first) if first is not None else 0
+        number = motion_number(plan, first) if first is not None else 0
         if isinstance(number, Diagnostic):
             return Result(None, (*found, number))
         # what else is to be said of a part was said of the whole
@@ -151,25 +157,13 @@ def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Lo
             wanted += [(one, one + 1) for one in range(number, len(plan.motions))]
         parts: list[Job] = []
         for begin, end in wanted:
-            made = part(_with_what_comes_first(plan) if first is None else plan, request, begin, end)
+            made = part(plan, request, begin, end, with_lead=first is None)
             if made.value is None or has_errors(made.diagnostics):
                 return Result(None, (*found, *made.diagnostics))
             parts.append(_job(made.value, name, source, program.commands[begin].begins))
     rest = parts.pop(0) if shorter else program
-    return Result(Loaded(program, rest, tuple(parts), plan, first is not None), found)
-
-
-def _with_what_comes_first(plan: MotionPlan) -> MotionPlan:
-    """A plan in which the steps in front of the first motion, such as a WAIT, belong to it."""
-    return replace(plan, motions=(replace(plan.motions[0], step=0), *plan.motions[1:]))
-
-
-def _number(plan: MotionPlan, program: Job, first: str) -> int | Diagnostic:
-    """The number of a motion by its index, or by its place among loops and calls, as a run tells it."""
-    places = [command.index.upper() for command in program.commands]
-    if len(places) == len(plan.motions) and first.upper() in places:
-        return places.index(first.upper())
-    return motion_number(plan, first)
+    origins = Origins(plan.program)
+    return Result(Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins), found)
 
 
 def _job(compiled: Compiled, name: str, source: str, offset: float = 0.0) -> Job:

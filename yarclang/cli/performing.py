@@ -14,8 +14,9 @@ import click
 from yarclang import __version__
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controllers import robot_argument
+from yarclang.cli.faults import fault_text, where_of
 from yarclang.cli.loading import Loaded, job_of_compiled
-from yarclang.cli.resting import motion_before, resting_place
+from yarclang.cli.resting import Resting, motion_before, resting_place
 from yarclang.cli.running import Display, OrderedSession, Screen, Terminal
 from yarclang.cli.show import show_findings
 from yarclang.cli.table import checked_table
@@ -26,7 +27,7 @@ from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.job import Job
 from yarclang.runtime.log import FOLDER, RunLog
 from yarclang.runtime.notices import Fail, Resume
-from yarclang.runtime.outcome import Ended
+from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.performance import (
     connect,
     end_what_runs,
@@ -126,6 +127,7 @@ class _Run:
         self.passes = 0
         self.on_the_way = False
         self._moved = False
+        self._resting: Resting | None = None
         self._log: RunLog | None = None
 
     async def whole(self) -> int:
@@ -229,7 +231,7 @@ class _Run:
         ended = None
         try:
             self.terminal.performing = True
-            ended = await self._perform_all(way)
+            ended = self._placed(await self._perform_all(way))
         except Exception:
             await self._rescue()
             raise
@@ -263,7 +265,7 @@ class _Run:
             ended = await self._perform(way)
             if not ended.well:
                 # its command is none of the program's
-                return replace(ended, command="", command_index="", done=0.0)
+                return replace(ended, command="", command_index="", done=0.0, concerns=None)
             self.on_the_way = False
         ended = Ended(True)
         for number, job in enumerate(self._jobs()):
@@ -349,8 +351,12 @@ class _Run:
     def _ending(self, ended: Ended) -> Iterator[str]:
         """Why, where, in which command, and how to go on."""
         what, remedy = self._filled(ended.what), self._filled(ended.remedy)
-        by_person = self.session.operation.state is State.STOP
-        yield f"{self.loaded.program.name}: {what}" if by_person else _error_text(what, remedy)
+        if self.session.operation.state is State.STOP:
+            yield f"{self.loaded.program.name}: {what}"
+        elif ended.where is not None:
+            yield fault_text(ended.code, what, remedy, ended.where)
+        else:
+            yield _error_text(what, remedy)
         if ended.joints is None:
             yield "  where it stands isn't known: look at the robot"
         else:
@@ -363,9 +369,24 @@ class _Run:
         elif ended.command:
             yield from self._in_command(ended)
 
+    def _placed(self, ended: Ended) -> Ended:
+        """With the place in the source of the command that a fault is about. What was heard last of a robot that rests on its path
+        may be old: it is looked up there.
+        """
+        plan, program, concerned = self.loaded.plan, self.loaded.program, ended.concerns
+        executed = ended.command in {command.title for command in program.commands}
+        if plan is not None and ended.joints is not None and executed:
+            self._resting = resting_place(plan, program, ended.joints, ended.done)
+        if concerned is None:
+            return ended
+        if self._resting is not None and concerned.index == ended.command_index:
+            there = self._resting.command
+            concerned = Concerned(there.index, there.name, there.source_line)
+        return replace(ended, concerns=concerned, where=where_of(self.loaded.origins(), concerned))
+
     def _in_command(self, ended: Ended) -> Iterator[str]:
         """Which command was executed, and how to go on with it."""
-        plan, index, found = self.loaded.plan, ended.command_index, None
+        plan, index, found = self.loaded.plan, ended.command_index, self._resting
         if ended.command not in {command.title for command in self.loaded.program.commands}:
             # what isn't a motion is stood at: what goes on begins in front of it
             yield f"  it stood at {ended.command}"
@@ -373,8 +394,6 @@ class _Run:
                 before = motion_before(plan, index)
                 yield from self._going_on(f"--from {shlex.quote(before)}" if before else "")
             return
-        if plan is not None and ended.joints is not None:
-            found = resting_place(plan, self.loaded.program, ended.joints, ended.done)
         if found is not None:
             index = found.command.index
             yield f"  on its path, in {found.command.title}, {found.done:.2f} s into the program"

@@ -21,6 +21,7 @@ FAMILIES = {
     "13": "robot, cell and settings files",
     "14": "logs of runs",
     "15": "imported files, new projects",
+    "16": "runs on a controller",
 }
 """The families of the codes by their two digits."""
 

@@ -21,6 +21,7 @@ from yarclang.hir import (
     When,
 )
 from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.places import matching
 from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
@@ -53,12 +54,19 @@ def approach(robot: Robot, here: Array, there: Array) -> Result[Compiled]:
     return _compiled(Program(source, here, (move,)), Request(robot))
 
 
-def part(plan: MotionPlan, request: Request, first: int, last: int | None = None) -> Result[Compiled]:
-    """The motions number `first` to `last` (not included; None: to the end) of a plan, as a program of their own."""
+def part(
+    plan: MotionPlan, request: Request, first: int, last: int | None = None, *, with_lead: bool = True
+) -> Result[Compiled]:
+    """The motions number `first` to `last` (not included; None: to the end) of a plan, as a program of their own.
+
+    What stands between two motions belongs to the first of them. What stands in front of them all, such as a WAIT, belongs to the
+    first motion, or to none (`with_lead`).
+    """
     motion = plan.motions[first]
     steps = plan.program.steps
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
-    chosen = steps[motion.step : end]
+    begin = 0 if first == 0 and with_lead else motion.step
+    chosen = steps[begin:end]
     if (inside := _cut_way(chosen)) is not None:
         message = "a program can't be begun or paused inside a WHEN: which way is taken isn't known"
         help_ = "begin in front of the WHEN, or behind its END"
@@ -83,22 +91,23 @@ def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
     return opened[0] if opened else None
 
 
-def motion_number(plan: MotionPlan, index: str) -> int | Diagnostic:
-    """The number of the motion with an index such as P0010, or a finding that says which there are."""
-    indices: list[str] = []
-    for motion in plan.motions:
+def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
+    """The number of the motion at a place: an index such as P0010, or what leads to it among loops and calls, as a run tells it.
+    Of several, the first.
+
+    Returns:
+        A finding that says which there are, where there is none.
+    """
+    labels: dict[int, str] = {}
+    for number, motion in enumerate(plan.motions):
         step = plan.program.steps[motion.step]
         assert not isinstance(step, Gap)
-        indices.append(step.origin.index)
-    wanted = index.upper()
-    for number, name in enumerate(indices):
-        if name == wanted or (
-            name[1:].isdigit() and wanted[1:].isdigit() and int(name[1:]) == int(wanted[1:])
-        ):
-            return number
-    named = [name for name in indices if name]
+        labels[number] = step.origin.label
+    if found := matching(labels, place):
+        return found[0]
+    named = [name for name in labels.values() if name]
     shown = ", ".join(named[:8]) + (", ..." if len(named) > 8 else "")
-    message = f"no motion has the index {index}"
+    message = f"no motion has the index {place}" if ">" not in place else f"no motion stands at {place}"
     return Diagnostic(
         "Y1164", message, plan.program.source, help=f"there are {shown}" if shown else "no motion has one"
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from yarclang.robot.model import Array, Controller
 from yarclang.runtime.notices import Changed, Progress, Remark
+from yarclang.runtime.outcome import Where
 from yarclang.runtime.state import State
 from yarclang.units import DEG, MM
 
@@ -58,6 +59,8 @@ class Outcome:
     remedy: str
     command: str
     done: float
+    code: str = ""
+    where: Where | None = None
 
 
 Told: TypeAlias = Changed | Progress | Remark | Pass | Outcome
@@ -138,6 +141,9 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
                 content["remedy"],
                 content["command"],
                 content["done_s"],
+                # logs of before know neither
+                content.get("code", ""),
+                Where(**content["where"]) if content.get("where") else None,
             )
         case _:
             return None

@@ -51,12 +51,16 @@ class TooLate(Lost):
 
 
 class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The run can't go on: what is the matter, and what to do about it."""
+    """The run can't go on: what is the matter, and what to do about it; the code of the finding that it is, and the line of the
+    job (from 0) that it is about, if it isn't about what is being executed.
+    """
 
-    def __init__(self, what: str, remedy: str = "") -> None:
+    def __init__(self, what: str, remedy: str = "", code: str = "Y1601", line: int | None = None) -> None:
         super().__init__(what)
         self.what = what
         self.remedy = remedy
+        self.code = code
+        self.line = line
 
 
 class Stopped(Exception):  # noqa: N818 - an event that scripts unwind for

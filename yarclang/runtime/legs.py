@@ -9,7 +9,7 @@ from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Barrier, Job, Leg
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Resume, Stop
 from yarclang.runtime.operation import Operation
-from yarclang.runtime.outcome import Ended
+from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.rest import leave, stands_at
 from yarclang.runtime.state import Event
@@ -42,10 +42,10 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
         try:
             place = yield from _pass(operation, job, place, leg.barrier)
         except Stopped as stopped:
-            return (yield from _ended(operation, job, leg.barrier, Event.STOP, str(stopped), "", stands))
+            over = Trouble(str(stopped), code="")
+            return (yield from _ended(operation, job, leg.barrier, Event.STOP, over, stands))
         except Trouble as trouble:
-            what, remedy = trouble.what, trouble.remedy
-            return (yield from _ended(operation, job, leg.barrier, Event.FAULT, what, remedy, stands))
+            return (yield from _ended(operation, job, leg.barrier, Event.FAULT, trouble, stands))
         except Lost as lost:
             return _lost(operation, leg.barrier, str(lost), stands)
     return Ended(True, joints=stands, done=job.offset + job.duration)
@@ -96,6 +96,7 @@ def _wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
                 f"{_title(barrier)} has waited {barrier.timeout:g} s for {barrier.name} ({barrier.variable}) to be "
                 f"{_state(barrier.value)}: it is {_state(value)}",
                 "look at the input, then go on with --from",
+                "Y1604",
             )
         yield Wait(operation.now + _LOOK)
         yield from _obey(operation)
@@ -126,7 +127,7 @@ def _obey(operation: Operation) -> Script[bool]:
             case Abort():
                 raise Stopped(abort=True)
             case Fail(what=what, remedy=remedy):
-                raise Trouble(what, remedy)
+                raise Trouble(what, remedy, code="")  # no command's fault
             case Resume():
                 resumed = True
             case Override(percent=percent):
@@ -139,11 +140,11 @@ def _obey(operation: Operation) -> Script[bool]:
 
 
 def _ended(
-    operation: Operation, job: Job, barrier: Barrier, event: Event, what: str, remedy: str, stands: Array
+    operation: Operation, job: Job, barrier: Barrier, event: Event, why: Trouble, stands: Array
 ) -> Script[Ended]:
     """The robot stands: leave the controller in a state that is known, outputs safe."""
     operation.orders.clear()
-    joints = stands
+    joints, what = stands, why.what
     try:
         yield from leave(operation, job.robot)
         yield from Outputs(job).secure(operation)
@@ -153,7 +154,16 @@ def _ended(
     except Lost as lost:
         return _lost(operation, barrier, f"{what}; then: {lost}", stands)
     operation.go(event, what)
-    return Ended(False, what, remedy, joints, _title(barrier), barrier.label)
+    return Ended(
+        False,
+        what,
+        why.remedy,
+        joints,
+        _title(barrier),
+        barrier.label,
+        code=why.code,
+        concerns=_concerned(barrier),
+    )
 
 
 def _lost(operation: Operation, barrier: Barrier, why: str, stands: Array) -> Ended:
@@ -162,7 +172,20 @@ def _lost(operation: Operation, barrier: Barrier, why: str, stands: Array) -> En
     operation.go(Event.LOST, what)
     operation.go(Event.FAULT, what)
     remedy = "the robot stands; find out why, run `yarc doctor`, then go on with --from"
-    return Ended(False, what, remedy, stands, _title(barrier), barrier.label)
+    return Ended(
+        False,
+        what,
+        remedy,
+        stands,
+        _title(barrier),
+        barrier.label,
+        code="Y1606",
+        concerns=_concerned(barrier),
+    )
+
+
+def _concerned(barrier: Barrier) -> Concerned:
+    return Concerned(barrier.label, barrier.kind.upper(), barrier.source_line)
 
 
 def _title(barrier: Barrier) -> str:

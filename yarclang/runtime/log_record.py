@@ -156,6 +156,8 @@ class Record:
             "command": ended.command,
             "done_s": ended.done,
             "joints": joints,
+            "code": ended.code,
+            "where": None if ended.where is None else asdict(ended.where),
         }
 
 
@@ -186,6 +188,8 @@ def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
             "command": _TEXT,
             "done_s": _NUMBER,
             "joints": joints | {"type": ["object", "null"]},
+            "code": _TEXT,
+            "where": {"type": ["object", "null"]},
         },
     }
 

@@ -55,8 +55,8 @@ class Refused(Trouble):
 
     def __init__(self, line: str, number: int) -> None:
         meaning = ERRORS.get(number, "an error that isn't documented")
-        super().__init__(f"the controller refuses {line!r}: ERR{number:03d}, {meaning}")
-        self.line = line
+        super().__init__(f"the controller refuses {line!r}: ERR{number:03d}, {meaning}", code="Y1603")
+        self.text = line
         self.number = number
 
 

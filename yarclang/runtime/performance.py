@@ -25,7 +25,7 @@ from yarclang.runtime.link import Link, measure
 from yarclang.runtime.messages import Control
 from yarclang.runtime.notices import Abort
 from yarclang.runtime.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIENCE, Interrupted, Operation
-from yarclang.runtime.outcome import Ended
+from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.protocol import GREETING
 from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
@@ -128,9 +128,9 @@ def _stream(operation: Operation, job: Job) -> Script[Ended]:
         yield from stream.run()
     except Stopped as stopped:
         what = "aborted: off its path" if stopped.abort else "stopped on its path"
-        ended = yield from _settle(operation, stream, Event.STOP, what, "")
+        ended = yield from _settle(operation, stream, Event.STOP, Trouble(what, code=""))
     except Trouble as trouble:
-        ended = yield from _settle(operation, stream, Event.FAULT, trouble.what, trouble.remedy)
+        ended = yield from _settle(operation, stream, Event.FAULT, trouble)
     except Lost as lost:
         ended = yield from _recover(operation, stream, str(lost))
     else:
@@ -167,9 +167,10 @@ def off_the_start(job: Job, joints: Array) -> str:
     return f"the robot doesn't stand where {job.name} starts: {', '.join(parts)}"
 
 
-def _settle(operation: Operation, stream: Stream, event: Event, what: str, remedy: str) -> Script[Ended]:
+def _settle(operation: Operation, stream: Stream, event: Event, why: Trouble) -> Script[Ended]:
     """Come to rest, and leave the controller in a state that is known."""
     robot = stream.job.robot
+    what, remedy = why.what, why.remedy
     try:
         if event is Event.FAULT and operation.state is State.MOVE:
             # better on the path than dry, some lines later
@@ -178,11 +179,11 @@ def _settle(operation: Operation, stream: Stream, event: Event, what: str, remed
         yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
         operation.go(event, what)
-        return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None)
+        return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None, why)
     except Lost as lost:
         return (yield from _recover(operation, stream, f"{what}; then: {lost}"))
     operation.go(event, what)
-    return _ended(stream, what, remedy, joints)
+    return _ended(stream, what, remedy, joints, why)
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array | None]:
@@ -255,8 +256,15 @@ def _reason(outcome: object) -> str:
     return outcome.reason if isinstance(outcome, Unreachable) else "it doesn't stay"
 
 
-def _ended(stream: Stream, what: str, remedy: str, joints: Array | None) -> Ended:
-    command = stream.command if stream.begun else None
+_LOST = Trouble("", code="Y1606")
+"""What kind of fault a lost connection is."""
+
+
+def _ended(stream: Stream, what: str, remedy: str, joints: Array | None, why: Trouble = _LOST) -> Ended:
+    job, command = stream.job, stream.command if stream.begun else None
+    about = command
+    if why.line is not None and 0 <= why.line < len(job.lines):
+        about = job.command_at(float(job.times[why.line]))
     return Ended(
         False,
         what,
@@ -264,7 +272,9 @@ def _ended(stream: Stream, what: str, remedy: str, joints: Array | None) -> Ende
         joints,
         command.title if command else "",
         command.index if command else "",
-        stream.job.offset + stream.done if stream.begun else 0.0,
+        job.offset + stream.done if stream.begun else 0.0,
+        why.code,
+        Concerned(about.index, about.name, about.source_line) if about and why.code else None,
     )
 
 

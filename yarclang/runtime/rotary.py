@@ -83,6 +83,8 @@ class Rotary:
         raise Trouble(
             _refusal(written, self.feed.sent),
             "the robot ends at rest; run `yarc doctor`, then the program again",
+            "Y1603",
+            self.feed.sent + max((written.line or 1) - 1, 0),
         )
 
     def ask(self) -> Script[None]:

@@ -203,6 +203,7 @@ class Stream:
             raise Trouble(
                 f"underrun: the rotary ran dry with {feed.left} lines to come; the robot comes to rest off its path",
                 "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
+                "Y1607",
             )
 
     def _tell_progress(self) -> None:
@@ -257,7 +258,7 @@ class Stream:
                 if moved:
                     yield from self._hold(why)
                 if isinstance(ending, Fail):
-                    raise Trouble(why, ending.remedy)
+                    raise Trouble(why, ending.remedy, code="")  # no command's fault
                 raise Stopped(abort=False)
             if Hold() in orders:
                 if not moved:
@@ -391,6 +392,7 @@ class Stream:
                 f"the program has ended {off.max():.0f} counts (motor "
                 f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at {described(job.robot, joints)}",
                 "run `yarc doctor`: somebody else may use this controller",
+                code="Y1605",
             )
         yield Wait(operation.now + _LOOK)
         return False

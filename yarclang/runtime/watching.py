@@ -37,11 +37,12 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
         Trouble: a reset, which opens all loops; else the first motor's with a fault, else the first's that is open-loop.
     """
     if were_reset(motors):
-        raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY)
+        raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY, "Y1602")
     pairs = list(zip(robot.controller.motors, motors, strict=True))
     for number, motor in sorted(pairs, key=lambda pair: not pair[1].faulted):
         if what := motor.trouble:
-            raise Trouble(f"motor {number}: {what}", f"find out why, then close its loop: `#{number}J/`")
+            remedy = f"find out why, then close its loop: `#{number}J/`"
+            raise Trouble(f"motor {number}: {what}", remedy, "Y1602")
 
 
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
@@ -53,12 +54,15 @@ def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
     system = yield from system_words(operation, robot)
     if system.run_time_error:
         raise Trouble(
-            "the controller couldn't calculate a move in time", "compile with longer segments (--tm)"
+            "the controller couldn't calculate a move in time",
+            "compile with longer segments (--tm)",
+            "Y1605",
         )
     if not system.running:
         raise Trouble(
             "the controller doesn't run the program any more: somebody else has stopped it",
             "find out who else uses this controller",
+            "Y1605",
         )
 
 

@@ -59,6 +59,7 @@ def command(file: str, speed: float) -> None:
 
 
 def _show(run: RecordedRun, speed: float) -> None:
+    from yarclang.report.plot import printable
     from yarclang.report.run_text import head_text, moments_of
 
     click.echo(head_text(run))
@@ -74,6 +75,13 @@ def _show(run: RecordedRun, speed: float) -> None:
             screen.show(moment)
     finally:
         screen.clear()
+    outcome = run.outcome
+    if outcome is not None and outcome.where is not None:
+        from yarclang.cli.faults import fault_text
+
+        click.echo(
+            fault_text(outcome.code, printable(outcome.what), printable(outcome.remedy), outcome.where)
+        )
 
 
 class _Screen:

@@ -1,0 +1,61 @@
+"""Family 16: runs on a controller."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS: tuple[Finding, ...] = (
+    Finding(
+        "Y1601",
+        "run-ended",
+        "error",
+        "the run can't go on",
+        "Something that the run needs has failed: the log, the disk, the controller's patience. The robot was brought to rest; the message "
+        "says what is the matter, and the lines behind it where the robot stands.",
+    ),
+    Finding(
+        "Y1602",
+        "motor-fault",
+        "error",
+        "a motor can't move",
+        "The controller has stopped a motor: its following error is beyond Ixx11, a limit switch or a software limit is reached, its "
+        "amplifier reports a fault, its loop is open, or the controller was reset. The command is the one that was executed then.",
+    ),
+    Finding(
+        "Y1603",
+        "line-refused",
+        "error",
+        "the controller refuses a line",
+        "The controller answers a line with ERRnnn. The command is the one that the refused line belongs to, which may be some lines ahead "
+        "of the robot.",
+    ),
+    Finding(
+        "Y1604",
+        "waited-too-long",
+        "error",
+        "an input didn't come in time",
+        "A WAIT on an input has a longest time, and the input isn't as it should be by then. The robot stands where the WAIT found it.",
+    ),
+    Finding(
+        "Y1605",
+        "program-not-executed",
+        "error",
+        "the controller doesn't execute the program",
+        "The controller couldn't calculate a move in time, or somebody else has stopped the program, or it has ended at another place than "
+        "it should.",
+    ),
+    Finding(
+        "Y1606",
+        "connection-lost",
+        "error",
+        "the connection was lost while the robot moved",
+        "The link was closed, a reply came too late, or what came can't be a reply. The guard PLC holds the motion on its path when the buffer "
+        "runs low.",
+    ),
+    Finding(
+        "Y1607",
+        "ran-dry",
+        "error",
+        "the controller's buffer ran dry",
+        "The lines of the motion came later than the robot used them up, and no guard held it before: it rests at the last point that was "
+        "calculated, off its path.",
+    ),
+)

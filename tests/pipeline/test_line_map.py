@@ -1,5 +1,6 @@
 """The way back from lines of controller text, against the certificate's own reading of it."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -90,6 +91,16 @@ def test_what_stands_before_the_first_command_is_told_of():
 def test_texts_that_are_none_of_ours_are_mapped_as_well(text):
     mapped = map_lines(text)
     assert sum(one.last - one.first + 1 for one in mapped.stretches) == len(text.splitlines())
+
+
+def test_what_else_the_map_says_of_a_command_does_no_harm():
+    text = compiled("P0010 MOVEJ 1 2 3 4 5 6 [2] (deg,s)")[0].text
+    first, more = (
+        map_lines(text),
+        map_lines(re.sub(r"^(; command .*)$", r"\1 and more 12", text, flags=re.MULTILINE)),
+    )
+    assert more.commands == first.commands
+    assert len(more.commands) == 1
 
 
 # the program that a text was made from

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 _NAME = re.compile(r"; yarcc (\S+): (.*)")
 _FACT = re.compile(r"; (robot|program|start|target) (.*)")
-_COMMAND = re.compile(r"; command (\d+) (\S+) (\S+) (\d+) (?:(\d+) (\d+)|- -)")
+_COMMAND = re.compile(r"; command (\d+) (\S+) (\S+) (\d+) (?:(\d+) (\d+)|- -)(?: .*)?")
 _BARRIER = re.compile(r"; barrier (\d+) \w+ (\d+) .*")
 _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")
 _GUARD = re.compile(r"P8100=([01])")

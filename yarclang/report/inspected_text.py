@@ -17,6 +17,7 @@ from yarclang.hir import (
     PoseDelta,
     SetOutput,
     Step,
+    Timing,
     WaitInput,
     When,
 )
@@ -233,7 +234,7 @@ def _time(inspected: Inspected) -> Iterator[str]:
         yield f"{inspected.begins:.3f}{ends or ' s'} of the {inspected.total:.3f} s that all motions take"
     if inspected.motion is not None and isinstance(inspected.step, Motion):
         curve, timing = inspected.motion.curve, inspected.step.timing
-        asked = f"[{timing.duration:g} s]" if timing.duration is not None else _shortest_of(timing.share)
+        asked = _asked(timing)
         law = f"{inspected.motion.profile}, " if inspected.motion.profile else ""
         if any(one.is_error for one in inspected.findings):
             yield f"the time that is asked for, {asked}, can't be held; below, the shortest is looked at"
@@ -243,8 +244,14 @@ def _time(inspected: Inspected) -> Iterator[str]:
         yield from _pace(inspected.pace)
 
 
-def _shortest_of(share: float) -> str:
-    return "[MIN]" if share == 1.0 else f"[{share * 100:g}%]"
+def _asked(timing: Timing) -> str:
+    """The motion time as the command gives it."""
+    if timing.duration is not None:
+        return f"[{timing.duration:g} s]"
+    if timing.speed is not None:
+        length, angle = timing.speed.length, timing.speed.angle
+        return f"[V {length / MM:g} mm/s]" if length is not None else f"[V {(angle or 0.0) / DEG:g} deg/s]"
+    return "[MIN]" if timing.share == 1.0 else f"[{timing.share * 100:g}%]"
 
 
 def _pace(pace: Pace) -> Iterator[str]:

@@ -121,7 +121,7 @@ def _say_unknown(program: Program, place: str | None, line: int | None, wrong: b
         show_findings(in_order(grouped(one for one in findings if one.is_error)))
     labels = list(dict.fromkeys(labels_of(program).values()))
     what = f"no command stands at {place}" if place is not None else f"no command comes from line {line}"
-    meant = suggest(place, labels) if place is not None else ""
+    meant = suggest(place, labels) if place is not None and not wrong else ""
     listed = ", ".join(labels[:_MOST_PLACES]) + (", ..." if len(labels) > _MOST_PLACES else "")
     hidden = "; errors may hide it" if wrong else ""
     help_ = meant or (f"there are {listed}" if listed else "the program has no command that is understood")

@@ -83,6 +83,8 @@ def test_the_shortest_time_works_and_a_shorter_one_does_not():
     assert [one.code for one in fails.findings] == ["Y0601"]
     assert fails.pace.shortest == shortest
     assert "can't be held" in words(fails)
+    assert "no shorter time works" in words(fails)
+    assert "the shortest time that works" in words(found)
 
 
 def test_the_limit_agrees_with_the_certificate():

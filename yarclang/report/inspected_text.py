@@ -34,6 +34,9 @@ from yarclang.units import DEG, MM, MS
 FEW = 3
 """Lines of controller text that are shown of each end."""
 
+_NO_SHORTER = 2e-3
+"""The shortest time is rounded up when it is told [s]."""
+
 _MOST_SOLUTIONS = 12
 """More are counted."""
 
@@ -240,8 +243,8 @@ def _time(inspected: Inspected) -> Iterator[str]:
             yield f"the time that is asked for, {asked}, can't be held; below, the shortest is looked at"
             asked = "the shortest"
         yield f"{law}asked for {asked}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
-    if inspected.pace is not None:
-        yield from _pace(inspected.pace)
+    if inspected.pace is not None and inspected.motion is not None:
+        yield from _pace(inspected.pace, inspected.motion.curve.duration)
 
 
 def _asked(timing: Timing) -> str:
@@ -254,7 +257,7 @@ def _asked(timing: Timing) -> str:
     return "[MIN]" if timing.share == 1.0 else f"[{timing.share * 100:g}%]"
 
 
-def _pace(pace: Pace) -> Iterator[str]:
+def _pace(pace: Pace, duration: float) -> Iterator[str]:
     first, *others = pace.limits
     if first.share <= 0.0:
         yield "nothing moves"
@@ -263,7 +266,9 @@ def _pace(pace: Pace) -> Iterator[str]:
     yield f"{word} the {_limit_text(first)}"
     rest = ", ".join(f"{one.kind} {one.whose} {one.share * 100:.0f} %" for one in others)
     yield f"others at most: {rest}"
-    if pace.shortest is not None:
+    if pace.shortest is not None and pace.shortest - duration < _NO_SHORTER:
+        yield "no shorter time works"
+    elif pace.shortest is not None:
         yield f"the shortest time that works is {pace.shortest:.3f} s"
 
 

@@ -40,8 +40,9 @@ class Emitted:
         for command in self.commands:
             place = self.places.get(command.step)
             lines = f"{before + place[0]} {before + place[1]}" if place else "- -"
+            flows = f" blend {command.overlap}" if command.overlap else ""
             head.append(
-                f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}"
+                f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}{flows}"
             )
         for line, barrier in self.barriers:
             head.append(f"; barrier {before + line} {_told(barrier)}")
@@ -81,8 +82,8 @@ def _words(program: PmacProgram, item: SegmentTime | Assignment | Rest | Stand |
     match item:
         case SegmentTime(milliseconds=milliseconds):
             return (f"TM{segment_time(milliseconds)}",)
-        case Assignment(variable=variable, value=value):
-            return (f"{variable}={_number(value)}",)
+        case Assignment(variable=variable, value=value, in_step=in_step):
+            return (f"{variable}{'==' if in_step else '='}{_number(value)}",)
         case Rest(milliseconds=milliseconds):
             return (f"DWELL{_number(milliseconds)}",)
         case Stand(point=point):

@@ -69,11 +69,12 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
 
 
 def _commands(plan: MotionPlan) -> Iterator[Command]:
+    overlaps = {motion.step: motion.overlap for motion in plan.motions}
     for number, step in enumerate(plan.program.steps):
         if isinstance(step, Gap):
             raise ValueError("a program with errors can't be lowered")
         origin = step.origin
-        yield Command(number, origin.label or "-", origin.name, origin.span.line)
+        yield Command(number, origin.label or "-", origin.name, origin.span.line, overlaps.get(number, 0))
         if isinstance(step, Stop):
             return
 
@@ -83,12 +84,14 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
 
     A sequence ends with the program, at a dwell, or where the segment time changes: there the controller adds the end
     piece, and a start piece to the next sequence, and the last two of the three equal points of a stop
-    aren't written. Inside a sequence they are.
+    aren't written. Inside a sequence they are. Behind a motion that flows into the next one, outputs are set in step with the line
+    whose segment begins in the middle of the overlap: the first of the next motion.
     """
     steps, units = plan.program.steps, plan.robot.axis_units
     motions = {motion.step: motion for motion in plan.motions}
     written: float | None = None
     rests = True  # nothing was moved since the last dwell
+    flows = False  # the last motion flows into the next one
     stands = plan.program.start
     before: list[Array] = []
     for number, step in enumerate(steps):
@@ -98,6 +101,8 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
             case Dwell(duration=duration):
                 yield Rest(duration / MS)
                 rests, written = True, None
+            case SetOutput(output=output, value=value) if flows:
+                yield Assignment(output.variable, value, in_step=True)
             case SetOutput(output=output, value=value):
                 if not rests:
                     yield Rest(0.0)
@@ -122,8 +127,9 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                 if curve.segment != written:
                     written = curve.segment
                     yield SegmentTime(curve.segment / MS)
+                flows = motion.overlap > 0
                 following = motions.get(number + 1)
-                ends = following is None or following.curve.segment != curve.segment
+                ends = not flows and (following is None or following.curve.segment != curve.segment)
                 points = curve.points[3:-2] if ends else curve.points[3:]
                 yield Moves(number, _printed(points / units, decimals))
                 rests, stands = False, curve.points[-1]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
-from yarclang.hir import Origin, Step, Timing
+from yarclang.hir import Origin, Reading, Step, Timing
 from yarclang.units import Kind
 
 
@@ -75,6 +75,7 @@ class Arguments:
     profile: str
     timing: Timing
     tolerance: float | None = None
+    blend: Reading | None = None
 
 
 @dataclass(frozen=True, slots=True)

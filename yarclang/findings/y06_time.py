@@ -50,4 +50,37 @@ FINDINGS = (
         "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [V 5000] (mm,deg,s) {B}",
         "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [V 100] (mm,deg,s) {B}",
     ),
+    Finding(
+        "Y0606",
+        "blend-too-large",
+        "error",
+        "a blend takes more than half of a motion",
+        "BLEND says how far from the end of a command its path may be left. Beyond the middle of either motion the next corner begins.",
+        "P0010 MOVEL {TCP} 0 1174.4 1100 0 0 0 [4] (mm,deg,s) {B} BLEND 500\nP0020 MOVEL {TCP} 100 1174.4 1100 0 0 0 [4] (mm,deg,s) {B}",
+        "P0010 MOVEL {TCP} 0 1174.4 1100 0 0 0 [4] (mm,deg,s) {B} BLEND 10\nP0020 MOVEL {TCP} 100 1174.4 1100 0 0 0 [4] (mm,deg,s) {B}",
+    ),
+    Finding(
+        "Y0607",
+        "not-tangent",
+        "error",
+        "BLEND 0 between paths that meet at an angle",
+        "Without leaving the path, the robot can only go on in the direction in which it comes. Another corner needs a distance by which it may be cut.",
+        "P0010 MOVEL {TCP} 0 1174.4 1100 0 0 0 [4] (mm,deg,s) {B} BLEND 0\nP0020 MOVEL {TCP} 100 1174.4 1100 0 0 0 [4] (mm,deg,s) {B}",
+        "P0010 MOVEL {TCP} 0 1174.4 1100 0 0 0 [4] (mm,deg,s) {B} BLEND 0\nP0020 MOVEL {TCP} 0 1174.4 1000 0 0 0 [4] (mm,deg,s) {B}",
+    ),
+    Finding(
+        "Y0608",
+        "stops-at-corner",
+        "note",
+        "the limits leave no room for a blend",
+        "Flowing through a corner asks for acceleration of its own. Where times or limits leave none, the robot stops there as without BLEND.",
+    ),
+    Finding(
+        "Y0609",
+        "time-off-the-grid",
+        "warning",
+        "a time can't be met exactly between motions without a stop",
+        "Motions that flow into each other share one segment time, and each of their times has to be a whole number of segments. "
+        "Where no segment time does for all, the seams are rounded to the nearest one; the whole is exact.",
+    ),
 )

@@ -42,4 +42,14 @@ FINDINGS = (
         "REPEAT 2000000\n  P0010 WAIT [1] (s)\nEND",
         "REPEAT 20\n  P0010 WAIT [1] (s)\nEND",
     ),
+    Finding(
+        "Y1010",
+        "blend-into-nothing",
+        "note",
+        "BLEND before something that the robot stands for",
+        "A blend leads from one motion into the next. Before WAIT, HOLD, STOP, a WHEN and the end, and where nothing moves, the motion stops "
+        "exactly at its end. SET doesn't break a blend.",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 WAIT [1] (s)",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 WAIT [1] (s)",
+    ),
 )

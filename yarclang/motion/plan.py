@@ -15,9 +15,12 @@ from yarclang.robot.model import Robot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedMotion:
-    """One motion, from rest to rest: step number `step` of the program.
+    """One motion: step number `step` of the program.
 
     `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
+    `curve` goes from rest to rest, or, where it flows into its neighbours, from the middle of one overlap to that of the
+    next; `overlap` are the segments of the one at its end, 0 where it ends at rest. `law` are the control values of the share of the
+    way over its own time from rest to rest, half an overlap longer at either side.
     """
 
     step: int
@@ -25,6 +28,8 @@ class PlannedMotion:
     profile: str
     curve: Curve
     waypoints: Array
+    law: Array
+    overlap: int = 0
 
 
 @dataclass(frozen=True)

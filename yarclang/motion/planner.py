@@ -9,6 +9,8 @@ from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chain import Link, Piece, linked
+from yarclang.motion.corners import chained
 from yarclang.motion.cruise import CruiseBroken, at_speed
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
@@ -42,41 +44,46 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
     """
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
-    router = Router(robot, steps[:end], program.start)
-    for number in range(end):
-        if settings.progress is not None:
-            settings.progress(number // 2)
-        router.advance()
+    steps = steps[:end]
+    router = Router(robot, steps, program.start)
     planner = _Planner(robot, settings, bounds_of(robot))
+    for number in range(end):
+        planner.tell(number / 2)
+        router.advance()
+    found: list[list[Diagnostic]] = [list(done.found) for done in router.done]
+    links: dict[int, Link] = {}
+    for number, (step, done) in enumerate(zip(steps, router.done, strict=True)):
+        planner.tell((end + number) / 2)
+        if isinstance(step, Motion) and done.route is not None:
+            findings = Collector(step.origin.source)
+            findings.place = step.origin.place
+            link = planner.link(step, done.route.path, findings)
+            found[number] += findings.found
+            if link is not None:
+                links[number] = link
     motions: list[PlannedMotion] = []
-    diagnostics: list[Diagnostic] = []
-    complete = True
-    for number, (step, done) in enumerate(zip(steps[:end], router.done, strict=True)):
-        if settings.progress is not None:
-            settings.progress((end + number) // 2)
-        diagnostics += done.found
-        if isinstance(step, Gap):
-            complete = False
-            continue
-        complete &= not any(found.is_error for found in done.found)
-        if not isinstance(step, Motion):
-            continue
-        if done.route is None:
-            complete = False
-            continue
-        findings = Collector(step.origin.source)
-        findings.place = step.origin.place
-        curve = planner.curve(step, done.route.path, findings)
-        diagnostics += findings.found
-        if curve is None:
-            complete = False
-            continue
-        motions.append(PlannedMotion(number, done.route.path, step.profile, curve, done.route.waypoints))
-    return Result(MotionPlan(program, robot, tuple(motions)) if complete else None, tuple(diagnostics))
-
-
-NO_WAY = 1e-9
-"""The longest way of a joint [axis units] that is rounding."""
+    for numbers, chain in chained(robot, steps, links, found):
+        for number, piece in zip(numbers, planner.pieces(chain), strict=True):
+            step, route = steps[number], router.done[number].route
+            assert isinstance(step, Motion)
+            assert route is not None
+            motions.append(
+                PlannedMotion(
+                    number, route.path, step.profile, piece.curve, route.waypoints, piece.law, piece.overlap
+                )
+            )
+            if len(chain) > 1:
+                findings = Collector(step.origin.source)
+                findings.place = step.origin.place
+                planner.judge_piece(step, links[number], piece, number != numbers[-1], findings)
+                found[number] += findings.found
+    everything = tuple(one for findings_of_step in found for one in findings_of_step)
+    complete = (
+        len(motions) == sum(isinstance(step, Motion) for step in steps)
+        and not any(isinstance(step, Gap) for step in steps)
+        and not any(one.is_error for one in everything)
+    )
+    return Result(MotionPlan(program, robot, tuple(motions)) if complete else None, everything)
 
 
 @dataclass(slots=True)
@@ -85,15 +92,23 @@ class _Planner:
     settings: Settings
     bounds: Bounds
 
-    def curve(self, step: Motion, path: Path, findings: Collector) -> Curve | None:
-        """The path in the time, or at the speed, that the command asks for."""
+    def tell(self, done: float) -> None:
+        """Tell who wants to hear of progress."""
+        if self.settings.progress is not None:
+            self.settings.progress(int(done))
+
+    def link(self, step: Motion, path: Path, findings: Collector) -> Link | None:
+        """A motion by itself; None with a finding where it can't be done as the command says."""
+        timing, tolerance = step.timing, self.settings.tolerance
+        if step.tolerance is not None:
+            tolerance = Tolerance(step.tolerance, tolerance.angle)
         # inverse kinematics and sums come back to a place but for rounding: far below a count, nothing moves
         if isinstance(path, JointPath) and bool((path.slope <= NO_WAY * self.robot.axis_units).all()):
             findings.add(*messages.no_motion(step.origin))
-        timing, tolerance, grid = step.timing, self.settings.tolerance, self.settings.grid
-        if step.tolerance is not None:
-            tolerance = Tolerance(step.tolerance, tolerance.angle)
+        profile = load_profile(step.profile)
         bounds = self.bounds.reduced(timing.share, timing.ramp)
+        full: float | None = None
+        grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | CruiseBroken
         if timing.speed is not None and isinstance(path, CartesianPath):
             way, turns = path.extent
@@ -101,12 +116,16 @@ class _Planner:
             if speed is None:
                 findings.add(*messages.speed_without_unit(turns, step.origin))
                 return None
-            fitted = at_speed(path, way, speed, bounds, grid, tolerance)
+            if not profile.has_cruise:
+                findings.add(*messages.no_cruise(step))
+                return None
+            full = way / speed
+            fitted = at_speed(path, full, bounds, grid, tolerance)
         else:
-            fitted = fit(path, load_profile(step.profile), timing.duration, bounds, grid, tolerance)
+            fitted = fit(path, profile, timing.duration, bounds, grid, tolerance)
         match fitted:
             case Curve():
-                return fitted
+                return Link(path, profile, timing.duration, full, bounds, tolerance, None, fitted)
             case TooFast():
                 findings.add(*messages.too_fast(self.robot, fitted, grid, step))
             case CruiseBroken():
@@ -116,3 +135,23 @@ class _Planner:
             case NotHeld():
                 findings.add(*messages.not_held(fitted, grid.smallest, step.origin))
         return None
+
+    def pieces(self, chain: list[Link]) -> list[Piece]:
+        """The curves of motions that flow into each other, or of one."""
+        if len(chain) == 1:
+            return [Piece(chain[0].alone, 0, chain[0].alone.law)]
+        return linked(self.robot.chain, chain, self.settings.grid)
+
+    def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
+        """Say where a chain can't do quite what its commands say."""
+        if flows and not piece.overlap:
+            findings.add(*messages.stops_at_corner(step.origin))
+        if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
+            findings.add(*messages.time_off_the_grid(link.duration, piece.curve, step.origin))
+
+
+NO_WAY = 1e-9
+"""The longest way of a joint [axis units] that is rounding."""
+
+_EXACT = 2e-4
+"""A duration that is off by no more [s] is the one that was asked for: the controller's step times some hundred segments."""

@@ -33,6 +33,29 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
     return control
 
 
+def cruising(segments: int, cruise: float, ramp: int) -> Array:
+    """The control values (n + 3,) of a law whose cruise would take the whole way in `cruise` segments, a whole number or not.
+
+    The blend n - cruise lies between two whole numbers: speeding up is a mixture of both.
+
+    Args:
+        segments: n, at least two more than `cruise` and at most twice as many.
+        cruise: the segments that the way takes at full speed.
+        ramp: segments in which the acceleration rises, at most half of the blend.
+    """
+    blend = int(segments - cruise)
+    longer = segments - cruise - blend
+    rise = np.zeros(segments + 1)
+    for size, share in ((blend, 1.0 - longer), (blend + 1, longer)):
+        if share > 0.0:
+            pulse = np.clip(np.minimum(np.arange(size + 1), size - np.arange(size + 1)) / ramp, 0.0, 1.0)
+            rise[: size + 1] += share / pulse.sum() * pulse
+    control = np.zeros(segments + 3)
+    control[2:] = np.cumsum(np.cumsum(rise - rise[::-1])) / cruise
+    control[-3:] = 1.0
+    return control
+
+
 def trapezoid_strain(segments: int, forms: NDArray[np.int64]) -> Array:
     """Peaks (K, 3) of velocity, acceleration and jerk over distance, in units of segments, of `forms` (K, 2)."""
     blend, ramp = forms.T

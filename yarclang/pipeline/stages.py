@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import PurePath
 
 import numpy as np
@@ -15,7 +16,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import Array, Program, SplineMove, fingerprint
+from yarclang.hir import Array, JointMove, Program, SplineMove, fingerprint
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan
 from yarclang.motion.profile import profile_names
@@ -156,7 +157,7 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
         "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
         "prog": f"loading moves nothing; with all motors closed-loop, &{lowered.coordinate_system}B1R runs it, from the start only",
     }[target]
-    made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}"
+    made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}"
     return [
         f"yarcc {__version__}: {_printable(PurePath(planned.program.source.name).name)}",
         f"target {target}",
@@ -181,14 +182,14 @@ def _printable(name: str) -> str:
 
 def _laws(planned: MotionPlan) -> Mapping[int, Array]:
     """How far along its path each motion claims to be, over time."""
-    return {motion.step: motion.curve.law for motion in planned.motions}
+    return {motion.step: motion.law for motion in planned.motions}
 
 
 def _witnesses(planned: MotionPlan) -> Mapping[int, Array]:
-    """The joint way-points that were chosen for the splines."""
+    """The joint way-points that were chosen for motions of joints."""
     steps = planned.program.steps
     return {
         motion.step: np.asarray(motion.waypoints)
         for motion in planned.motions
-        if isinstance(steps[motion.step], SplineMove)
+        if isinstance(steps[motion.step], SplineMove | JointMove)
     }

@@ -20,10 +20,15 @@ class SegmentTime:
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """A variable takes a value when the controller gets there; the motion doesn't mind."""
+    """A variable takes a value when the controller gets there; the motion doesn't mind.
+
+    With `in_step`, when the move line behind it begins to move the robot, and not already when it is calculated (TUM, synchronous
+    assignments).
+    """
 
     variable: str
     value: float
+    in_step: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +78,16 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What the map in the header says of a command of the program."""
+    """What the map in the header says of a command of the program.
+
+    `overlap` are the segments in which it flows into the next one, half of them behind the end of its lines; 0 where it ends at rest.
+    """
 
     step: int
     index: str
     name: str
     source_line: int
+    overlap: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

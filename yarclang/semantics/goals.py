@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector, suggest
-from yarclang.hir import Array, FrameLink, JointDelta, JointGoal, PoseDelta, PoseGoal, Timing
+from yarclang.hir import Array, FrameLink, JointDelta, JointGoal, PoseDelta, PoseGoal, Reading, Timing
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.context import Defaults
@@ -74,9 +74,9 @@ class Line:
                 goals.append(goal)
         return tuple(goals)
 
-    def limited(self, timing: Timing) -> tuple[Timing, float | None]:
-        """The timing with what ACC says, and the tolerance [m] of TOL; a finding for other options."""
-        tolerance = None
+    def limited(self, timing: Timing) -> tuple[Timing, float | None, Reading | None]:
+        """The timing with what ACC says, the tolerance [m] of TOL, and the distance or angle of BLEND."""
+        tolerance, blend = None, None
         seen: set[str] = set()
         for option in self.statement.options:
             word, span = option.word.name, self.statement.span(option.word.place)
@@ -89,10 +89,33 @@ class Line:
                 )
             elif word == "TOL":
                 tolerance = self._tolerance(option)
-            elif word != "NEAR":
-                message = f"the option {word} is not carried out by this version"
-                self.findings.add("Y0207", message, span, "take it away")
-        return timing, tolerance
+            elif word == "BLEND":
+                blend = self._blend(option)
+        return timing, tolerance, blend
+
+    def _blend(self, option: Option) -> Reading | None:
+        """BLEND 5: how far from its end the path may be left, read as a length [m] and as an angle [rad]."""
+        span = self.statement.span((option.argument or option.word).place)
+        if not isinstance(option.argument, Number | Computed):
+            self.findings.add("Y0412", "BLEND takes a distance or an angle", span, "for example BLEND 5")
+            return None
+        found = amount(option.argument, self.scope, self.statement, self.findings)
+        if found is None:
+            return None
+        if found.value < 0.0:
+            self.findings.add("Y0412", f"BLEND {found}: a distance from the corner is 0 or more", span)
+            return None
+        if found.unit is not None:
+            length, angle = (
+                found.value * found.unit.factor if found.unit.kind == kind else None
+                for kind in ("length", "angle")
+            )
+            if length is None and angle is None:
+                self.findings.add("Y0307", f"{found} is neither a length nor an angle", span)
+            return Reading(length, angle)
+        units = self.units or {}
+        length, angle = (found.value * units[kind].factor if kind in units else None for kind in _OF_BLENDS)
+        return Reading(length, angle)
 
     def _tolerance(self, option: Option) -> float | None:
         span = self.statement.span((option.argument or option.word).place)
@@ -320,6 +343,8 @@ class Line:
         pose[:3, 3] = numbers[:3]
         return PoseGoal(constant(axes.transform @ pose), flange_from_moving)
 
+
+_OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
 
 _NONE = Unit("", "length", 1.0)
 

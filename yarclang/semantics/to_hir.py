@@ -37,7 +37,7 @@ def to_step(
     own_units = resolve_units(statement, statement.units, findings) if name.values else {}
     units = {**defaults.units, **own_units} if own_units is not None else None
     origin = origin_of(statement, name.full, findings, units)
-    tolerance = None
+    tolerance, blend = None, None
     if name.values is None:
         refuse_parts(statement, ALL_PARTS, findings)
         goals: tuple[object, ...] = ()
@@ -50,11 +50,11 @@ def to_step(
             if units is not None
             else Timing(None)
         )
-        timing, tolerance = line.limited(timing)
+        timing, tolerance, blend = line.limited(timing)
         origin = replace(origin, moving=line.links[0], base=line.links[1])
     if any(found.is_error for found in findings.found[before:]):
         return None
-    return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance))
+    return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance, blend))
 
 
 def origin_of(

@@ -6,7 +6,9 @@ from yarclang.hir import LineMove, Step
 
 def _build(arguments: Arguments) -> Step:
     (goal,) = arguments.goals
-    return LineMove(arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance)
+    return LineMove(
+        arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance, arguments.blend
+    )
 
 
 COMMAND = CommandSpec(

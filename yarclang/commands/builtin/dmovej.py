@@ -6,7 +6,9 @@ from yarclang.hir import JointMove, Step
 
 def _build(arguments: Arguments) -> Step:
     (goal,) = arguments.goals
-    return JointMove(arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance)
+    return JointMove(
+        arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance, arguments.blend
+    )
 
 
 COMMAND = CommandSpec(

@@ -6,7 +6,9 @@ from yarclang.hir import ArcMove, Step
 
 def _build(arguments: Arguments) -> Step:
     via, goal = arguments.goals
-    return ArcMove(arguments.origin, via, goal, arguments.profile, arguments.timing, arguments.tolerance)
+    return ArcMove(
+        arguments.origin, via, goal, arguments.profile, arguments.timing, arguments.tolerance, arguments.blend
+    )
 
 
 COMMAND = CommandSpec(

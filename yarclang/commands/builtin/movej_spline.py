@@ -6,7 +6,12 @@ from yarclang.hir import SplineMove, Step
 
 def _build(arguments: Arguments) -> Step:
     return SplineMove(
-        arguments.origin, arguments.goals, arguments.profile, arguments.timing, arguments.tolerance
+        arguments.origin,
+        arguments.goals,
+        arguments.profile,
+        arguments.timing,
+        arguments.tolerance,
+        arguments.blend,
     )
 
 

@@ -6,7 +6,12 @@ from yarclang.hir import PoseSplineMove, Step
 
 def _build(arguments: Arguments) -> Step:
     return PoseSplineMove(
-        arguments.origin, arguments.goals, arguments.profile, arguments.timing, arguments.tolerance
+        arguments.origin,
+        arguments.goals,
+        arguments.profile,
+        arguments.timing,
+        arguments.tolerance,
+        arguments.blend,
     )
 
 

@@ -71,7 +71,7 @@ def _fastest(path: Path, bounds: Bounds) -> tuple[Array, Array, Array]:
         """Joints and motors: an upper bound of the square of the speed of s at each place."""
 
         def get_dof(self) -> int:
-            return joints.shape[1]
+            return len(bounds.velocity)
 
         def compute_constraint_params(self, curve: Any, gridpoints: Array) -> tuple[Array | None, ...]:
             slope = np.abs(curve(gridpoints, 1))

@@ -1,0 +1,175 @@
+"""Motions that flow into each other: their laws overlap, and where they do both ways are gone at once.
+
+Each law starts and ends at rest. Where motion 1 is still ending while motion 2 begins, the way of both is added: from the corner back by
+what is left of 1, and on by what is done of 2. So the curve is smooth whatever the corner is, and leaves the programmed path only
+where laws overlap (spline-recipe 5). Between two paths of one moving frame poses are added, and the frame stays in the plane of its two lines;
+else joint positions are. Where the ball is of no size the paths are tangent: then places along both are added, and the path isn't left at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.curve import knot_values, solve_tridiagonal
+from yarclang.motion.path import Path
+from yarclang.motion.trials import Trial
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.kinematics.inverse import follow
+from yarclang.robot.model import Chain
+
+_FADE = 24
+"""So many knots beside an overlap a correction of its knots is still felt: it falls to a fourth from each to the next."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Corner:
+    """Where one motion flows into the next: within `radius` [m] of the frame `flange_from_moving` (4, 4), or, with None for that,
+    within `reach` (n,) [rad or m] of each joint.
+
+    `point` (n,) is the joint position at the corner.
+    """
+
+    point: Array
+    radius: float
+    flange_from_moving: Array | None
+    reach: Array | None = None
+
+    def farthest(self, chain: Chain, q: Array) -> Array:
+        """How far joint positions `q` (N, n) are from the corner, as shares (N,) of what is allowed."""
+        if self.flange_from_moving is None:
+            assert self.reach is not None
+            shares: Array = (np.abs(q - self.point) / np.maximum(self.reach, 1e-300)).max(axis=1)
+            return shares
+        both = tool_poses(chain, np.concatenate((self.point[None], q)), self.flange_from_moving)[:, :3, 3]
+        distance: Array = np.linalg.norm(both[1:] - both[0], axis=1) / max(self.radius, 1e-300)
+        return distance
+
+    @property
+    def is_tangent(self) -> bool:
+        """Whether the path may not be left at all."""
+        return self.radius == 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """One motion of a chain: its path, and the control points (n + 3, d) with which it would go alone."""
+
+    path: Path
+    trial: Trial
+
+    @property
+    def segments(self) -> int:
+        """The segments of its law."""
+        return self.trial.segments
+
+
+def superpose(
+    chain: Chain, parts: Sequence[Part], corners: Sequence[Corner], overlaps: Sequence[int]
+) -> Array:
+    """The control points (n + 3, d) of a chain.
+
+    A spline is linear in its control points: those of the motions are added, from where the one before has still
+    to go. Where poses or places along the paths are added instead, the difference is.
+
+    Args:
+        chain: the arm.
+        parts: its motions, k of them.
+        corners: the k - 1 corners between them.
+        overlaps: the segments (k - 1) in which two laws overlap; even, and within both.
+    """
+    starts = begins(parts, overlaps)
+    total = starts[-1] + parts[-1].segments
+    points = np.tile(parts[0].path.start, (total + 3, 1))
+    for part, begin in zip(parts, starts, strict=True):
+        own = part.trial.points
+        points[begin : begin + len(own)] += own - part.path.start
+        points[begin + len(own) :] += part.path.end - part.path.start
+    for number, (corner, overlap) in enumerate(zip(corners, overlaps, strict=True)):
+        first, second = parts[number], parts[number + 1]
+        if overlap and (corner.is_tangent or _share_a_frame(first.path, second.path)):
+            _correct(points, chain, first, second, corner, overlap, starts[number + 1])
+    return points
+
+
+def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
+    """The knots at which the laws begin."""
+    starts = [0]
+    for part, overlap in zip(parts, overlaps, strict=False):
+        starts.append(starts[-1] + part.segments - overlap)
+    return starts
+
+
+def shares(first: Part, second: Part, overlap: int) -> tuple[Array, Array]:
+    """How much of two motions is done at the knots strictly inside their overlap (overlap - 1,)."""
+    done, begun = knot_values(first.trial.control), knot_values(second.trial.control)
+    return done[len(done) - overlap : -1], begun[1:overlap]
+
+
+def _share_a_frame(first: Path, second: Path) -> bool:
+    """Whether both lead one moving frame along paths of its own."""
+    return (
+        isinstance(first, CartesianPath)
+        and isinstance(second, CartesianPath)
+        and np.array_equal(first.flange_from_moving, second.flange_from_moving)
+    )
+
+
+def _correct(
+    points: Array, chain: Chain, first: Part, second: Part, corner: Corner, overlap: int, begin: int
+) -> None:
+    """Move control points so that the curve meets the joint positions of an overlap at its knots."""
+    wanted = both(chain, first.path, second.path, corner, *shares(first, second, overlap))
+    low, high = max(begin + 1 - _FADE, 1), min(begin + overlap + _FADE, len(points) - 3)
+    miss = np.zeros((high - low, points.shape[1]))
+    inside = slice(begin + 1 - low, begin + overlap - low)
+    miss[inside] = wanted - knot_values(points[begin + 1 : begin + overlap + 2])
+    points[low + 1 : high + 1] += solve_tridiagonal(
+        np.full(len(miss), 4.0), np.ones(len(miss) - 1), 6.0 * miss
+    )
+
+
+def both(chain: Chain, first: Path, second: Path, corner: Corner, done: Array, begun: Array) -> Array:
+    """Joint positions (N, n) where two motions overlap: `done` (N,) of the first, `begun` (N,) of the second."""
+    if corner.is_tangent:
+        return _along_both(first, second, done, begun)
+    if _share_a_frame(first, second):
+        assert isinstance(first, CartesianPath)
+        assert isinstance(second, CartesianPath)
+        return _poses_of_both(chain, first, second, corner, done, begun)
+    return first.joints(done) + second.joints(begun) - corner.point
+
+
+def _poses_of_both(
+    chain: Chain, first: CartesianPath, second: CartesianPath, corner: Corner, done: Array, begun: Array
+) -> Array:
+    one, other = first.frame.poses(done), second.frame.poses(begun)
+    middle = second.frame.poses(np.zeros(1))[0]
+    poses = other.copy()
+    poses[:, :3, 3] += one[:, :3, 3] - middle[:3, 3]
+    poses[:, :3, :3] = other[:, :3, :3] @ middle[:3, :3].T @ one[:, :3, :3]
+    seeds = first.followed.at(done) + second.followed.at(begun) - corner.point
+    return follow(chain, poses @ np.linalg.inv(first.flange_from_moving), seeds)[0]
+
+
+def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
+    """Along the first path to its end and on along the second: the ways that both have gone are added."""
+    lengths = way_length(first), way_length(second)
+    gone = done * lengths[0] + begun * lengths[1]
+    behind = gone > lengths[0]
+    q = np.empty((len(gone), len(first.start)))
+    q[~behind] = first.joints(gone[~behind] / lengths[0])
+    q[behind] = second.joints(np.minimum((gone[behind] - lengths[0]) / lengths[1], 1.0))
+    return q
+
+
+def way_length(path: Path) -> float:
+    """How long a way is: of the moving frame [m, or rad of a pure turn], or in joint space [rad and m]."""
+    if isinstance(path, CartesianPath):
+        return path.extent[0]
+    q = path.joints(np.linspace(0.0, 1.0, 257))
+    return float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())

@@ -266,7 +266,7 @@ def _pace(pace: Pace, duration: float) -> Iterator[str]:
     yield f"{word} the {_limit_text(first)}"
     rest = ", ".join(f"{one.kind} {one.whose} {one.share * 100:.0f} %" for one in others)
     yield f"others at most: {rest}"
-    if pace.shortest is not None and pace.shortest - duration < _NO_SHORTER:
+    if pace.shortest is not None and duration - pace.shortest < _NO_SHORTER:
         yield "no shorter time works"
     elif pace.shortest is not None:
         yield f"the shortest time that works is {pace.shortest:.3f} s"

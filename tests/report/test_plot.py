@@ -62,6 +62,7 @@ def long(two: MotionPlan) -> MotionPlan:
             "LSPB",
             Curve(back if k % 2 else there, 0.02, there[:, 0]),
             np.array([there[-1]]),
+            there[:, 0],
         )
         for k in range(10_000)
     ]

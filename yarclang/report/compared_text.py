@@ -121,10 +121,7 @@ def compared_json(comparison: Comparison) -> dict[str, Any]:
                 robot.joint_names, comparison.start / robot.axis_units, robot.axis_unit_names, strict=True
             )
         },
-        "totals": {
-            status: comparison.count(status)
-            for status in ("same", "changed", "added", "removed")
-        },
+        "totals": {status: comparison.count(status) for status in ("same", "changed", "added", "removed")},
         "commands": [_pair(comparison, one) for one in comparison.commands],
     }
 

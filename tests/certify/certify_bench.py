@@ -206,11 +206,17 @@ def origin(step: int, name: str = "MOVE") -> hir.Origin:
 
 @dataclass
 class Job:
-    """One command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms]."""
+    """One command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms].
+
+    `blend` is what the map says of one that flows into the next; `puts` are lines that stand before its move line number `put_at`.
+    """
 
     motion: object
     points: np.ndarray | None
     tm: str = "50"
+    blend: int | None = None
+    puts: tuple[str, ...] = ()
+    put_at: int = 0
 
 
 def program(start, jobs) -> hir.Program:
@@ -255,9 +261,15 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
                 tm = job.tm
             lines = [move(q) for q in job.points]
             following = next((other for other in jobs[step + 1 :] if other.points is not None), None)
-            if following is not None and following.tm == tm:
+            if following is not None and following.tm == tm and job.blend is None:
                 lines += [lines[-1]] * 2
+            if job.puts and job.put_at == 0:
+                body += job.puts
+            elif job.puts:
+                lines[job.put_at : job.put_at] = job.puts
             place = f"{count + len(body) + 1} {count + len(body) + len(lines)}"
+            if job.blend is not None:
+                place += f" blend {job.blend}"
             body += lines
         entries.append(f"; command {step} {made.index or '-'} {made.name} {made.span.line} {place}")
     return "\n".join([*header, *entries, *body, "CLOSE"]) + "\n"

@@ -89,27 +89,34 @@ class Away:
     angle: float
 
 
-def away_on_path(paths: FramePaths, own: int, low: float, high: float, corner: Array) -> Away:
-    """The part of a path of the moving frame between the shares `low` and `high`, which the executed motion doesn't follow.
+def away_on_path(
+    paths: FramePaths, own: int, part: tuple[float, float], corner: Array, moving_from_frame: Array
+) -> Away:
+    """The part of a path of the moving frame between two shares of it, which the executed motion doesn't follow.
 
     The polygon through points of the path is at most F2 step^2 / 8 from it.
 
     Args:
         paths: programmed paths, of which
         own: is the number of the one that is meant.
-        low: from here,
-        high: up to here.
-        corner: (4, 4) the pose at the corner.
+        part: from where up to where.
+        corner: (4, 4) the corner's pose of the frame that is meant,
+        moving_from_frame: (4, 4) which sits there on the path's.
     """
-    count = 2 if isinstance(paths, Lines) else _SAMPLES
-    s = np.linspace(low, high, count)
+    offset = moving_from_frame[:3, 3]
+    far = float(np.linalg.norm(offset))
+    count = 2 if isinstance(paths, Lines) and far == 0.0 else _SAMPLES
+    s = np.linspace(*part, count)
     owner = np.full(count, own)
     poses = paths.at(owner, s)
-    far = np.linalg.norm(poses.p - corner[:3, 3], axis=1).max()
-    bend = paths.bounds(owner[:1], np.array([low]), np.array([high])).position[0, 1]
-    step = (high - low) / (count - 1)
-    turned = np.linalg.norm((poses.rotation - corner[:3, :3]).reshape(count, -1), axis=1)
-    return Away(float(far + bend * step**2 / 8.0), float(angle_of_chord(turned).max()))
+    p = poses.p + poses.rotation @ offset
+    most = np.linalg.norm(p - corner[:3, 3], axis=1).max()
+    bounds = paths.bounds(owner[:1], np.array([part[0]]), np.array([part[1]]))
+    bend = bounds.position[0, 1] + far * bounds.rotation[0, 1]
+    step = (part[1] - part[0]) / (count - 1)
+    rotation = poses.rotation @ moving_from_frame[:3, :3]
+    turned = np.linalg.norm((rotation - corner[:3, :3]).reshape(count, -1), axis=1)
+    return Away(float(most + bend * step**2 / 8.0), float(angle_of_chord(turned).max()))
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:

@@ -22,7 +22,7 @@ from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Blended
 from yarclang.certify.corner import Judged
 from yarclang.certify.deviations import Proofs
-from yarclang.certify.flows import Corner
+from yarclang.certify.flows import Corner, frame_of
 from yarclang.certify.joint import by_kind
 from yarclang.certify.layout import CHUNK, Layout
 from yarclang.robot.model import Array
@@ -44,10 +44,7 @@ def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Bl
         else:
             rounded.append(corner)
     for corners in _chunks(rounded):
-        for step, blended in _of_frames(judged, layout, proofs, corners):
-            before = found.get(step)
-            if before is None or blended.position / blended.radius > before.position / before.radius:
-                found[step] = blended
+        found.update(_of_frames(judged, layout, proofs, corners))
     return found
 
 
@@ -105,10 +102,10 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
 
 def _how(away: float, left: float, joined: float) -> str:
     """What is so far from the corner."""
-    most = max(away, left, joined)
-    if away == most:
+    # the ends of the blend are on the paths, and their bounds differ in the last digits
+    if away > 1.001 * max(left, joined):
         return "on the way between both paths"
-    return "where the path is left" if left == most else "where the next path is joined"
+    return "where the path is left" if left >= joined else "where the next path is joined"
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
@@ -134,8 +131,8 @@ class _Ball:
 def _of_frames(
     judged: Judged, layout: Layout, proofs: Proofs, corners: list[Corner]
 ) -> Iterator[tuple[int, Blended]]:
-    """Blends in which the moving frame stays near the corner; where both motions move another frame, both do."""
-    balls = [ball for corner in corners for ball in _balls(judged, layout, proofs, corner)]
+    """Blends in which the moving frame stays near the corner: that of the motion behind which they are, if it is Cartesian."""
+    balls = [_ball(judged, layout, proofs, corner) for corner in corners]
     rows = [np.arange(*_overlap(layout, ball.corner).indices(len(layout.time))[:2]) for ball in balls]
     owner = np.repeat(np.arange(len(balls)), [len(row) for row in rows])
     segments = np.concatenate(rows)
@@ -173,24 +170,16 @@ def _of_frames(
         yield step, Blended(ball.corner.segments, float(radius[i]), float(turn[i]), most, float(angle[i]))
 
 
-def _balls(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> Iterator[_Ball]:
-    """One for each frame that is moved along a path on either side."""
-    frames: list[Array] = []
-    for row in (corner.first, corner.second):
-        if row in proofs.frames:
-            paths, own = proofs.frames[row]
-            frame = paths.flange_from_moving[own]
-            if not any(np.array_equal(frame, other) for other in frames):
-                frames.append(frame)
-    flange = proofs.starts.flange[corner.second]
-    length = _blend_of(layout, corner).length or 0.0
-    for frame in frames:
-        pose = flange @ frame
-        left, joined = (
-            _not_followed(judged, proofs, row, end, frame, pose, length)
-            for row, end in ((corner.first, 1), (corner.second, 0))
-        )
-        yield _Ball(corner, frame, pose, left, joined)
+def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ball:
+    frame = frame_of(layout.places[corner.first].motion, layout.places[corner.second].motion)
+    assert frame is not None  # else it is a blend of joints
+    pose = proofs.starts.flange[corner.second] @ frame
+    radius = _blend_of(layout, corner).length or 0.0
+    left, joined = (
+        _not_followed(judged, proofs, row, end, frame, pose, radius)
+        for row, end in ((corner.first, 1), (corner.second, 0))
+    )
+    return _Ball(corner, frame, pose, left, joined)
 
 
 def _not_followed(
@@ -201,9 +190,9 @@ def _not_followed(
     low, high = (0.0, share) if end == 0 else (share, 1.0)
     if row in proofs.frames:
         paths, own = proofs.frames[row]
-        if not np.array_equal(paths.flange_from_moving[own], frame):
-            return NOTHING  # another frame's path: that one's ball has it
-        return away_on_path(paths, own, low, high, pose)
+        moving = paths.flange_from_moving[own]
+        between = np.eye(4) if np.array_equal(moving, frame) else np.linalg.inv(moving) @ frame
+        return away_on_path(paths, own, (low, high), pose, between)
     spline = proofs.curves.get(row)
     if spline is None or len(spline.y) == 1:
         return NOTHING

@@ -60,6 +60,15 @@ class Cubics:
         """Some of the segments."""
         return Cubics(self.x[rows], self.v[rows], self.a[rows], self.j[rows], self.h[rows])
 
+    def trimmed(self, row: int, begin: float, end: float) -> Cubics:
+        """The same, of which one segment begins and ends later and earlier, `begin` and `end` after its start [s]."""
+        x, v, a, h = self.x.copy(), self.v.copy(), self.a.copy(), self.h.copy()
+        one = self.take(np.array([row]))
+        x[row : row + 1], v[row : row + 1] = one.at(np.array([begin]))
+        a[row] += begin * self.j[row]
+        h[row] = end - begin
+        return Cubics(x, v, a, self.j, h)
+
     def mapped(self, matrix: Array) -> Cubics:
         """The same motions in other coordinates: y = matrix x."""
         m = matrix.T

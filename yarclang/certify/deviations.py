@@ -18,7 +18,7 @@ from yarclang.certify.pose import distance
 from yarclang.certify.posespline import PoseSpline
 from yarclang.certify.programmed import Arcs, FramePaths, Lines, goal_pose
 from yarclang.certify.speed import Programmed
-from yarclang.certify.spline import NaturalSpline, spline_deviation
+from yarclang.certify.spline import NaturalSpline, SplineBound, spline_deviation
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
 
@@ -52,7 +52,7 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
     poses = flange_poses(judged.robot.chain, np.concatenate([layout.begins, layout.ends]))
     starts, flanges = find_starts(judged, layout, poses[:count]), poses[count:]
     covered = np.tile([0.0, 1.0], (count, 1))
-    proofs = Proofs(starts, find_flows(layout, judged.robot), covered)
+    proofs = Proofs(starts, find_flows(judged, layout, starts), covered)
     chosen: dict[type, Rows] = {kind: [] for kind in hir.Motion.__args__}
     for row, place in enumerate(layout.places):
         chosen[type(place.motion)].append((row, place))
@@ -115,9 +115,9 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
     control, following = [], []
     for row, _ in rows:
         begin, stop = flows.follow[row]
-        following.append(begin < stop)
+        following.append(bool(begin < stop) and not flows.is_cut(row))
         # a command without moves is one control point: where the robot stands
-        control.append(layout.points_of(begin, stop) if begin < stop else starts.q[row : row + 1])
+        control.append(layout.points_of(begin, stop) if following[-1] else starts.q[row : row + 1])
     first = np.cumsum([0, *(len(points) for points in control[:-1])])
     numbers = np.array([row for row, _ in rows])
     free = flows.free[numbers] & np.array(following)[:, None]
@@ -129,14 +129,12 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
         proofs.covered[row] = covered[i]
         if place.before is not None or place.behind is not None:
             proofs.curves[row] = NaturalSpline.through(np.stack([starts.q[row], goals[i]]))
-            if place.size and not following[i]:
+            begin, stop = flows.follow[row]
+            if place.size and begin == stop:
                 off, proofs.covered[row] = np.zeros_like(off), 0.5
-            elif (off * weights).max() > 1.0:
+            elif flows.is_cut(row) or (off * weights).max() > 1.0:
                 # control points next to a blend may be off a line that the motion itself keeps to
-                begin, stop = flows.follow[row]
-                cubics = layout.cubics(begin, stop)
-                ways = np.stack([starts.q[row], goals[i]])
-                bound = spline_deviation(cubics, ways, weights, free=(bool(free[i, 0]), bool(free[i, 1])))
+                bound = _along_spline(judged, layout, row, np.stack([starts.q[row], goals[i]]), proofs)
                 off, rest = bound.deviation, by_kind(bound.remainder, robot)
                 proofs.covered[row] = bound.covered
         slide, turn = by_kind(off, robot)
@@ -160,7 +158,8 @@ def _frame_moves(
     ends = distance(flanges[numbers] @ paths.flange_from_moving, paths.goal)
     stretch = _stretch(judged, layout, moving, paths, around, proofs)
     found = None
-    law = _law(judged, moving[0][1]) if len(moving) == 1 else None
+    single = len(moving) == 1 and not proofs.flows.is_cut(moving[0][0])
+    law = _law(judged, moving[0][1]) if single else None
     if law is not None:
         found = follow(stretch, paths, judged.robot, law)
     if found is None or found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle:
@@ -224,11 +223,17 @@ def _paths(moving: Rows, proofs: Proofs) -> FramePaths:
 def _stretch(
     judged: Judged, layout: Layout, moving: Rows, paths: FramePaths, around: Array, proofs: Proofs
 ) -> Stretch:
-    rows_of = np.concatenate([np.arange(place.first, place.last) for _, place in moving])
-    cubics = Cubics.of_spline(layout.control, layout.at[rows_of], layout.time[rows_of])
-    first = np.cumsum([0, *(place.size for _, place in moving[:-1])])
     numbers = np.array([row for row, _ in moving])
-    follows = proofs.flows.follow[numbers] - np.array([place.first for _, place in moving])[:, None]
+    flows = proofs.flows
+    whole = flows.whole[numbers]
+    rows_of = np.concatenate([np.arange(begin, stop) for begin, stop in whole])
+    cubics = Cubics.of_spline(layout.control, layout.at[rows_of], layout.time[rows_of])
+    sizes = whole[:, 1] - whole[:, 0]
+    first = np.cumsum(sizes) - sizes
+    follows = flows.follow[numbers] - whole[:, :1]
+    for i, row in enumerate(numbers):
+        if flows.is_cut(row):
+            cubics = flows.cut(cubics, row, int(first[i]), int(first[i] + sizes[i]) - 1)
     count = len(moving)
     own = np.arange(count)
     reach = paths.bounds(own, np.zeros(count), np.ones(count)).position[:, 0]
@@ -260,6 +265,21 @@ def _law(judged: Judged, place: Place) -> tuple[Array, int] | None:
     return law, -lead
 
 
+def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proofs: Proofs) -> SplineBound:
+    """The proof for a natural spline through `points` (m, n), of what follows it."""
+    flows = proofs.flows
+    place = layout.places[row]
+    begin, stop = (int(x) for x in flows.follow[row])
+    claimed = None if flows.is_cut(row) else _law(judged, place)
+    law = None
+    if claimed is not None:
+        skip = begin - place.first - claimed[1]
+        law = claimed[0][skip : skip + stop - begin + 3]
+    free = bool(flows.free[row, 0]), bool(flows.free[row, 1])
+    weights = joint_weights(judged.robot, judged.tolerance)
+    return spline_deviation(flows.cubics(layout, row), points, weights, law, free)
+
+
 def _tool_speed(found: Followed, i: int) -> ToolSpeed:
     speeds = found.speeds
     return ToolSpeed(
@@ -287,17 +307,9 @@ def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs:
     points = np.concatenate([start[None], witness])
     if place.before is not None or place.behind is not None:
         proofs.curves[row] = NaturalSpline.through(points)
-    begin, stop = (int(x) for x in proofs.flows.follow[row])
+    begin, stop = proofs.flows.follow[row]
     if begin < stop:
-        free = proofs.flows.free[row]
-        claimed = _law(judged, place)
-        law = None
-        if claimed is not None:
-            skip = begin - place.first - claimed[1]
-            law = claimed[0][skip : skip + stop - begin + 3]
-        weights = joint_weights(robot, judged.tolerance)
-        cubics = layout.cubics(begin, stop)
-        bound = spline_deviation(cubics, points, weights, law, (bool(free[0]), bool(free[1])))
+        bound = _along_spline(judged, layout, row, points, proofs)
         position, angle = by_kind(bound.deviation, robot)
         rest = by_kind(bound.remainder, robot)
         proofs.covered[row] = bound.covered

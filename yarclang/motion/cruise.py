@@ -61,7 +61,7 @@ def cruise_law(segments: float) -> Law:
     """The law whose cruise would take the whole way in so many segments; more are its ramps."""
 
     def forms(number: int) -> NDArray[np.int64]:
-        blend = int(number - segments)
+        blend = int(number - segments + 1e-9)  # rounding isn't a segment less
         ramps = np.arange(max(1, blend // 2), 0, -1)
         return np.stack((np.full_like(ramps, blend), ramps), axis=1)
 

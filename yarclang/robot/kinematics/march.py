@@ -16,6 +16,9 @@ from yarclang.robot.model import Array, Chain
 LEAP = 8
 """Samples of one leap: all are predicted from its start and solved together."""
 
+LEAPS = 4000
+"""The most leaps of a path."""
+
 DRIFT = 0.12
 """How far a solution may be from its prediction [rad or m]; more may be another branch."""
 
@@ -43,7 +46,9 @@ def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array) -> St
     here, q, length = 0.0, q_start, 0.5
     end: End = "whole"
     beyond = q_start
-    while here < 1.0:
+    for _ in range(LEAPS):
+        if here >= 1.0:
+            break
         length = min(length, 1.0 - here)
         s = here + length * np.arange(1, LEAP + 1) / LEAP
         if length == 1.0 - here:
@@ -63,6 +68,8 @@ def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array) -> St
             end, beyond = ("jump", solution[0]) if reached[0] else ("nothing", q)
             break
         length = max(length / LEAP, 0.5 * FINEST * LEAP)
+    else:
+        end = "nothing"  # it only creeps on
     return Strand(np.concatenate(places), np.concatenate(joints), end, beyond)
 
 

@@ -26,6 +26,12 @@ SAME = 1e-7
 SEARCHES = 96
 """Starts of the numeric search within limits."""
 
+PULLED = 24
+"""Solutions of a redundant arm, nearest first, that are moved towards the reference."""
+
+CLEAR = 0.05
+"""How far a redundant arm keeps from its limits where it can [rad or m], at most a twentieth of the range."""
+
 ORIENTATION = 30.0
 """What 1 rad counts against 1 m where the nearest miss with the orientation held is looked for."""
 
@@ -65,7 +71,7 @@ def nearest_solutions(
 
     Equal distances are ordered by the joint values, the first joint first. Where the wrist is straight q4
     is the reference's and q6 makes up the sum (only a limit of joint 6 moves q4). A redundant arm has a
-    continuum of solutions: the nearest that a search from fixed starts finds.
+    continuum of solutions: the nearest that a search from fixed starts finds, clear of limits where it can be.
 
     Args:
         chain: the arm, n joints.
@@ -184,29 +190,54 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Ar
     from_reference = fit(chain, pose[None], start[None])
     q = np.vstack([q, free[0][0][free[1][0]], from_reference.q[from_reference.total < reached_within(chain)]])
     if chain.size > 6 and len(q):
-        q = np.vstack([q, _pulled(chain, limits, pose, nearest_turn(chain, limits, q, reference), start)])
+        turned = nearest_turn(chain, limits, q, reference)
+        inside = np.abs(beyond(limits, turned)).max(axis=1) <= EDGE
+        if inside.any():
+            q = _pulled(chain, limits, pose, turned[inside], start)
     return q
 
 
 def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Array) -> Array:
-    """Solutions of a redundant arm moved through its null space towards the reference, within limits."""
-    poses = np.broadcast_to(pose, (len(q), 4, 4))
+    """Solutions of a redundant arm moved through its null space towards the reference, clear of limits as far as
+    the reference is.
+    """
+    lower, upper = clear_of_limits(limits, reference)
+    q = q[np.argsort(np.square(q - reference).sum(axis=1), kind="stable")[:PULLED]]
+    share = np.ones(len(q))
+    active = np.arange(len(q))
     for _ in range(25):
-        jacobian = walk_with_jacobian(chain, np.ascontiguousarray(q.T), np.eye(4))[1].transpose(2, 0, 1)
-        wanted = reference - q
+        here = q[active]
+        jacobian = walk_with_jacobian(chain, np.ascontiguousarray(here.T), np.eye(4))[1].transpose(2, 0, 1)
+        wanted = reference - here
         wanted = wanted - np.einsum(
             "nij,nj->ni", np.linalg.pinv(jacobian, rcond=1e-6), np.einsum("nij,nj->ni", jacobian, wanted)
         )
-        largest = np.abs(wanted).max(axis=1, keepdims=True)
-        step = wanted * np.minimum(1.0, 0.3 / np.maximum(largest, 1e-12))
-        moved = fit(chain, poses, q + step, lower=limits.lower, upper=limits.upper, rounds=12)
-        nearer = (np.square(moved.q - reference).sum(axis=1) < np.square(q - reference).sum(axis=1)) & (
-            moved.total < reached_within(chain)
-        )
-        if not nearer.any() or np.abs(moved.q - q)[nearer].max() < 1e-6:
+        largest = np.abs(wanted).max(axis=1)
+        step = wanted * (np.minimum(1.0, 0.3 / np.maximum(largest, 1e-12)) * share[active])[:, None]
+        poses = np.broadcast_to(pose, (len(active), 4, 4))
+        moved = fit(chain, poses, here + step, lower=lower, upper=upper, rounds=8)
+        outside = np.abs(np.clip(here, lower, upper) - here).max(axis=1) > EDGE
+        nearer = np.square(moved.q - reference).sum(axis=1) < np.square(here - reference).sum(axis=1)
+        # what comes from beyond the clear limits to within them is better wherever it is
+        better = (nearer | outside) & (moved.total < reached_within(chain))
+        change = np.abs(moved.q - here).max(axis=1)
+        q[active[better]] = moved.q[better]
+        share[active[~better]] *= 0.5
+        active = active[np.where(better, change > 1e-6, share[active] > 0.1)]
+        if not len(active):
             break
-        q = np.where(nearer[:, None], moved.q, q)
-    return q[_reaching(chain, pose, q)]
+    q = q[_reaching(chain, pose, q)]
+    clear = np.abs(np.clip(q, lower, upper) - q).max(axis=1) <= EDGE
+    return q[clear] if clear.any() else q
+
+
+def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
+    """Limits (n,) each [rad or m] that keep clear of the real ones, but for where the reference doesn't."""
+    room = np.minimum(CLEAR, 0.05 * (limits.upper - limits.lower))
+    return (
+        np.maximum(limits.lower, np.minimum(limits.lower + room, reference)),
+        np.minimum(limits.upper, np.maximum(limits.upper - room, reference)),
+    )
 
 
 def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:

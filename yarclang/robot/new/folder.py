@@ -51,7 +51,7 @@ def open_arm(path: Path, base: str | None, tip: str | None) -> Result[Arm]:
     if isinstance(source, Diagnostic):
         return Result(None, (source,))
     urdf = read_urdf(source)
-    if not urdf.sound:
+    if not urdf.sound or has_errors(urdf.findings):
         return Result(None, in_order(urdf.findings))
     chain = find_chain(urdf, base, tip)
     if isinstance(chain, Diagnostic):

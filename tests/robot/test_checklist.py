@@ -1,0 +1,127 @@
+"""`yarc robot check`: each point can fail, and says what to do."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from conftest import EXAMPLES
+
+from tests.robot.made_arms import yarc
+from yarclang.robot.checklist import check_robot
+from yarclang.robot.description import list_robots, stdlib_folder
+
+INDUSTRIAL6 = stdlib_folder() / "robots" / "industrial6"
+MINUS = "-2.9670597"
+
+
+def changed(folder: Path, *changes: tuple[str, str], file: str = "robot.toml") -> str:
+    """A copy of INDUSTRIAL6 with texts replaced."""
+    shutil.copytree(INDUSTRIAL6, folder, dirs_exist_ok=True)
+    text = (folder / file).read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / file).write_text(text)
+    return str(folder)
+
+
+@pytest.mark.parametrize("robot", [robot.name for robot in list_robots()])
+def test_nothing_is_to_do_for_the_library(robot):
+    result = yarc("robot", "check", robot)
+    assert result.exit_code == 0, result.output
+    assert "0 to do" in result.output
+    subjects = {item.subject for item in check_robot(robot).items}
+    assert subjects >= {
+        "files", "chain", "position limits", "velocity limits", "acceleration limits", "jerk limits", "units",
+        "inverse kinematics", "forward kinematics", "inverse of forward", "HOME", "reach", "TCP", "frames",
+        "actuation matrix", "encoder resolution", "motor speeds", "axes", "segments", "guesses",
+    }  # fmt: skip
+
+
+POINTS = [
+    # what is changed, the point, its verdict, a word of it
+    ([("velocity = 60  ", "velocity = 6000")], "velocity limits", "to do", "6000 deg/s"),
+    ([("acceleration = 240\njerk", "acceleration = 2\njerk")], "acceleration limits", "to do", "30 s"),
+    ([("jerk = 2000\n", "jerk = 20\n")], "jerk limits", "to do", "12 s"),
+    ([("position = [-120, 120]", "position = [0, 2]")], "position limits", "to do", "range of 2 deg"),
+    ([("xyz = [0, 100, 0]", "xyz = [0, 100000, 0]")], "frames", "to do", "100000 mm"),
+    ([("[frames.TCP]", "[frames.HAND]")], "TCP", "to do", "no frame TCP"),
+    ([("xyz = [0, 100, 0]", "xyz = [0, 0, 0]")], "TCP", "note", "the flange itself"),
+    ([("HOME = [0, 0, 0, 0, 0, 0]", "HOME = [0, 0, 0, 0, 30, 0]")], "HOME", "ok", "not near"),
+    ([("a0 = [0", "a0 = [1")], "HOME", "note", "J4 and J6"),
+    ([("7110.1274", "71.1")], "encoder resolution", "to do", "half a count"),
+    ([("[1540, 1550", "[154, 1550")], "motor speeds", "note", "motor 1 reaches 10"),
+    ([("[1540, 1550, 3520", "[1540, 1550, 2000")], "motor speeds", "note", "motor 3 limits"),
+    ([("[1540, 1550", "[99999, 1550")], "motor speeds", "note", "three times"),
+    ([("a0 = [0, 0, 0, 0, 0, 0]  # counts", "a0 = [0, 0, 0, 0, 0, 0]  # guess: none")], "guess", "to do", "none"),
+    ([("velocity = 60  ", 'velocity = "60"')], "Y1306", "to do", "text"),
+    ([("velocity = [1540, ", "velocity = [")], "Y1309", "to do", "5"),
+    ([("jerk = 2000  ", "jerk = 2000\nstop_acceleration = 100  ")], "stops", "note", "J1"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "subject", "verdict", "word"), POINTS)
+def test_a_point(changes, subject, verdict, word, tmp_path):
+    items = [item for item in check_robot(changed(tmp_path, *changes)).items if item.subject == subject]
+    assert [item.verdict for item in items if word in item.found] == [verdict], items
+    if verdict != "ok":
+        assert all(item.remedy for item in items if item.verdict == verdict)
+
+
+def test_a_urdf_in_millimetres(tmp_path):
+    folder = changed(tmp_path, ('xyz="0 0 0.89"', 'xyz="0 0 890"'), file="industrial6.urdf")
+    (units,) = [item for item in check_robot(folder).items if item.subject == "units"]
+    assert units.verdict == "to do"
+    assert "m and rad" in units.remedy
+
+
+def test_continuous_joints_are_told(tmp_path):
+    text = 'name="J6" type="revolute"'
+    folder = changed(tmp_path, (text, text.replace("revolute", "continuous")), file="industrial6.urdf")
+    (one,) = [item for item in check_robot(folder).items if item.subject == "continuous joints"]
+    assert one.verdict == "ok"
+    toml = (tmp_path / "robot.toml").read_text().replace("position = [-360, 360]\n", "")
+    (tmp_path / "robot.toml").write_text(toml)
+    (one,) = [item for item in check_robot(folder).items if item.subject == "continuous joints"]
+    assert one.verdict == "note"
+    assert "J6" in one.found
+
+
+@pytest.mark.parametrize("words", [["no-such-robot"], ["."], []])
+def test_what_is_no_robot(words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = yarc("robot", "check", *words)
+    assert result.exit_code == 1
+    assert "to do" in result.output
+    assert "Traceback" not in result.output
+
+
+def test_json(tmp_path):
+    yarc("robot", "new", EXAMPLES / "scara.urdf", "--yes", "-o", tmp_path / "r")
+    result = yarc("robot", "check", tmp_path / "r", "--format", "json")
+    assert result.exit_code == 1
+    document = json.loads(result.stdout)
+    assert {point["verdict"] for point in document["checks"]} == {"ok", "note", "to do"}
+
+
+def test_a_new_robot_is_done_when_its_marks_are_gone(tmp_path):
+    yarc("robot", "new", EXAMPLES / "scara.urdf", "--yes", "-o", tmp_path / "r")
+    path = tmp_path / "r" / "robot.toml"
+    path.write_text(
+        "\n".join(
+            line.split("guess:")[0]
+            for line in path.read_text().splitlines()
+            if "guess" not in line or "=" in line
+        )
+    )
+    result = yarc("robot", "check", path)
+    assert result.exit_code == 0, result.output
+
+
+def test_the_old_name_is_told():
+    result = yarc("robots")
+    assert result.exit_code == 2
+    assert "Did you mean robot?" in result.output

@@ -1,0 +1,283 @@
+"""`yarc robot new`: which chain, which values, which marks, which files."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from conftest import EXAMPLES
+
+from tests.robot.made_arms import DATA, made, urdf_of, yarc
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.new.chains import ArmChain, find_chain
+from yarclang.robot.new.writing import guesses
+from yarclang.robot.urdf import read_urdf
+from yarclang.source import SourceFile
+
+SCARA = EXAMPLES / "scara.urdf"
+BOX = "<link name='{0}'/>"
+
+
+def tree(*joints: str, extra: str = "") -> str:
+    """A URDF of joints `parent>child:type[:more]`; links are made as they are named."""
+    links: list[str] = []
+    lines: list[str] = []
+    for number, joint in enumerate(joints, 1):
+        ends, kind, *more = joint.split(":")
+        parent, child = ends.split(">")
+        links += [link for link in (parent, child) if link not in links]
+        name = f"{child}_joint" if not more or more[0].startswith("<") else more[0]
+        inside = more[0] if more and more[0].startswith("<") else ""
+        lines.append(
+            f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}'
+            f'<origin xyz="0 0.0{number} 0.1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>'
+        )
+    return f'<robot name="t">{"".join(f"<link name={link!r}/>" for link in links)}{"".join(lines)}{extra}</robot>'
+
+
+def chain_of(text: str, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
+    urdf = read_urdf(SourceFile("t.urdf", text))
+    assert urdf.sound, urdf.findings
+    return find_chain(urdf, base, tip)
+
+
+ARM = ("world>base_link:fixed", "base_link>a:revolute", "a>b:revolute", "b>c:revolute")
+
+
+def found(text: str, **ends: str) -> ArmChain:
+    chain = chain_of(text, **ends)
+    assert isinstance(chain, ArmChain), chain
+    return chain
+
+
+def test_base_and_flange_by_their_names():
+    chain = found(tree(*ARM, "c>tool0:fixed", "c>camera:fixed", "tool0>my_tcp:fixed"))
+    assert (chain.base, chain.flange, chain.tcp) == ("base_link", "tool0", "my_tcp")
+    assert chain.base_choices == ("world",)
+    assert set(chain.flange_choices) == {"c", "camera", "my_tcp"}
+    assert [joint.child for joint in chain.joints] == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize(
+    "hand",
+    [
+        ("c>l:prismatic:left_finger", "c>r:prismatic:right_finger"),
+        ("c>l:prismatic", "c>r:prismatic"),
+        ("c>l:prismatic", 'c>r:prismatic:<mimic joint="l_joint"/>'),
+        ("c>g:revolute:gripper",),
+        ("c>t:revolute", "t>t2:revolute", "c>i:revolute", "i>i2:revolute", "c>m:revolute", "m>m2:revolute"),
+    ],
+)
+def test_fingers_are_not_joints_of_the_arm(hand):
+    chain = found(tree(*ARM, *hand))
+    assert [joint.child for joint in chain.joints] == ["a", "b", "c"]
+    assert len(chain.ignored) == len(hand)
+    assert set(chain.fingers) == set(chain.ignored)
+
+
+def test_two_arms_of_one_length_are_told():
+    chain = found(tree(*ARM, "base_link>d:revolute", "d>e:revolute", "e>f:revolute"))
+    assert chain.flange == "c"
+    assert chain.other_tips == ("f",)
+    other = found(tree(*ARM, "base_link>d:revolute", "d>e:revolute", "e>f:revolute"), tip="f")
+    assert [joint.child for joint in other.joints] == ["d", "e", "f"]
+
+
+def test_a_vehicle_below_is_left_out():
+    chain = found(tree("odom>base_link:floating", *ARM[1:], "base_link>wheel:continuous"))
+    assert chain.base == "base_link"
+    assert set(chain.ignored) == {"base_link_joint", "wheel_joint"}
+
+
+def test_base_and_tip_may_be_said():
+    chain = found(tree(*ARM), base="a", tip="b")
+    assert [joint.child for joint in chain.joints] == ["b"]
+    assert set(chain.ignored) == {"a_joint", "c_joint"}
+
+
+@pytest.mark.parametrize(
+    ("ends", "code", "words"),
+    [
+        ({"base": "nope"}, "Y1347", "nope"),
+        ({"tip": "bb"}, "Y1347", "bb"),
+        ({"base": "c", "tip": "a"}, "Y1353", "Exchange"),
+        ({"base": "a", "tip": "a"}, "Y1353", "no chain"),
+    ],
+)
+def test_ends_that_are_wrong(ends, code, words):
+    finding = chain_of(tree(*ARM), **ends)
+    assert isinstance(finding, Diagnostic)
+    assert finding.code == code
+    assert words in finding.message + finding.help
+
+
+def test_nothing_that_moves():
+    finding = chain_of(tree("a>b:fixed"))
+    assert isinstance(finding, Diagnostic)
+    assert finding.code == "Y1353"
+
+
+def test_each_guess_has_a_mark_and_what_is_said_has_none(tmp_path):
+    made(SCARA, tmp_path / "r")
+    text = (tmp_path / "r" / "robot.toml").read_text()
+    keys = {value.split(" = ")[0] for _, value, _ in guesses(text)}
+    assert {"acceleration", "jerk", "K", "J", "a0", "numbers", "velocity", "HOME", "xyz", "rpy"} <= keys
+    assert "position" not in keys
+    said = ("--acceleration", "500", "--jerk", "5000,6000,7000,8000", "--counts", "100,200,300,400")
+    said += ("--tcp", "0,0,80", "--home", "10,20,30,40", "--motors", "4,3,2,1", "--title", 'a "b" \\ #c')
+    said += ("--velocity", "90", "--position", "J3=10,150", "--name", "MINE")
+    robot = made(SCARA, tmp_path / "s", *said)
+    text = (tmp_path / "s" / "robot.toml").read_text()
+    assert {value.split(" = ")[0] for _, value, _ in guesses(text)} == {"J", "a0", "velocity"}
+    assert robot.name == "MINE"
+    assert robot.title == 'a "b" \\ #c'
+    assert robot.controller.motors == (4, 3, 2, 1)
+    assert list(robot.home / robot.axis_units) == pytest.approx([10, 20, 30, 40])
+    assert list(robot.limits.jerk / robot.axis_units) == pytest.approx([5000, 6000, 7000, 8000])
+    assert list(robot.limits.lower / robot.axis_units)[2] == pytest.approx(10)
+    assert list(robot.actuation.gear) == [100, 200, 300, 400]
+
+
+def test_limits_that_a_urdf_does_not_have_are_guesses(tmp_path):
+    text = urdf_of(
+        [
+            ("revolute", (0, 0, 0.3), (0, 0, 0), (0, 0, 1), (0, 0)),
+            ("prismatic", (0, 0, 0.1), (0, 0, 0), (1, 0, 0), (0, 0)),
+        ]
+    )
+    (tmp_path / "a.urdf").write_text(text.replace('velocity="1.5"', 'velocity="0"'))
+    robot = made(tmp_path / "a.urdf", tmp_path / "r")
+    assert list(robot.limits.upper / robot.axis_units) == pytest.approx([180, 100])
+    assert list(robot.limits.velocity / robot.axis_units) == pytest.approx([60, 100])
+    marked = [value.split(" = ")[0] for _, value, _ in guesses((tmp_path / "r" / "robot.toml").read_text())]
+    assert marked.count("position") == 2
+    assert marked.count("velocity") == 3
+
+
+MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
+
+
+def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
+    for name in ("one", "two"):
+        (tmp_path / "pack" / name).mkdir(parents=True)
+        (tmp_path / "pack" / name / "part.stl").write_text(f"solid {name}")
+    text = SCARA.read_text()
+    shapes = iter(
+        [MESH.format("package://pack/one/part.stl"), MESH.format("two/part.stl"), MESH.format("gone.stl")]
+    )
+    text = re.sub(r"<collision>.*?</collision>", lambda old: next(shapes, old[0]), text)
+    text = text.replace(
+        '<link name="base_link"/>',
+        '<link name="base_link"><visual><geometry><mesh filename="no.dae"/></geometry></visual></link>',
+    )
+    (tmp_path / "pack" / "arm.urdf").write_text(text)
+    result = yarc("robot", "new", tmp_path / "pack" / "arm.urdf", "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in (tmp_path / "r" / "meshes").iterdir()) == ["part.stl", "part_2.stl"]
+    assert (tmp_path / "r" / "meshes" / "part_2.stl").read_text() == "solid two"
+    copy = (tmp_path / "r" / "arm.urdf").read_text()
+    assert 'filename="meshes/part.stl"' in copy
+    assert "gone.stl" not in copy
+    assert "2 collision meshes copied" in result.output
+    assert "1 visual mesh not copied" in result.output
+    assert "gone.stl of quill isn't there" in result.output
+    assert "Y1359" in result.output  # the quill has no collision shape now
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--jerk", "1,2"), "give 1, or 4"),
+        (("--home", "1"), "give 4"),
+        (("--tcp", "1,2"), "x,y,z"),
+        (("--counts", "0"), "--counts has a 0"),
+        (("--motors", "1,2,3,4.5"), "whole numbers"),
+        (("--position", "J9=1,2"), "the joints are J1"),
+        (("--position", "J1=2,1"), "isn't below"),
+        (("--position", "J1=a"), "isn't JOINT=LOW,HIGH"),
+        (("--velocity", "-1"), "positive"),
+    ],
+)
+def test_wrong_usage(arguments, words, tmp_path):
+    result = yarc("robot", "new", SCARA, "--yes", "-o", tmp_path / "r", *arguments)
+    assert result.exit_code == 2
+    assert words in result.output
+    assert not (tmp_path / "r").exists()
+
+
+def test_without_a_terminal_nothing_is_guessed_in_silence(tmp_path):
+    result = yarc("robot", "new", SCARA, "-o", tmp_path / "r")
+    assert result.exit_code == 2
+    assert "--acceleration" in result.output
+    assert "--yes" in result.output
+    assert not (tmp_path / "r").exists()
+
+
+def test_nothing_is_overwritten(tmp_path):
+    (tmp_path / "r").mkdir()
+    (tmp_path / "r" / "mine").write_text("")
+    result = yarc("robot", "new", SCARA, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 2
+    assert "isn't empty" in result.output
+    assert [path.name for path in (tmp_path / "r").iterdir()] == ["mine"]
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [
+        (None, "Y1302"),
+        (b"\xff\xfe", "Y1302"),
+        (b"", "Y1340"),
+        (b"<robot", "Y1340"),
+        (b"<a/>", "Y1341"),
+        (b"\0" * 9, "Y1340"),
+    ],
+)
+def test_a_file_that_is_no_urdf(content, code, tmp_path):
+    if content is not None:
+        (tmp_path / "a.urdf").write_bytes(content)
+    result = yarc("robot", "new", tmp_path / "a.urdf", "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert code in result.output
+    assert "Traceback" not in result.output
+    assert not (tmp_path / "r").exists()
+
+
+def test_it_asks_on_a_terminal(tmp_path):
+    ours, theirs = pty.openpty()
+    command = [str(Path(sys.executable).with_name("yarc")), "robot", "new", str(SCARA), "-o", "r"]
+    running = subprocess.Popen(command, cwd=tmp_path, stdin=theirs, stdout=theirs, stderr=theirs)
+    os.close(theirs)
+    # the name, accelerations (first a wrong number of them), jerks, counts, the tool, HOME
+    os.write(ours, b"PICKER\n1,2\n900\n\n5000\n0,0,60\n\n")
+    shown = b""
+    until = time.monotonic() + 20
+    while time.monotonic() < until:
+        try:
+            part = os.read(ours, 4096)
+        except OSError:
+            break
+        if not part:
+            break
+        shown += part
+    assert running.wait(10) == 0, shown
+    assert b"give 1, or 4" in shown
+    text = (tmp_path / "r" / "robot.toml").read_text()
+    assert 'name = "PICKER"' in text
+    assert "acceleration = 900\n" in text
+    assert "xyz = [0, 0, 60]" in text
+    marked = {value.split(" = ")[0] for _, value, _ in guesses(text)}
+    assert {"jerk", "HOME"} <= marked
+    assert not {"acceleration", "K", "xyz"} & marked
+
+
+def test_the_gripper_of_a_real_arm_is_told():
+    chain = found((DATA / "panda_description/urdf/panda.urdf").read_text())
+    assert chain.fingers == ("panda_finger_joint1", "panda_finger_joint2")
+    assert (chain.base, chain.flange, chain.tcp) == ("panda_link0", "panda_link8", "panda_hand_tcp")

@@ -478,3 +478,67 @@ def test_joint_balls(seed, half):
     assert "Y1159" not in codes(result)
     truth = joint_truth(chain, 0, goals[0])
     assert truth - 1e-9 <= result.value.commands[0].blended.angle <= truth * 1.001 + 1e-8
+
+
+def test_a_joint_motion_turns_the_frame_by_what_its_joints_turn():
+    """A tail whose joints turn against each other, by nothing together: the sum of both ways turns the frame by a little."""
+    robot = industrial6()
+    corner = np.array([0, 20, -30, 0, 10, 0]) * DEG
+    start = tool_poses(robot.chain, corner[None], FLANGE_FROM_TCP)[0]
+    goal = moved(start, np.array([0.15, 0.0, 0]), np.zeros(3))
+    path = line_of(start, goal)
+    # joints 2, 3 and 5 turn about parallel axes
+    first = corner + np.array([0, 5, -12.5, 0, 7.5, 0]) * DEG
+    radius = hir.Reading(0.07, None)
+    legs = [
+        Leg(
+            hir.JointMove(origin(0), hir.JointGoal(corner), "LSPB", TIMING, blend=radius),
+            lambda s: first + np.outer(s, corner - first),
+            50,
+        ),
+        Leg(
+            hir.LineMove(origin(1), hir.PoseGoal(goal, FLANGE_FROM_TCP), "LSPB", TIMING),
+            lambda s: inverse(robot, path(s), corner),
+            50,
+        ),
+    ]
+    chain = in_joints(legs, (22,), first)
+    jobs = chain.jobs(legs)
+    result = judge(robot, first, jobs)
+    assert codes(result) == []
+    found = result.value.commands[0].blended
+    assert 0.01 * DEG < found.angle < found.turn
+    # which isn't without bound
+    worse = edited(jobs, 1, 0, np.array([0, 0, 0, 0, 0, 60 * DEG]))
+    assert "Y1166" in codes(judge(robot, first, worse))
+
+
+def test_two_frames_in_one_chain():
+    """The ball is that of the first motion's frame; both follow their own paths outside of it."""
+    robot = industrial6()
+    other = np.eye(4)
+    other[:3, 3] = [0.05, 0.2, 0.1]
+    corner = inverse(robot, line_of(START, A)(np.linspace(0, 1, 9)), Q0)[-1]
+    begin = tool_poses(robot.chain, corner[None], other)[0]
+    goal = moved(begin, np.array([0.0, 0.07, 0.03]), np.array([0.1, 0, 0.2]))
+    path = line_of(begin, goal)
+    first = line(0, START, A, 40, hir.Reading(0.045, None))
+    legs = [
+        Leg(first.motion, lambda s: inverse(robot, first.path(s), Q0), 40),
+        Leg(
+            hir.LineMove(origin(1), hir.PoseGoal(goal, other), "LSPB", TIMING),
+            lambda s: inverse(robot, path(s), corner, other),
+            40,
+        ),
+    ]
+    chain = in_joints(legs, (14,), Q0)
+    jobs = chain.jobs(legs)
+    result = judge(robot, Q0, jobs)
+    assert codes(result) == []
+    _, poses = chain.sample(robot, *chain.overlap(0))
+    truth = np.linalg.norm(poses[:, :3, 3] - A[:3, 3], axis=1).max()
+    assert truth - 1e-10 <= result.value.commands[0].blended.position <= truth * 1.01 + 1e-5
+    assert codes(judge(robot, Q0, blended(jobs, 0, hir.Reading(truth * 0.99, None)))) == ["Y1166"]
+    for step in range(2):
+        bad = edited(jobs, step, (14, 20)[step], 0.02 * DEG * np.array([0, 0, 1, 0, 0, 0]))
+        assert codes(judge(robot, Q0, bad)) == ["Y1159"]

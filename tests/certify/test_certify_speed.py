@@ -150,7 +150,7 @@ def test_no_sample_is_faster(seed, size, h):
 
 def test_speeds_in_a_chain():
     """In a blend the larger of both speeds is allowed; a motion that is all blends keeps none."""
-    middle, goal = moved(START, WAY, np.zeros(3)), moved(START, [*WAY, 0, 0.1, 0.1], np.zeros(3))
+    middle, goal = moved(START, WAY, np.zeros(3)), moved(START, WAY + np.array([0, 0.1, 0.1]), np.zeros(3))
     lengths = np.linalg.norm(WAY), np.linalg.norm([0, 0.1, 0.1])
     legs = [line(0, START, middle, 60, hir.Reading(0.05, None)), line(1, middle, goal, 50)]
     chain = of_poses(legs, (12,), Q0)

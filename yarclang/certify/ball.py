@@ -5,7 +5,8 @@ stays in the ball; and so does what of both paths it doesn't follow. For the dis
 is at most its largest Bezier point plus d^4/384 M4, as along a path; joints have their extremes in closed form.
 
 The frame may turn meanwhile: away from the corner's orientation by as much as the one motion has still to turn up to the corner,
-and the other has turned behind it, together.
+and the other has turned behind it, together. A motion in joint space turns it by as much as its joints turn, added up: what of that
+cancels out on its own path needn't in the blend.
 """
 
 from __future__ import annotations
@@ -20,7 +21,6 @@ from yarclang.certify.pieces import Pieces, arm_bounds, frame_motion, hull
 from yarclang.certify.pose import angle_of_chord
 from yarclang.certify.programmed import FramePaths, Lines, Rows
 from yarclang.certify.spline import NaturalSpline
-from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
@@ -130,15 +130,23 @@ def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
     return Cubics(y, slope, spline.bends(s), third[spline.span(s)], step)
 
 
-def away_in_joints(spline: NaturalSpline, low: float, high: float, ball: Balls, robot: Robot) -> Away:
-    """The same of a path in joint space, for the frame of a single ball."""
-    cubics = cubics_of(spline, low, high)
+def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, robot: Robot) -> Away:
+    """The same of a path in joint space, at its start (`end` 0) or its end (1), for the frame of a single ball. It turns by as much as
+    its revolute joints do, together.
+    """
+    cubics = cubics_of(spline, *((0.0, share) if end == 0 else (share, 1.0)))
     if not len(cubics.h):
         return Away(0.0, 0.0)
     position, _ = farthest(cubics, np.zeros(len(cubics.h), dtype=np.int64), ball, robot)
-    poses = tool_poses(robot.chain, cubics.x, ball.flange_from_moving[0])
-    turned = np.linalg.norm((poses[:, :3, :3] - ball.corner[0, :3, :3]).reshape(len(poses), -1), axis=1)
-    return Away(float(position[0]), float(angle_of_chord(turned).max()))
+    q = np.concatenate([cubics.x, cubics.at(cubics.h)[0][-1:]])
+    turned = joint_turn(q, spline.y[-end], robot)
+    return Away(float(position[0]), float(turned.max()))
+
+
+def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
+    """By how much the revolute joints turn between `q` (N, n) and the corner (n,), added up (N,) [rad]."""
+    turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
+    return turned
 
 
 def radii(blend: hir.Reading, robot: Robot) -> Array:

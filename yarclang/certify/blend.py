@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from yarclang.certify.ball import (
     cubics_of,
     farthest,
     joint_distances,
+    joint_turn,
     radii,
 )
 from yarclang.certify.bounds import Cubics
@@ -179,6 +180,16 @@ def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ba
         _not_followed(judged, proofs, row, end, frame, pose, radius)
         for row, end in ((corner.first, 1), (corner.second, 0))
     )
+    other = frame_of(layout.places[corner.second].motion)
+    if other is not None and not np.array_equal(frame, other):
+        # another frame goes on: what both turn is that of the joints, as of a motion in joint space
+        rows = _overlap(layout, corner)
+        knots = layout.cubics(rows.start, rows.stop).x
+        turned = joint_turn(knots[[0, -1]], knots[corner.segments // 2], judged.robot)
+        left, joined = (
+            replace(away, angle=max(away.angle, float(x)))
+            for away, x in zip((left, joined), turned, strict=True)
+        )
     return _Ball(corner, frame, pose, left, joined)
 
 
@@ -187,8 +198,8 @@ def _not_followed(
 ) -> Away:
     """How far from the corner a frame is on what isn't followed of a path, at its start (0) or end (1)."""
     share = float(proofs.covered[row, end])
-    low, high = (0.0, share) if end == 0 else (share, 1.0)
     if row in proofs.frames:
+        low, high = (0.0, share) if end == 0 else (share, 1.0)
         paths, own = proofs.frames[row]
         moving = paths.flange_from_moving[own]
         between = np.eye(4) if np.array_equal(moving, frame) else np.linalg.inv(moving) @ frame
@@ -198,4 +209,4 @@ def _not_followed(
         return NOTHING
     sharp = radius + judged.tolerance.position
     ball = Balls(frame[None], pose[None], np.array([sharp]), np.array([np.pi]))
-    return away_in_joints(spline, low, high, ball, judged.robot)
+    return away_in_joints(spline, end, share, ball, judged.robot)

@@ -122,7 +122,7 @@ class CommandCertificate:
     limits allow. `hold`
     is the most that a hold in the worst moment asks of a joint, |a| + |v| / hold time, against the
     acceleration of an emergency stop: stated, not judged. `tool_speed` is that of Cartesian motions; `blended` is the blend behind
-    the command. The jerk of a time-optimal motion (profile TOPP) is stated as well, and not judged: `jerk_judged`.
+    the command. The jerk of a time-optimal motion (profile TOPP), and of blends with one, is stated as well, and not judged: `jerk_judged`.
     """
 
     step: int
@@ -229,14 +229,18 @@ class Certificate:
 
     def summary(self) -> str:
         """One line for the header of the controller's text, ASCII."""
+        judged = [command.jerk.share for command in self.commands if command.jerk_judged]
+        free = [command.jerk.share for command in self.commands if not command.jerk_judged]
         shares = {
-            "velocity": self.worst("velocity"),
-            "acceleration": self.worst("acceleration"),
-            "jerk": self.worst("jerk"),
-            "motor speed": self.worst("motor_velocity"),
+            "velocity": self.worst("velocity").share,
+            "acceleration": self.worst("acceleration").share,
+            "jerk": max(judged, default=0.0),
+            "motor speed": self.worst("motor_velocity").share,
         }
-        loads = ", ".join(f"{name} {load.share * 100.0:.0f} %" for name, load in shares.items())
-        return f"path within {bound_text(self.position / MM)} mm, {bound_text(self.angle / DEG)} deg; {loads} of the limits"
+        loads = ", ".join(f"{name} {share * 100.0:.0f} %" for name, share in shares.items())
+        path = f"path within {bound_text(self.position / MM)} mm, {bound_text(self.angle / DEG)} deg"
+        told = f"; jerk of time-optimal motions up to {max(free) * 100.0:.0f} %, not judged" if free else ""
+        return f"{path}; {loads} of the limits{told}"
 
 
 def bound_text(value: float) -> str:

@@ -301,14 +301,8 @@ class _Judge:
         """Whether a jerk beyond the limit is one outside of what is time-optimal: the motion, or a blend with such a motion."""
         if place.motion.profile == TIME_OPTIMAL:
             return False
-        moving = [other for other in layout.places if other.size]
-        at = moving.index(place)
-        first, last = place.first, place.last
-        if place.before is not None and moving[at - 1].motion.profile == TIME_OPTIMAL:
-            first += place.before // 2
-        if place.behind is not None and moving[at + 1].motion.profile == TIME_OPTIMAL:
-            last -= place.behind // 2
-        peaks = np.abs(layout.cubics(first, last).j) / self.robot.limits.jerk
+        before, behind = _beside_time_optimal(layout, place)
+        peaks = np.abs(layout.cubics(place.first + before, place.last - behind).j) / self.robot.limits.jerk
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
     def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:
@@ -371,12 +365,23 @@ class _Judge:
             deviation=deviation,
             tool_speed=speed,
             blended=blended,
-            jerk_judged=step.profile != TIME_OPTIMAL,
+            jerk_judged=step.profile != TIME_OPTIMAL and not any(_beside_time_optimal(layout, place)),
         )
 
 
 def _title(origin: hir.Origin) -> str:
     return f"{origin.label} {origin.name}".strip()
+
+
+def _beside_time_optimal(layout: Layout, place: Place) -> tuple[int, int]:
+    """How many segments of a command, at its start and its end, lie in blends with time-optimal motions."""
+    if place.before is None and place.behind is None:
+        return 0, 0
+    moving = [other for other in layout.places if other.size]
+    at = moving.index(place)
+    before = place.before is not None and moving[at - 1].motion.profile == TIME_OPTIMAL
+    behind = place.behind is not None and moving[at + 1].motion.profile == TIME_OPTIMAL
+    return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 
 
 def _duration(layout: Layout, place: Place) -> float:

@@ -211,6 +211,21 @@ def test_wrong_usage(arguments, words, tmp_path):
     assert not (tmp_path / "r").exists()
 
 
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (("--name", "my robot"), "Y1310"),
+        (("--home", "0,0,999,0"), "Y1317"),
+        (("--motors", "1,1,2,3"), "Y132"),
+    ],
+)
+def test_what_makes_no_robot_leaves_no_folder(arguments, code, tmp_path):
+    result = yarc("robot", "new", SCARA, "--yes", "-o", tmp_path / "r", *arguments)
+    assert result.exit_code == 1
+    assert code in result.output
+    assert not (tmp_path / "r").exists()
+
+
 def test_without_a_terminal_nothing_is_guessed_in_silence(tmp_path):
     result = yarc("robot", "new", SCARA, "-o", tmp_path / "r")
     assert result.exit_code == 2

@@ -178,23 +178,39 @@ def _write(folder: Path, made: NewRobot) -> None:
         show_findings([Diagnostic("Y1302", message, help="check its rights")])
         raise SystemExit(1) from None
     files += [(folder / made.sketch.urdf, made.urdf.text), (folder / "robot.toml", made.toml)]
+    written: list[Path] = []
     for path, content in files:
         found = write_whole(path, content)
         if found:
+            _undo(folder, written)
             show_findings(found)
             raise SystemExit(1)
+        written.append(path)
+    loaded = load_robot(str(folder))
+    if loaded.value is None:
+        show_findings(loaded.diagnostics)
+        _undo(folder, written)
+        click.echo(f"no robot comes of this; {folder} isn't written", err=True)
+        raise SystemExit(1)
     chain = made.sketch.chain
     joints = f"{len(chain.joints)} joint{'s' * (len(chain.joints) != 1)}"
     click.echo(f"{made.sketch.name}: {joints}, {chain.base} to {chain.flange}", err=True)
     for note in _notes(made):
         click.echo(f"  note: {note}", err=True)
-    loaded = load_robot(str(folder))
     show_findings(loaded.diagnostics)
     click.echo(
         f"written to {folder}; {len(guesses(made.toml))} values are guesses: yarc robot check {folder}",
         err=True,
     )
-    raise SystemExit(1 if loaded.value is None else 0)
+
+
+def _undo(folder: Path, written: list[Path]) -> None:
+    """Take back what was written."""
+    for path in written:
+        path.unlink(missing_ok=True)
+    for place in sorted({folder, *(path.parent for path in written)}, reverse=True):
+        if place.is_dir() and not any(place.iterdir()):
+            place.rmdir()
 
 
 def _notes(made: NewRobot) -> list[str]:

@@ -85,7 +85,7 @@ class UrdfText:
             return None
         match = self._attribute(place, attribute)
         text = match.group(3) if match else place.attributes[attribute]
-        most = _LARGEST_LIMIT if place.tag == "limit" else _LARGEST
+        most = _LARGEST_LIMIT if place.tag in ("limit", "safety_controller") else _LARGEST
         parts = [part for part in text.split(" ") if part]
         good = len(parts) == count and all(
             _NUMBER.fullmatch(part) and abs(float(part)) <= most for part in parts

@@ -61,7 +61,7 @@ def open_arm(path: Path, base: str | None, tip: str | None) -> Result[Arm]:
             f"the chain from {chain.base} to {chain.flange} has {len(chain.joints)} joints, but a coordinate "
             f"system has {MOST_JOINTS} axes"
         )
-        remedy = f"Begin further up with --base: the joints are {', '.join(j.name for j in chain.joints)}."
+        remedy = f"Begin nearer to the tip with --base, or end earlier with --tip: the joints are {', '.join(j.name for j in chain.joints)}."
         return Result(None, (Diagnostic("Y1318", message, source, help=remedy),))
     return Result(Arm(path, urdf, chain), in_order(urdf.findings))
 

@@ -22,10 +22,10 @@ from yarclang.certify.ball import (
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Blended
 from yarclang.certify.corner import Judged
-from yarclang.certify.deviations import Proofs
 from yarclang.certify.flows import Corner, frame_of
 from yarclang.certify.joint import by_kind
 from yarclang.certify.layout import CHUNK, Layout
+from yarclang.certify.proofs import Proofs
 from yarclang.robot.model import Array
 from yarclang.units import DEG, MM
 

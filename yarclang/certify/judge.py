@@ -4,50 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
-
-import numpy as np
 
 from yarclang import hir
 from yarclang.certify.blend import judge_blends
-from yarclang.certify.bounds import Cubics
-from yarclang.certify.certificate import Blended, Certificate, CommandCertificate, Deviation, Kind, ToolSpeed
+from yarclang.certify.certificate import Certificate, Deviation
 from yarclang.certify.corner import Judged
 from yarclang.certify.deviations import find_deviations
-from yarclang.certify.flow import check_flow
-from yarclang.certify.joint import joint_weights
-from yarclang.certify.layout import Layout, Place, chunks, lay_out, moving_at_ends
-from yarclang.certify.limits import NO_LOADS, RELATIVE, Loads, check_limits
-from yarclang.certify.read import TM_STEPS_PER_MS, ControllerText, Unreadable, read
-from yarclang.certify.speed import KEPT
+from yarclang.certify.judgement import Judge
+from yarclang.certify.layout import Layout, lay_out
+from yarclang.certify.read import ControllerText, Unreadable, read
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.robot.actuation import from_counts, joints_per_count
+from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile, Span
-from yarclang.units import DEG, MM, MS
 
 NO_LAWS: Mapping[int, Array] = MappingProxyType({})
-
-_REMEDIES = {
-    "Y1159": "allow more (--tolerance), or take shorter segments (--tm)",
-    "Y1160": "allow more (--tolerance): the controller's numbers have 9 decimals at most",
-}
-
-KINDS: Mapping[type, Kind] = MappingProxyType(
-    {
-        hir.JointMove: "joint",
-        hir.LineMove: "line",
-        hir.ArcMove: "arc",
-        hir.SplineMove: "spline",
-        hir.PoseSplineMove: "pose_spline",
-    }
-)
-TIME_OPTIMAL = "TOPP"
-"""The profile without a limit of the jerk."""
-
-GUARD_SHARE = 0.05
-"""A fixed program may start so far off that it adds this share of the acceleration limit."""
 
 
 def certify(
@@ -82,7 +54,7 @@ def certify(
             content.code, f"line {content.line} of the controller's text {content.reason}", program.source
         )
         return Result(None, (shown,))
-    judge = _Judge(program, robot, tolerance, [])
+    judge = Judge(program, robot, tolerance, [])
     start = judge.start(content)
     layout = lay_out(content, program, start, robot.axis_units)
     if not isinstance(layout, Layout):
@@ -130,7 +102,7 @@ def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certific
     program = _told(content, robot, source)
     # the source isn't there: its commands are shown by their first moves, or where the map lists them
     lines = {entry.step: entry.first or entry.at for entry in content.entries}
-    judge = _Judge(program, robot, robot.tolerance, [], lines)
+    judge = Judge(program, robot, robot.tolerance, [], lines)
     layout = lay_out(content, program, program.start, robot.axis_units)
     if not isinstance(layout, Layout):
         step, reason = layout
@@ -161,229 +133,3 @@ def _told(content: ControllerText, robot: Robot, source: SourceFile) -> hir.Prog
         move = hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend)
         steps.append(hir.Stop(origin) if still else move)
     return hir.Program(source, q, tuple(steps))
-
-
-@dataclass(frozen=True, slots=True)
-class _Judge:
-    """The context of one judgement, and what it has found so far."""
-
-    program: hir.Program
-    robot: Robot
-    tolerance: Tolerance
-    findings: list[Diagnostic]
-    lines: Mapping[int, int] = field(default_factory=dict)
-    """Of each step, the line to show of a text that is judged without its source."""
-
-    def find(self, code: str, message: str, step: int | None) -> None:
-        """Add a finding about a step of the program."""
-        if step is None:
-            self.findings.append(Diagnostic(code, message, self.program.source))
-            return
-        command = self.program.steps[step]
-        assert not isinstance(command, hir.Gap)  # such a program is refused before
-        origin = command.origin
-        help_ = _REMEDIES.get(code, "")
-        span = Span.on_line(self.lines[step], 1, 2) if step in self.lines else origin.span
-        self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, span, help_))
-
-    # start, times, rest
-
-    def start(self, content: ControllerText) -> Array:
-        """Where the text starts (n,) [rad or m]; it must be the program's start, to the printed decimals."""
-        robot, start = self.robot, content.start
-        first = next((i for i, step in enumerate(self.program.steps) if isinstance(step, hir.Motion)), None)
-        if start.rapid is not None:
-            q = start.rapid * robot.axis_units
-            allowed = 0.5 * 10.0**-content.decimals * robot.axis_units
-        else:
-            assert start.guard is not None and start.guard_step is not None  # noqa: PT018 - by the reader
-            per_step = np.abs(joints_per_count(robot)) / (32.0 * robot.controller.ixx08)
-            q = from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
-            allowed = 0.5 * per_step @ start.guard_step
-            self._guard(content, per_step, first)
-        weights = joint_weights(robot, self.tolerance)
-        off = np.abs(q - self.program.start)
-        allowed = np.minimum(allowed * (1.0 + 1e-6) + 1e-12, 1.0 / weights)
-        if (off > allowed).any():
-            joint = int(np.argmax(off / allowed))
-            unit = robot.axis_units[joint]
-            self.find(
-                "Y1154",
-                f"the text starts with {robot.joint_names[joint]} at {q[joint] / unit:.9g}, the program at "
-                f"{self.program.start[joint] / unit:.9g} {robot.axis_unit_names[joint]} (line {start.line})",
-                first,
-            )
-        return q
-
-    def _guard(self, content: ControllerText, per_step: Array, first: int | None) -> None:
-        """The guard of a fixed program must be narrow: a start off by x adds x / TM^2 of acceleration."""
-        if not content.runs:
-            return
-        width = content.start.guard_width
-        assert width is not None
-        share = per_step @ width / (content.runs[0].segment_ms * MS) ** 2 / self.robot.limits.acceleration
-        joint = int(np.argmax(share))
-        if share[joint] > GUARD_SHARE * (1.0 + 1e-9):
-            self.find(
-                "Y1154",
-                f"the program's guard lets {self.robot.joint_names[joint]} start so far off that it adds "
-                f"{share[joint]:.1%} of its acceleration limit, more than {GUARD_SHARE:.0%} "
-                f"(line {content.start.line})",
-                first,
-            )
-
-    def flow(self, content: ControllerText, start: Array) -> None:
-        """What happens between the motions."""
-        for step, reason in check_flow(content, self.program, start, self.robot.axis_units):
-            self.find("Y1165", reason, step)
-
-    def segment_times(self, content: ControllerText, layout: Layout) -> None:
-        """Each motion takes its programmed time, and the controller can calculate that fast."""
-        for run in content.runs:
-            smallest = self.robot.controller.smallest_segment
-            if run.segment_ms * MS < smallest * (1.0 - 1e-9):
-                self.find(
-                    "Y1152",
-                    f"TM{run.segment_ms:.12g} in line {run.tm_line} is below {smallest / MS:.4f} ms, three "
-                    "real-time interrupts of the controller",
-                    None,
-                )
-        drift = 0.0
-        for place in layout.places:
-            if place.before is None:
-                drift = 0.0
-            if (programmed := place.motion.timing.duration) is None:
-                continue
-            duration = _duration(layout, place)
-            drift += duration - programmed
-            allowed = place.size / (2.0 * TM_STEPS_PER_MS) * MS + 1e-9
-            chained = place.before is not None or place.behind is not None
-            if chained and place.size:
-                # one segment time for the whole chain: its seams can't be but on whole segments
-                allowed += float(layout.time[place.first]) / 2.0
-            if abs(drift if chained else duration - programmed) > allowed:
-                self.find(
-                    "Y1156",
-                    f"the motion takes {duration:.9g} s ({place.size} segments), programmed are "
-                    f"{programmed:.9g} s",
-                    place.step,
-                )
-
-    def rest(self, layout: Layout) -> None:
-        """Each command ends at rest."""
-        for place in moving_at_ends(layout):
-            self.find(
-                "Y1155",
-                f"the command doesn't end at rest: its last three points differ (line {place.last_line})",
-                place.step,
-            )
-
-    # limits
-
-    def limits(self, layout: Layout) -> dict[int, Loads]:
-        """The loads of every step, and a finding for each limit that one breaks."""
-        loads = {place.step: NO_LOADS for place in layout.places}
-        for places in chunks([place for place in layout.places if place.size]):
-            segments = slice(places[0].first, places[-1].last)
-            cubics = Cubics.of_spline(layout.control, layout.at[segments], layout.time[segments])
-            for place, found in zip(places, check_limits(layout, places, cubics, self.robot), strict=True):
-                loads[place.step] = found
-                for excess in found.excesses:
-                    if excess.quantity == "jerk" and not self._jerk_counts(layout, place):
-                        continue
-                    code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
-                    self.find(
-                        code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step
-                    )
-        return loads
-
-    def _jerk_counts(self, layout: Layout, place: Place) -> bool:
-        """Whether a jerk beyond the limit is one outside of what is time-optimal: the motion, or a blend with such a motion."""
-        if place.motion.profile == TIME_OPTIMAL:
-            return False
-        before, behind = _beside_time_optimal(layout, place)
-        peaks = np.abs(layout.cubics(place.first + before, place.last - behind).j) / self.robot.limits.jerk
-        return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
-
-    def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:
-        """A programmed speed is kept, from when it is reached up to when it is left, and nowhere exceeded."""
-        for place in layout.places:
-            speed = speeds.get(place.step)
-            if speed is None or math.isnan(speed.programmed):
-                continue
-            unit, name = (DEG, "deg/s") if speed.turns else (MM, "mm/s")
-            programmed = f"programmed are {speed.programmed / unit:.6g} {name}"
-            if not speed.beyond <= 1.0 + KEPT:
-                self.find(
-                    "Y1167",
-                    f"the moving frame goes up to {speed.beyond:.3%} of the speed that is allowed, {programmed}",
-                    place.step,
-                )
-            elif math.isnan(speed.least):
-                self.find(
-                    "Y1167",
-                    f"the moving frame never goes at its speed: at most {speed.largest / unit:.6g} {name}, {programmed}",
-                    place.step,
-                )
-            elif speed.least < speed.programmed * (1.0 - KEPT):
-                self.find(
-                    "Y1167",
-                    f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps, {programmed}",
-                    place.step,
-                )
-
-    # the table
-
-    def command(
-        self,
-        layout: Layout,
-        place: Place,
-        loads: Loads,
-        deviation: Deviation,
-        speed: ToolSpeed | None = None,
-        blended: Blended | None = None,
-    ) -> CommandCertificate:
-        """What was proved for one command."""
-        step = place.motion
-        return CommandCertificate(
-            step=place.step,
-            index=step.origin.label,
-            name=step.origin.name,
-            kind=KINDS[type(step)],
-            source_line=step.origin.span.line,
-            lines=place.lines,
-            segments=place.size,
-            segment_time=float(layout.time[place.first]) if place.size else 0.0,
-            duration=_duration(layout, place),
-            programmed_duration=step.timing.duration,
-            position=loads.loads["position"],
-            velocity=loads.loads["velocity"],
-            acceleration=loads.loads["acceleration"],
-            jerk=loads.loads["jerk"],
-            motor_velocity=loads.loads["motor_velocity"],
-            hold=loads.hold,
-            deviation=deviation,
-            tool_speed=speed,
-            blended=blended,
-            jerk_judged=step.profile != TIME_OPTIMAL and not any(_beside_time_optimal(layout, place)),
-        )
-
-
-def _title(origin: hir.Origin) -> str:
-    return f"{origin.label} {origin.name}".strip()
-
-
-def _beside_time_optimal(layout: Layout, place: Place) -> tuple[int, int]:
-    """How many segments of a command, at its start and its end, lie in blends with time-optimal motions."""
-    if place.before is None and place.behind is None:
-        return 0, 0
-    moving = [other for other in layout.places if other.size]
-    at = moving.index(place)
-    before = place.before is not None and moving[at - 1].motion.profile == TIME_OPTIMAL
-    behind = place.behind is not None and moving[at + 1].motion.profile == TIME_OPTIMAL
-    return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
-
-
-def _duration(layout: Layout, place: Place) -> float:
-    """All segments of a command have one duration [s]."""
-    return place.size * float(layout.time[place.first]) if place.size else 0.0

@@ -1,0 +1,149 @@
+"""Motions along paths of the moving frame: lines, arcs and splines of poses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.bounds import Cubics
+from yarclang.certify.cartesian import Followed, Stretch, follow
+from yarclang.certify.certificate import Deviation, ToolSpeed
+from yarclang.certify.corner import Judged
+from yarclang.certify.flows import cruise
+from yarclang.certify.layout import Layout, Place
+from yarclang.certify.pose import distance
+from yarclang.certify.posespline import PoseSpline
+from yarclang.certify.programmed import Arcs, FramePaths, Lines, goal_pose
+from yarclang.certify.proofs import Proofs, law_of
+from yarclang.certify.speed import Programmed
+from yarclang.robot.model import Array
+
+Rows = list[tuple[int, Place]]
+
+STILL = 1e-9
+"""The origin of a frame that goes no farther than this [m] stands still: its speed is that of the turn."""
+
+
+def frame_moves(
+    judged: Judged, layout: Layout, rows: Rows, flanges: Array, around: Array, proofs: Proofs
+) -> None:
+    """Motions of one kind along paths of the moving frame."""
+    moving = [(row, place) for row, place in rows if place.size]
+    for row, place in rows:
+        if not place.size:
+            _stays(place, proofs.starts.flange[row], proofs)
+    if not moving:
+        return
+    numbers = np.array([row for row, _ in moving])
+    paths = _paths(moving, proofs)
+    ends = distance(flanges[numbers] @ paths.flange_from_moving, paths.goal)
+    stretch = _stretch(judged, layout, moving, paths, around, proofs)
+    found = None
+    single = len(moving) == 1 and not proofs.flows.is_cut(moving[0][0])
+    law = law_of(judged, moving[0][1]) if single else None
+    if law is not None:
+        found = follow(stretch, paths, judged.robot, law)
+    if found is None or found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle:
+        found = follow(stretch, paths, judged.robot)
+    proofs.covered[numbers] = found.covered
+    for i, (row, place) in enumerate(moving):
+        proofs.frames[row] = paths, i
+        end = (0.0, 0.0) if place.behind is not None else (float(ends[0][i]), float(ends[1][i]))
+        proofs.deviations[place.step] = Deviation(
+            max(float(found.position[i]), end[0]),
+            max(float(found.angle[i]), end[1]),
+            *end,
+            float(found.rest[i]),
+            float(found.angle_rest[i]),
+        )
+        proofs.speeds[place.step] = _tool_speed(found, i)
+
+
+def _stays(place: Place, flange: Array, proofs: Proofs) -> None:
+    """A motion without moves must have nowhere to go."""
+    step = place.motion
+    if isinstance(step, hir.LineMove):
+        goals = [goal_pose(step.goal, flange)[1]]
+        frame = step.goal.flange_from_moving
+    elif isinstance(step, hir.ArcMove):
+        goals, frame = [step.goal.base_from_moving], step.goal.flange_from_moving
+    else:
+        assert isinstance(step, hir.PoseSplineMove)
+        goals = [goal.base_from_moving for goal in step.waypoints]
+        frame = step.waypoints[0].flange_from_moving
+    here = flange @ frame
+    position, angle = (float(far.max()) for far in distance(here[None], np.array(goals)))
+    if isinstance(step, hir.ArcMove):
+        position = max(position, float(np.linalg.norm(here[:3, 3] - step.via)))
+    end_position, end_angle = (float(far) for far in distance(here, goals[-1]))
+    proofs.deviations[place.step] = Deviation(position, angle, end_position, end_angle)
+
+
+def _paths(moving: Rows, proofs: Proofs) -> FramePaths:
+    starts, goals, frames, vias = [], [], [], []
+    for row, place in moving:
+        step, flange = place.motion, proofs.starts.flange[row]
+        if isinstance(step, hir.PoseSplineMove):
+            frame = step.waypoints[0].flange_from_moving
+            through = np.array([flange @ frame, *(goal.base_from_moving for goal in step.waypoints)])
+            free = proofs.flows.free[row]
+            spline = PoseSpline.through(through, frame, (bool(free[0]), bool(free[1])))
+            return spline or Lines.between(through[:1], through[-1:], frame[None])
+        assert isinstance(step, hir.LineMove | hir.ArcMove)
+        start, goal = goal_pose(step.goal, flange)
+        starts.append(start)
+        goals.append(goal)
+        frames.append(step.goal.flange_from_moving)
+        if isinstance(step, hir.ArcMove):
+            vias.append(step.via)
+    if vias:
+        return Arcs.through(np.array(starts), np.array(vias), np.array(goals), np.array(frames))
+    return Lines.between(np.array(starts), np.array(goals), np.array(frames))
+
+
+def _stretch(
+    judged: Judged, layout: Layout, moving: Rows, paths: FramePaths, around: Array, proofs: Proofs
+) -> Stretch:
+    numbers = np.array([row for row, _ in moving])
+    flows = proofs.flows
+    whole = flows.whole[numbers]
+    rows_of = np.concatenate([np.arange(begin, stop) for begin, stop in whole])
+    cubics = Cubics.of_spline(layout.control, layout.at[rows_of], layout.time[rows_of])
+    sizes = whole[:, 1] - whole[:, 0]
+    first = np.cumsum(sizes) - sizes
+    follows = flows.follow[numbers] - whole[:, :1]
+    for i, row in enumerate(numbers):
+        if flows.is_cut(row):
+            cubics = flows.cut(cubics, row, int(first[i]), int(first[i] + sizes[i]) - 1)
+    count = len(moving)
+    own = np.arange(count)
+    reach = paths.bounds(own, np.zeros(count), np.ones(count)).position[:, 0]
+    turns = reach < STILL
+    speeds = np.array([cruise(place) for _, place in moving])
+    wanted = Programmed(
+        np.where(turns, speeds[:, 1], speeds[:, 0]),
+        turns,
+        np.where(turns[:, None], np.inf, around[numbers]),
+    )
+    tolerances = np.array([judged.tolerance_of(place.motion).position for _, place in moving])
+    return Stretch(
+        cubics,
+        first,
+        follows + first[:, None],
+        proofs.flows.free[numbers],
+        tolerances,
+        judged.tolerance.angle,
+        wanted,
+    )
+
+
+def _tool_speed(found: Followed, i: int) -> ToolSpeed:
+    speeds = found.speeds
+    return ToolSpeed(
+        bool(speeds.turns[i]),
+        float(speeds.largest[i]),
+        float(speeds.programmed[i]),
+        float(speeds.least[i]),
+        float(speeds.most[i]),
+        float(speeds.beyond[i]),
+    )

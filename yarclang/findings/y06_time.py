@@ -83,4 +83,14 @@ FINDINGS = (
         "Motions that flow into each other share one segment time, and each of their times has to be a whole number of segments. "
         "Where no segment time does for all, the seams are rounded to the nearest one; the whole is exact.",
     ),
+    Finding(
+        "Y0610",
+        "speed-not-reached",
+        "warning",
+        "a way is too short to get to its speed",
+        "[V ..] asks for a speed, and the ramps to it and from it take some of the way. Where the limits leave no room for them, the moving "
+        "frame goes as fast as it can.",
+        "P0010 MOVEL {TCP} 0 1174.4 1220 0 0 0 [V 500] (mm,deg,s) {B}",
+        "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [V 100] (mm,deg,s) {B}",
+    ),
 )

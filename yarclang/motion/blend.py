@@ -52,7 +52,7 @@ class Corner:
     @property
     def is_tangent(self) -> bool:
         """Whether the path may not be left at all."""
-        return self.radius == 0.0
+        return self.reach is None and self.radius == 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

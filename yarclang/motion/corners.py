@@ -12,7 +12,7 @@ from yarclang.hir import Array, JointMove, Motion, Reading, SetOutput, SplineMov
 from yarclang.motion import messages
 from yarclang.motion.blend import Corner, way_length
 from yarclang.motion.cartesian import CartesianPath
-from yarclang.motion.chain import Link
+from yarclang.motion.links import Link
 from yarclang.motion.path import Path
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot

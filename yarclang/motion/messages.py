@@ -225,13 +225,11 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
 
 def too_fast_a_cruise(robot: Robot, fitted: CruiseBroken, step: Motion) -> Message:
     """A speed of the moving frame that can't be held."""
-    origin = step.origin
-    broken = fitted.broken
-    if broken is None or broken.demand is None:
-        message = "the way is too short to reach this speed and stop again within the limits"
-    else:
-        message = f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % of the way"
+    origin, broken = step.origin, fitted.broken
     span = origin.time_span or origin.span
+    message = "no segments are short enough for this speed"
+    if broken is not None and broken.demand is not None:
+        message = f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % of the way"
     if not fitted.share:
         return (
             "Y0605",
@@ -240,19 +238,27 @@ def too_fast_a_cruise(robot: Robot, fitted: CruiseBroken, step: Motion) -> Messa
             "no speed works: the path passes too near a singularity, go round it",
             None,
         )
-    if (written := _written_speed(origin)) is None:
-        return (
-            "Y0605",
-            message,
-            span,
-            f"the highest speed that works is about {fitted.share * 100:.3g} % of this",
-            None,
-        )
-    value = written * fitted.share
+    text, fix = _slower(fitted.share, origin)
+    return "Y0605", message, span, f"the highest speed that works is about {text}", fix
+
+
+def speed_not_reached(share: float, step: Motion) -> Message:
+    """A way that is too short for its speed."""
+    origin = step.origin
+    text, fix = _slower(share, origin)
+    message = f"the limits leave no room to get to this speed on this way: the moving frame goes at {share * 100:.3g} % of it"
+    help_ = f"{text} is reached; a longer way, gentler corners and larger blends make room"
+    return "Y0610", message, origin.time_span or origin.span, help_, fix
+
+
+def _slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
+    """A share of a speed, as it would be written, and a fix that writes it where the speed stands in the line."""
+    if (written := _written_speed(origin)) is None or origin.time_span is None:
+        return f"{share * 100:.3g} % of this speed", None
+    value = written * share
     digits = 2 - math.floor(math.log10(value))
     text = f"[V {math.floor(value * 10.0**digits) / 10.0**digits:.10g}]"
-    fix = Fix(f"write {text}", (Edit(span, text),))
-    return "Y0605", message, span, f"the highest speed that works is about {text}", fix
+    return text, Fix(f"write {text}", (Edit(origin.time_span, text),))
 
 
 def _written_speed(origin: Origin) -> float | None:

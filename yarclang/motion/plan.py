@@ -20,7 +20,7 @@ class PlannedMotion:
     `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
     `curve` goes from rest to rest, or, where it flows into its neighbours, from the middle of one overlap to that of the
     next; `overlap` are the segments of the one at its end, 0 where it ends at rest. `law` are the control values of the share of the
-    way over its own time from rest to rest, half an overlap longer at either side.
+    way over its own time from rest to rest, half an overlap longer at either side. `kept` is the share of a speed asked for that is reached.
     """
 
     step: int
@@ -30,6 +30,7 @@ class PlannedMotion:
     waypoints: Array
     law: Array
     overlap: int = 0
+    kept: float = 1.0
 
 
 @dataclass(frozen=True)

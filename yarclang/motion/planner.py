@@ -9,12 +9,13 @@ from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
-from yarclang.motion.chain import Link, Piece, linked
+from yarclang.motion.chain import linked
 from yarclang.motion.corners import chained
 from yarclang.motion.cruise import CruiseBroken, at_speed
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
 from yarclang.motion.limits import Bounds, Grid, bounds_of
+from yarclang.motion.links import Link, Piece
 from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
@@ -69,14 +70,13 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
             assert route is not None
             motions.append(
                 PlannedMotion(
-                    number, route.path, step.profile, piece.curve, route.waypoints, piece.law, piece.overlap
+                    number, route.path, step.profile, piece.curve, route.waypoints, piece.law, piece.overlap, piece.kept
                 )
             )
-            if len(chain) > 1:
-                findings = Collector(step.origin.source)
-                findings.place = step.origin.place
-                planner.judge_piece(step, links[number], piece, number != numbers[-1], findings)
-                found[number] += findings.found
+            findings = Collector(step.origin.source)
+            findings.place = step.origin.place
+            planner.judge_piece(step, links[number], piece, number != numbers[-1], findings)
+            found[number] += findings.found
     everything = tuple(one for findings_of_step in found for one in findings_of_step)
     complete = (
         len(motions) == sum(isinstance(step, Motion) for step in steps)
@@ -121,6 +121,9 @@ class _Planner:
                 return None
             full = way / speed
             fitted = at_speed(path, full, bounds, grid, tolerance)
+            if isinstance(fitted, CruiseBroken) and fitted.broken is None:
+                # too short to start and stop; whether the speed is reached depends on what it flows into
+                fitted = fit(path, load_profile("SCURVE"), None, bounds, grid, tolerance)
         else:
             fitted = fit(path, profile, timing.duration, bounds, grid, tolerance)
         match fitted:
@@ -139,11 +142,13 @@ class _Planner:
     def pieces(self, chain: list[Link]) -> list[Piece]:
         """The curves of motions that flow into each other, or of one."""
         if len(chain) == 1:
-            return [Piece(chain[0].alone, 0, chain[0].alone.law)]
+            return [chain[0].as_alone]
         return linked(self.robot.chain, chain, self.settings.grid)
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
         """Say where a chain can't do quite what its commands say."""
+        if piece.kept < 1.0 - _SPEED_KEPT:
+            findings.add(*messages.speed_not_reached(piece.kept, step))
         if flows and not piece.overlap:
             findings.add(*messages.stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
@@ -152,6 +157,9 @@ class _Planner:
 
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""
+
+_SPEED_KEPT = 1e-3
+"""A speed that is missed by less than this share is kept."""
 
 _EXACT = 2e-4
 """A duration that is off by no more [s] is the one that was asked for: the controller's step times some hundred segments."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import PurePath
 
@@ -16,7 +16,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import Array, JointMove, Program, SplineMove, fingerprint
+from yarclang.hir import Array, JointMove, Motion, Program, Reading, SplineMove, fingerprint
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan
 from yarclang.motion.profile import profile_names
@@ -130,7 +130,7 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     if request.progress:
         request.progress("certifying", 0, 1)
     text = emitted.text((*header, "certificate being made"))
-    judged = certify(text, program, robot, tolerance, _witnesses(planned), _laws(planned))
+    judged = certify(text, _as_told(planned), robot, tolerance, _witnesses(planned), _laws(planned))
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
     # only this comment line differs from the text that was judged
@@ -178,6 +178,19 @@ def _printable(name: str) -> str:
         .encode("ascii", "backslashreplace")
         .decode()
     )
+
+
+def _as_told(planned: MotionPlan) -> Program:
+    """The program, with the speeds that findings have told where those asked for aren't reached: the text is held to these."""
+    steps = list(planned.program.steps)
+    for motion in planned.motions:
+        step = steps[motion.step]
+        if motion.kept < 1.0 and isinstance(step, Motion) and (speed := step.timing.speed) is not None:
+            slower = Reading(
+                *(None if one is None else one * motion.kept for one in (speed.length, speed.angle))
+            )
+            steps[motion.step] = replace(step, timing=replace(step.timing, speed=slower))
+    return replace(planned.program, steps=tuple(steps))
 
 
 def _laws(planned: MotionPlan) -> Mapping[int, Array]:

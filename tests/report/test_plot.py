@@ -19,9 +19,11 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import plan_module
 from yarclang.report import panels, plot, trace
+from yarclang.report.drawn_frame import drawn_frame
 from yarclang.report.palette import MOST_BARS, bars_of
 from yarclang.report.plot import SIZE, draw, duration_text
-from yarclang.report.toolpath import MOST_DOTS, MOST_POINTS, tool_path_of
+from yarclang.report.toolpath import MOST_DOTS, MOST_POINTS, ToolPath
+from yarclang.report.toolpath import tool_path_of as path_of
 from yarclang.report.trace import MOST_SAMPLES, Trace, peak_of, trace_of
 
 TWO = """\
@@ -29,6 +31,11 @@ P0001 MOVEJ_LSPB 40 10 20 0 30 0 [3] (deg,s)
 P0002 MOVEJ_LSPB 0 0 0 0 30 90 [4] (deg,s)
 P0003 STOP
 """
+
+
+def tool_path_of(plan: MotionPlan) -> ToolPath:
+    return path_of(plan, drawn_frame(plan))
+
 
 # the limits of INDUSTRIAL6, as its robot.toml has them [deg]
 LOWER = np.array([-170.0, -80, -170, -180, -120, -360])

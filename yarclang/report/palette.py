@@ -16,6 +16,9 @@ _JOINTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#0
 _STYLES: tuple[Literal["-", "--", ":"], ...] = ("-", "--", ":")
 """Joints beyond the seventh repeat the colours with another dash."""
 
+CORNER_COLOUR = "#E66100"
+"""Of corners that are passed in motion."""
+
 MOST_BARS = 256
 """More commands than this share bars and colours with their neighbours: neither could be seen apart."""
 

@@ -1,4 +1,4 @@
-"""The left side of a motion's picture: shares of the limits over time, one panel a quantity."""
+"""The left side of a motion's picture: shares of the limits over time, one panel a quantity, and what the tool does."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import numpy as np
 
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
-from yarclang.report.palette import Bar, joint_style
+from yarclang.report import tool_panels
+from yarclang.report.palette import CORNER_COLOUR, Bar, joint_style
+from yarclang.report.passed import Passed
+from yarclang.report.tool_trace import ToolTrace
 from yarclang.report.trace import Peak, Trace, has_limits, peak_of
 
 if TYPE_CHECKING:
@@ -31,11 +34,16 @@ _NOTHING = 1e-7
 _ZOOMED_HEIGHT = 0.78
 """The share of the height between the limits that a zoomed quantity gets."""
 
+_CORNER_SHADE = 0.16
+"""How much of their colour corners have in a panel."""
+
 _MOST_BOUNDARIES = 80
 """More boundaries between commands would cover what is drawn."""
 
 
-def draw_panels(figure: Figure, plan: MotionPlan, trace: Trace, bars: tuple[Bar, ...]) -> None:
+def draw_panels(
+    figure: Figure, plan: MotionPlan, trace: Trace, tool: ToolTrace, bars: tuple[Bar, ...], corners: Passed
+) -> None:
     """Draw a ribbon of commands, and below it the panels, all over one axis of time."""
     robot = plan.robot
     joints = robot.joint_names
@@ -51,35 +59,47 @@ def draw_panels(figure: Figure, plan: MotionPlan, trace: Trace, bars: tuple[Bar,
         panels.append(_Panel("motor speed", trace.motors, motors, note, height=0.6))
     factor, unit = time_unit(float(trace.times[-1]))
     grid = figure.add_gridspec(
-        len(panels) + 1,
+        len(panels) + 3,
         1,
-        height_ratios=[0.13, *(panel.height for panel in panels)],
+        height_ratios=[0.16, *(panel.height for panel in panels), *(2 * [tool_panels.HEIGHT])],
         left=_LEFT,
         right=_RIGHT,
         top=_TOP,
         bottom=_BOTTOM,
-        hspace=0.3,
+        hspace=0.38,
     )
     times = trace.times / factor
     ribbon = figure.add_subplot(grid[0])
     ribbon.set_xlim(float(times[0]), float(times[-1]))
     draw_ribbon(ribbon, bars, factor)
+    width = 1.3 if len(bars) <= _MOST_BOUNDARIES else 0.7
     for row, panel in enumerate(panels):
         axes = figure.add_subplot(grid[row + 1], sharex=ribbon)
         peak = peak_of(trace, panel.values)
-        _draw_quantity(axes, times, panel.values * 100.0, 1.3 if len(bars) <= _MOST_BOUNDARIES else 0.7)
+        _draw_quantity(axes, times, panel.values * 100.0, width)
         zoomed = _scale(axes, peak.share * 100.0, can_zoom=row > 0)
-        _mark_boundaries(axes, bars, factor)
-        axes.set_title(panel.title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
-        axes.set_title(" · ".join(filter(None, (panel.note, zoomed))), fontsize=8.5, pad=4, color="0.4")
-        axes.set_title(
-            _peak_text(peak, panel.names, factor, unit), loc="right", fontsize=9, pad=4, color="0.2"
-        )
-        is_last = row == len(panels) - 1
-        axes.tick_params(labelbottom=is_last, length=2.5, labelsize=8.5)
-        if is_last:
-            axes.set_xlabel(f"time [{unit}]", labelpad=2)
-    _draw_legend(figure, plan)
+        _mark(axes, bars, corners, factor)
+        note = " · ".join(filter(None, (panel.note, zoomed)))
+        _head(axes, panel.title, note, _peak_text(peak, panel.names, factor, unit))
+    speed = figure.add_subplot(grid[-2], sharex=ribbon)
+    most = tool_panels.draw_speed(speed, tool, factor, unit, width)
+    _mark(speed, bars, corners, factor)
+    _head(speed, f"speed of {{{tool.frame}}} [mm/s]", "dashes: [V ..]" * bool(len(tool.wanted)), most)
+    nearness = figure.add_subplot(grid[-1], sharex=ribbon)
+    least = tool_panels.draw_singularity(nearness, tool, factor, unit, width)
+    _mark(nearness, bars, corners, factor)
+    _head(nearness, "smallest singular value", "0 is a singularity, far from one it is 0.1 to 0.5", least)
+    nearness.tick_params(labelbottom=True)
+    nearness.set_xlabel(f"time [{unit}]", labelpad=2)
+    _draw_legend(figure, plan, corners)
+
+
+def _head(axes: Axes, title: str, note: str, found: str) -> None:
+    """What stands above a panel: what it is, a remark, and its extreme."""
+    axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
+    axes.set_title(note, fontsize=8.5, pad=4, color="0.4")
+    axes.set_title(found, loc="right", fontsize=9, pad=4, color="0.2")
+    axes.tick_params(labelbottom=False, length=2.5, labelsize=8.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,7 +186,11 @@ def _round_up(value: float) -> float:
     )
 
 
-def _mark_boundaries(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
+def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> None:
+    """Where commands begin, and where two are carried out together, as long as both can be seen apart."""
+    if len(corners) <= _MOST_BOUNDARIES:
+        for begin, end in zip(corners.begins / factor, corners.ends / factor, strict=True):
+            axes.axvspan(begin, end, color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, zorder=0)
     if len(bars) <= _MOST_BOUNDARIES:
         colour = "0.55" if len(bars) <= 20 else "0.85"
         for bar in bars[1:]:
@@ -224,12 +248,13 @@ class _Widths:
         return float(self._axes.transData.transform((time, 0.0))[0])
 
 
-def _draw_legend(figure: Figure, plan: MotionPlan) -> None:
-    """The joints' colours and the limits' dashes, in one row above the panels."""
+def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
+    """The joints' colours, the limits' dashes and the corners' shade, in one row above the panels."""
     from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
     robot = plan.robot
-    handles = []
+    handles: list[Line2D | Patch] = []
     for joint, (name, limited) in enumerate(zip(robot.joint_names, has_limits(robot), strict=True)):
         colour, style = joint_style(joint)
         label = name if limited else f"{name}*"
@@ -240,6 +265,9 @@ def _draw_legend(figure: Figure, plan: MotionPlan) -> None:
     )
     if not has_limits(robot).all():
         handles.append(Line2D([], [], linestyle="", label="* no limits: position over 180°"))
+    if 0 < len(corners) <= _MOST_BOUNDARIES:
+        label = "corner passed in motion"
+        handles.append(Patch(color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, label=label))
     figure.legend(
         handles=handles,
         loc="center left",

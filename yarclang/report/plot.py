@@ -1,4 +1,4 @@
-"""The motion of a program as a picture: joints against their limits over time, and the tool's path in space.
+"""The motion of a program as a picture: joints against their limits and the tool's speed over time, and its path in space.
 
 Nothing here opens a window: the figure is drawn in memory, so that it works without a screen,
 and equal programs give equal bytes.
@@ -12,9 +12,12 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from yarclang.motion.plan import MotionPlan
+from yarclang.report.drawn_frame import drawn_frame
 from yarclang.report.palette import bars_of
 from yarclang.report.panels import draw_panels
+from yarclang.report.passed import passed_corners
 from yarclang.report.scene import draw_scene
+from yarclang.report.tool_trace import tool_trace_of
 from yarclang.report.toolpath import tool_path_of
 from yarclang.report.trace import trace_of
 
@@ -73,10 +76,11 @@ def _figure(plan: MotionPlan) -> Figure:
 
     figure = Figure(figsize=(SIZE[0] / _DPI, SIZE[1] / _DPI), dpi=_DPI, facecolor="white")
     FigureCanvasAgg(figure)
-    bars = bars_of(plan)
+    bars, frame = bars_of(plan), drawn_frame(plan)
+    corners = passed_corners(plan, frame)
     _title(figure, plan)
-    draw_panels(figure, plan, trace_of(plan), bars)
-    draw_scene(figure, tool_path_of(plan), bars)
+    draw_panels(figure, plan, trace_of(plan), tool_trace_of(plan, frame), bars, corners)
+    draw_scene(figure, tool_path_of(plan, frame), bars, corners)
     return figure
 
 

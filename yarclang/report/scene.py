@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from yarclang.hir import Array
-from yarclang.report.palette import Bar
-from yarclang.report.toolpath import ToolPath
+from yarclang.report.palette import CORNER_COLOUR, Bar
+from yarclang.report.passed import Passed
+from yarclang.report.toolpath import MOST_DOTS, ToolPath
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,8 +27,8 @@ _SMALLEST = 10.0
 """The longest side is at least this [mm]."""
 
 
-def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...]) -> None:
-    """Draw the path, each command in its colour, with the way-points and where it starts and ends."""
+def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: Passed) -> None:
+    """Draw the path, each command in its colour, with the way-points, corners passed in motion, and where it starts and ends."""
     axes: Any = figure.add_axes(_square(figure), projection="3d", computed_zorder=False)
     axes.patch.set_visible(False)  # it covers the panels
     low, high = _box(path.points)
@@ -50,6 +51,8 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...]) -> None:
             zorder=6,
             label=label,
         )
+    if len(corners):
+        _draw_corners(axes, corners)
     # a ring around a square: both are seen where a program ends at its start
     axes.scatter(
         *path.points[0],
@@ -72,10 +75,46 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...]) -> None:
         zorder=8,
         label="end",
     )
-    _dress(axes, path, low, high)
+    _dress(axes, path, low, high, corners)
 
 
 _END = "#D55E00"
+
+_VIEW = (24.0, -52.0)
+"""From where the box is seen: elevation and azimuth [deg]."""
+
+_MOST_BALLS = 60
+"""More balls would cover the path."""
+
+
+def _draw_corners(axes: Any, corners: Passed) -> None:
+    """A cross in each corner that is passed in motion, and the outline of the ball within which the path may be left."""
+    every = -(-len(corners) // MOST_DOTS)
+    label = "corners passed in motion" if every == 1 else f"corners passed (one of {every})"
+    axes.scatter(
+        *corners.places[::every].T,
+        s=30 if len(corners) <= _MOST_BALLS else 8,
+        marker="x",
+        color=CORNER_COLOUR,
+        linewidths=1.3,
+        depthshade=False,
+        zorder=7,
+        label=label,
+    )
+    if len(corners) > _MOST_BALLS:
+        return
+    elevation, azimuth = np.deg2rad(_VIEW)
+    across = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    up = np.array(
+        [-np.sin(elevation) * np.cos(azimuth), -np.sin(elevation) * np.sin(azimuth), np.cos(elevation)]
+    )
+    around = np.linspace(0.0, 2.0 * np.pi, 49)[:, None]
+    circle = np.cos(around) * across + np.sin(around) * up  # a ball is seen as a circle that faces the eye
+    label = "BLEND: as far as it may be left"
+    for place, radius in zip(corners.places, corners.radii, strict=True):
+        if radius > 0.0:
+            axes.plot(*(place + radius * circle).T, color=CORNER_COLOUR, linewidth=0.9, zorder=5, label=label)
+            label = "_"  # one for all in the legend
 
 
 def _box(points: Array) -> tuple[Array, Array]:
@@ -94,7 +133,7 @@ def _draw_floor(axes: Any, path: ToolPath, height: float, width: float) -> None:
     axes.plot(*floor.T, color="0.7", linewidth=width, zorder=1, label="shadow")
 
 
-def _dress(axes: Any, path: ToolPath, low: Array, high: Array) -> None:
+def _dress(axes: Any, path: ToolPath, low: Array, high: Array, corners: Passed) -> None:
     """Scales, labels, legend and title."""
     for name, least, most in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{name}lim")(least, most)
@@ -105,7 +144,7 @@ def _dress(axes: Any, path: ToolPath, low: Array, high: Array) -> None:
         axes.locator_params(axis=name, nbins=max(2, round(6.0 * float((most - least) / (high - low).max()))))
     axes.tick_params(labelsize=8, pad=2)
     axes.tick_params(axis="z", pad=5)
-    axes.view_init(elev=24.0, azim=-52.0)
+    axes.view_init(elev=_VIEW[0], azim=_VIEW[1])
     bottom, top = _fill(axes, low, high)
     middle = _PLACE[0] + _PLACE[2] / 2.0
     title = f"path of {{{path.frame}}} in {{B}}, coloured by command"
@@ -118,7 +157,7 @@ def _dress(axes: Any, path: ToolPath, low: Array, high: Array) -> None:
         handles=axes.get_legend_handles_labels()[0],
         loc="upper center",
         bbox_to_anchor=(middle, bottom - 0.045),
-        ncols=4,
+        ncols=4 if not len(corners) else 3,
         frameon=False,
         fontsize=9,
         columnspacing=1.8,

@@ -1,4 +1,4 @@
-"""The way of a robot's tool through space, in a bounded number of points."""
+"""The way of a frame on the flange through space, in a bounded number of points."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
+from yarclang.report.drawn_frame import DrawnFrame
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot
 from yarclang.units import MM
@@ -39,21 +40,14 @@ class ToolPath:
     every: int
 
 
-def tool_frame(robot: Robot) -> str:
-    """The frame whose path is drawn: {TCP} if there is one, else the first on the flange."""
-    names = list(robot.flange_from_frame)
-    return "TCP" if "TCP" in names else next((name for name in names if name != "FLANGE"), "FLANGE")
-
-
-def tool_path_of(plan: MotionPlan) -> ToolPath:
-    """Where the tool goes. The points are dealt out by how far the joints move, so that a short
+def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
+    """Where a frame on the flange goes. The points are dealt out by how far the joints move, so that a short
     program is drawn finely and a long one stays bounded.
     """
-    frame = tool_frame(plan.robot)
     start = plan.program.start[None]
     if not plan.motions:
         standing = _places(plan.robot, start, frame)
-        return ToolPath(frame, standing, np.array([0, 1]), standing[:0], 1)
+        return ToolPath(frame.name, standing, np.array([0, 1]), standing[:0], 1)
     curves = [motion.curve for motion in plan.motions]
     ways = np.array([np.abs(np.diff(curve.points, axis=0)).sum() for curve in curves])
     shares = ways / max(float(ways.sum()), 1e-12)
@@ -66,7 +60,7 @@ def tool_path_of(plan: MotionPlan) -> ToolPath:
     named = np.concatenate([motion.waypoints for motion in plan.motions])
     every = -(-len(named) // MOST_DOTS)
     return ToolPath(
-        frame,
+        frame.name,
         _places(plan.robot, np.concatenate(q), frame),
         np.concatenate(([0], np.cumsum(parts + 1))),
         _places(plan.robot, named[every - 1 :: every], frame),
@@ -74,7 +68,7 @@ def tool_path_of(plan: MotionPlan) -> ToolPath:
     )
 
 
-def _places(robot: Robot, q: Array, frame: str) -> Array:
+def _places(robot: Robot, q: Array, frame: DrawnFrame) -> Array:
     """The origin of a frame on the flange in {B} (N, 3) [mm], for joint positions `q` (N, n)."""
-    places: Array = tool_poses(robot.chain, q, robot.flange_from_frame[frame])[:, :3, 3] / MM
+    places: Array = tool_poses(robot.chain, q, frame.flange_from_frame)[:, :3, 3] / MM
     return places

@@ -24,7 +24,7 @@ samples exceeds them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^
 _COLUMNS = 4_000
 """The intervals of a thinned trace, each with its least and largest values: several for a pixel."""
 
-_STANDING = 1.0
+STANDING = 1.0
 """How long [s] a program without motion is shown."""
 
 
@@ -79,7 +79,7 @@ def trace_of(plan: MotionPlan) -> Trace:
     if not plan.motions:
         still = np.zeros((2, plan.robot.size))
         rows = limits.shares(np.tile(plan.program.start, (2, 1)), still, still, still)
-        return _trace(np.array([0.0, _STANDING]), rows, is_thinned=False)
+        return _trace(np.array([0.0, STANDING]), rows, is_thinned=False)
     segments = sum(motion.curve.segments for motion in plan.motions)
     parts = int(np.clip(MOST_SAMPLES // segments - 1, *_PARTS))
     sampled = (
@@ -88,10 +88,10 @@ def trace_of(plan: MotionPlan) -> Trace:
         for times, rows in (_sampled(limits, motion.curve, parts),)
     )
     if segments * (parts + 1) > MOST_SAMPLES:
-        intervals = [_extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
+        intervals = [extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
         # several motions may share a column, which is then reduced once more
         first, last, least, most = (np.concatenate(part) for part in zip(*intervals, strict=True))
-        first, last, least, most = _extremes(first, last, least, most, plan.duration)
+        first, last, least, most = extremes(first, last, least, most, plan.duration)
         times = np.column_stack((first, last)).ravel()
         rows = np.stack((least, most), axis=1).reshape(len(times), -1)
         return _trace(times, rows, is_thinned=True)
@@ -151,7 +151,7 @@ def has_limits(robot: Robot) -> NDArray[np.bool_]:
     return limited
 
 
-def _extremes(
+def extremes(
     first: Array, last: Array, least: Array, most: Array, duration: float
 ) -> tuple[Array, Array, Array, Array]:
     """Join neighbouring intervals that begin in the same of `_COLUMNS` equal parts of `duration` [s].

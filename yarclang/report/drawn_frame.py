@@ -1,0 +1,50 @@
+"""Which frame on the flange a picture of a plan follows."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, Step
+from yarclang.motion.plan import MotionPlan
+from yarclang.robot.model import Robot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnFrame:
+    """A frame on the flange: its name without braces, and where it sits, `flange_from_frame` (4, 4)."""
+
+    name: str
+    flange_from_frame: Array
+
+
+def drawn_frame(plan: MotionPlan) -> DrawnFrame:
+    """The frame that most motions of a plan lead somewhere, of equals the first; {TCP} where none leads one."""
+    led = [found for motion in plan.motions if (found := _led(plan.program.steps[motion.step])) is not None]
+    if not led:
+        name = _tool_name(plan.robot)
+        return DrawnFrame(name, plan.robot.flange_from_frame[name])
+    places = [frame.flange_from_frame.tobytes() for frame in led]
+    return led[places.index(Counter(places).most_common(1)[0][0])]
+
+
+def moving_frame(step: Step) -> Array | None:
+    """The frame on the flange, as flange_from_moving (4, 4), whose pose a motion leads somewhere; None where it leads none."""
+    if not isinstance(step, Motion):
+        return None
+    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
+    poses = [goal for goal in goals if isinstance(goal, PoseGoal | PoseDelta)]
+    return poses[-1].flange_from_moving if poses else None
+
+
+def _led(step: Step) -> DrawnFrame | None:
+    frame = moving_frame(step)
+    if frame is None or not isinstance(step, Motion) or step.origin.moving is None:
+        return None
+    return DrawnFrame(step.origin.moving.name, frame)
+
+
+def _tool_name(robot: Robot) -> str:
+    """{TCP} if there is one, else the first on the flange."""
+    names = list(robot.flange_from_frame)
+    return "TCP" if "TCP" in names else next((name for name in names if name != "FLANGE"), "FLANGE")

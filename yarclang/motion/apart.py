@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from yarclang.motion.blend import Part
 from yarclang.motion.cruise import cruise_law, fewest, fewest_at_speed
@@ -43,6 +43,8 @@ class _Maker:
     segment: float
     middles: Sequence[int | None]
     share: float
+    _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
+    """The trials of motions whose time isn't given, by their place and the trials that they are of: they are the same whatever the overlaps."""
 
     def made(self) -> list[Piece] | float:
         trials = [self._trials(link, self.share) for link in self.links]
@@ -75,7 +77,10 @@ class _Maker:
         middle = self.middles[place]
         trial: Trial | None
         if middle is None:
-            trial = self._fewest(own, link)
+            key = place, id(own)
+            if key not in self._free:
+                self._free[key] = self._fewest(own, link)
+            trial = self._free[key]
         else:
             beside = (overlaps[place - 1] if place else 0) + (overlaps[place] if place < len(overlaps) else 0)
             trial = own.within(middle + beside // 2, self.segment)

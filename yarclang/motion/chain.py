@@ -37,12 +37,19 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
     Each motion can be done by itself, so the chain can, if need be with a stop at a corner.
     """
     found = _steadily(chain, links, grid)
+    if found and all(_is_as_asked(link, piece) for link, piece in zip(links, found[-1], strict=True)):
+        return found[-1]
     ways: list[Way] = [
         lambda segment, middles, share=share: apart(chain, links, segment, middles, share)  # type: ignore[misc]
         for share in _SHARES
     ]
     found += [made for way in ways if (made := _made(way, links, grid)) is not None]
     return min(found, key=_preference, default=[link.as_alone for link in links])
+
+
+def _is_as_asked(link: Link, piece: Piece) -> bool:
+    """Whether a motion that has a time or a speed of its own is done just so: nothing better can be found."""
+    return link.duration is not None or (link.full is not None and piece.kept == 1.0)
 
 
 def _steadily(chain: Chain, links: Sequence[Link], grid: Grid) -> list[list[Piece]]:

@@ -70,7 +70,14 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
             assert route is not None
             motions.append(
                 PlannedMotion(
-                    number, route.path, step.profile, piece.curve, route.waypoints, piece.law, piece.overlap, piece.kept
+                    number,
+                    route.path,
+                    step.profile,
+                    piece.curve,
+                    route.waypoints,
+                    piece.law,
+                    piece.overlap,
+                    piece.kept,
                 )
             )
             findings = Collector(step.origin.source)

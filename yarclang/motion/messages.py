@@ -28,6 +28,7 @@ from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
 from yarclang.motion.paths.arc import NoArc
+from yarclang.motion.singular import Nearest
 from yarclang.robot.kinematics.nearest import Unreachable
 from yarclang.robot.kinematics.track import Broken
 from yarclang.robot.model import Robot
@@ -171,7 +172,7 @@ def no_motion(origin: Origin) -> Message:
     return "Y0603", message, origin.span, "take the command away, or check its target", None
 
 
-def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message:
+def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Nearest | None = None) -> Message:
     """A time in which a limit is broken."""
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
@@ -197,6 +198,8 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion) -> Message
         f"{_excess(robot, step, demand, fitted.share)}, {fitted.time:.3g} s after the start "
         f"({fitted.s * 100:.3g} % of the way)"
     )
+    if near is not None:
+        message += f"; {_beside(robot, near)}"
     return "Y0601", message, span, help_, fix
 
 
@@ -223,13 +226,17 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
     )
 
 
-def too_fast_a_cruise(robot: Robot, fitted: CruiseBroken, step: Motion) -> Message:
+def too_fast_a_cruise(
+    robot: Robot, fitted: CruiseBroken, step: Motion, near: Nearest | None = None
+) -> Message:
     """A speed of the moving frame that can't be held."""
     origin, broken = step.origin, fitted.broken
     span = origin.time_span or origin.span
     message = "no segments are short enough for this speed"
     if broken is not None and broken.demand is not None:
         message = f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % of the way"
+    if near is not None:
+        message += f"; {_beside(robot, near)}"
     if not fitted.share:
         return (
             "Y0605",
@@ -259,6 +266,25 @@ def _slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
     digits = 2 - math.floor(math.log10(value))
     text = f"[V {math.floor(value * 10.0**digits) / 10.0**digits:.10g}]"
     return text, Fix(f"write {text}", (Edit(origin.time_span, text),))
+
+
+def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) -> Message:
+    """A path that a singularity makes slow."""
+    message = f"the path comes near a singularity: {_beside(robot, near)}"
+    if step.timing.duration is None and step.timing.speed is None:
+        message += f"; the shortest time is {curve.duration:.4g} s"
+    help_ = "a way farther from it takes less time: another pose, a via, or MOVEJ"
+    return "Y0702", message, step.origin.span, help_, None
+
+
+def _beside(robot: Robot, near: Nearest) -> str:
+    """Where a path is nearest to a singularity, how near, and what that costs."""
+    joint, unit = robot.joint_names[near.joint], robot.axis_unit_names[near.joint]
+    rate = near.rate / robot.axis_units[near.joint] * (DEG if near.turns else MM)
+    return (
+        f"at {near.s * 100:.3g} % of the way the smallest singular value is {near.smallest:.2g}, and "
+        f"{joint} moves {rate:.3g} {unit} per {'deg' if near.turns else 'mm'}"
+    )
 
 
 def _written_speed(origin: Origin) -> float | None:
@@ -392,9 +418,11 @@ def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
     )
 
 
-def too_long(fitted: TooLong, origin: Origin) -> Message:
+def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
     """A motion of more segments than are planned."""
     message = f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the most that are planned"
+    if near is not None:
+        message += f"; {_beside(robot, near)}"
     help_ = (
         "if [MIN] takes so long, the path passes too near a singularity: go round it; else divide the motion"
     )

@@ -21,6 +21,7 @@ from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.motion.profile import load_profile
 from yarclang.motion.routes import Router
+from yarclang.motion.singular import nearest_singularity
 from yarclang.robot.model import Robot, Tolerance
 
 
@@ -133,15 +134,18 @@ class _Planner:
                 fitted = fit(path, load_profile("SCURVE"), None, bounds, grid, tolerance)
         else:
             fitted = fit(path, profile, timing.duration, bounds, grid, tolerance)
+        near = nearest_singularity(path) if isinstance(path, CartesianPath) else None
         match fitted:
             case Curve():
+                if near is not None:
+                    findings.add(*messages.near_singularity(self.robot, near, fitted, step))
                 return Link(path, profile, timing.duration, full, bounds, tolerance, None, fitted)
             case TooFast():
-                findings.add(*messages.too_fast(self.robot, fitted, grid, step))
+                findings.add(*messages.too_fast(self.robot, fitted, grid, step, near))
             case CruiseBroken():
-                findings.add(*messages.too_fast_a_cruise(self.robot, fitted, step))
+                findings.add(*messages.too_fast_a_cruise(self.robot, fitted, step, near))
             case TooLong():
-                findings.add(*messages.too_long(fitted, step.origin))
+                findings.add(*messages.too_long(self.robot, fitted, step.origin, near))
             case NotHeld():
                 findings.add(*messages.not_held(fitted, grid.smallest, step.origin))
         return None

@@ -3,7 +3,7 @@
 A Jacobian mixes m and rad, so that its singular values mean nothing until lengths and angles are
 weighted. Here every length is divided by the arm's characteristic length L: the most that the tool can be
 away from the first axis (`reach.arm_length`). A way of L counts as much as a turn of 1 rad, of the tool and of a sliding joint alike,
-and the smallest singular value is a pure number: 0 at a singularity, about 0.1 to 0.5 far from one.
+and the smallest singular value is a pure number: 0 at a singularity, 0.1 or so far from one.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
 
 
 def smallest_singular_values(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
-    """As `nearness(...).smallest` (N,), without the motions, which takes half as long."""
+    """As `nearness(...).smallest` (N,), without the motions."""
     scaled = weighted_jacobians(chain, q, flange_from_tool)
     return np.linalg.svd(scaled, compute_uv=False)[:, -1].astype(float)
 

@@ -111,8 +111,10 @@ def away_on_path(
     poses = paths.at(owner, s)
     p = poses.p + poses.rotation @ offset
     most = np.linalg.norm(p - corner[:3, 3], axis=1).max()
-    bounds = paths.bounds(owner[:1], np.array([part[0]]), np.array([part[1]]))
-    bend = bounds.position[0, 1] + far * bounds.rotation[0, 1]
+    bend = 0.0
+    if count > 2:
+        bounds = paths.bounds(owner[:1], np.array([part[0]]), np.array([part[1]]))
+        bend = bounds.position[0, 1] + far * bounds.rotation[0, 1]
     step = (part[1] - part[0]) / (count - 1)
     rotation = poses.rotation @ moving_from_frame[:3, :3]
     turned = np.linalg.norm((rotation - corner[:3, :3]).reshape(count, -1), axis=1)

@@ -1,0 +1,173 @@
+"""The certificate of what the planner makes: figures against another reading, and texts that are changed by a little."""
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+from scipy.spatial.transform import Rotation
+
+import yarclang
+from tests.independent import Arm
+from yarclang.certify import certify
+from yarclang.pipeline.stages import _laws, _witnesses
+
+PROGRAM = """
+DEFAULT {TCP} [2] (mm,deg,s) {B}
+OUTPUT GLUE M1 OFF
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [MIN] BLEND 15
+P0020 MOVEL 150 1174.4 1176 0 0 0 BLEND 20
+P0030 SET GLUE ON
+P0040 MOVEC 200 1174.4 1226; 150 1174.4 1276 0 0 10 BLEND 15
+P0050 MOVEL_SPLINE 100 1150 1276 0 10 0; 50 1174.4 1300 0 0 0; 0 1200 1250 10 0 0 BLEND 10
+P0070 MOVEJ 0 0 0 0 -30 0 [5] BLEND 5
+P0080 MOVEJ_SPLINE 10 0 0 0 -30 0; 20 5 0 0 0 0 [4] BLEND 3
+P0090 MOVEJ 0 0 0 0 0 0
+"""
+CORNERS = {
+    1: ((150, 1174.4, 1176), (0, 0, 0)),
+    3: ((150, 1174.4, 1276), (0, 0, 10)),
+    4: ((0, 1200, 1250), (10, 0, 0)),
+}
+
+
+@cache
+def compiled():
+    result = yarclang.compile(PROGRAM, robot="INDUSTRIAL6")
+    assert result.value is not None, result.diagnostics
+    return result.value
+
+
+def judged(text):
+    made = compiled()
+    planned = made.plan
+    return certify(
+        text, made.program, planned.robot, planned.robot.tolerance, _witnesses(planned), _laws(planned)
+    )
+
+
+def codes(result):
+    return [finding.code for finding in result.diagnostics]
+
+
+def read(text):
+    """The control points [deg] of the last sequence, its segment time [s], and of each step its segments and its blend."""
+    lines = text.split("\n")
+    entries = [re.match(r"; command (\d+) \S+ \S+ \d+ (\d+) (\d+)(?: blend (\d+))?$", line) for line in lines]
+    entries = [[int(x) if x else None for x in entry.groups()] for entry in entries if entry]
+    moves = {k: line for k, line in enumerate(lines, 1) if re.match(r"X[-0-9]", line)}
+    (tm,) = {float(line[2:]) for line in lines if re.match(r"TM\d", line)}
+    rapid, *order = sorted(moves)
+    points = np.array(
+        [[float(x) for x in re.findall(r"[A-Z](-?[0-9.]+)", moves[k])] for k in [rapid, *order]]
+    )
+    f = np.vstack([points[:1]] * 3 + [points[1:]] + [points[-1:]] * 2)
+    place = {line: k for k, line in enumerate(order)}
+    spans = {
+        step: (place[first], place[last] + 1 + (2 if last == order[-1] else 0), blend)
+        for step, first, last, blend in entries
+        if first
+    }
+    return f, tm * 1e-3, spans
+
+
+def sampled(f, h, first, last, per_segment=12):
+    spline = BSpline(np.arange(-3, len(f) + 1) * h, f, 3)
+    return spline(np.linspace(first, last, (last - first) * per_segment + 1) * h)
+
+
+def test_figures_of_the_blends():
+    made = compiled()
+    f, h, spans = read(made.text)
+    arm = Arm(made.plan.robot.folder)
+    assert all(blend for *_, blend in list(spans.values())[:-1])
+    commands = {command.step: command for command in made.certificate.commands}
+    for step, (corner, rpy) in CORNERS.items():
+        _, end, w = spans[step]
+        points, rotations = arm.poses(sampled(f, h, end - w // 2, end + w // 2))
+        truth = np.linalg.norm(points - corner, axis=1).max()
+        found = commands[step].blended
+        assert found.segments == w
+        assert truth - 1e-6 <= found.position * 1e3 <= truth * 1.01 + 0.01
+        assert found.position <= found.radius + 2e-5
+        turned = np.max((rotations * Rotation.from_euler("xyz", rpy, degrees=True).inv()).magnitude())
+        assert turned - 1e-9 <= found.angle <= found.turn + 1e-4
+    for step, corner in ((5, [0, 0, 0, 0, -30, 0]), (6, [20, 5, 0, 0, 0, 0])):
+        _, end, w = spans[step]
+        away = np.abs(sampled(f, h, end - w // 2, end + w // 2) - corner).max()
+        assert away - 1e-9 <= np.degrees(commands[step].blended.angle) <= away * 1.001 + 1e-6
+    for step in (1, 3, 4):
+        first, last, _ = spans[step]
+        points, _ = arm.poses(sampled(f, h, first, last, per_segment=40))
+        speed = np.linalg.norm(np.diff(points, axis=0), axis=1).max() / (h / 40)
+        assert speed * (1 - 1e-6) <= commands[step].tool_speed.largest * 1e3 <= speed * 1.01
+
+
+def test_the_line_and_the_arc_between_their_blends():
+    """By the plain definition: distances from a line, and from a circle and its plane."""
+    f, h, spans = read(compiled().text)
+    arm = Arm(compiled().plan.robot.folder)
+    before = spans[0][2]
+    first, last, w = spans[1]
+    points, _ = arm.poses(sampled(f, h, first + before // 2, last - w // 2))
+    assert np.abs(points[:, 1:] - [1174.4, 1176]).max() < 1e-3
+    first, last, behind = spans[3]
+    points, _ = arm.poses(sampled(f, h, first + w // 2, last - behind // 2))
+    assert np.abs(points[:, 1] - 1174.4).max() < 1e-3
+    assert np.abs(np.hypot(points[:, 0] - 150, points[:, 2] - 1226) - 50).max() < 1e-3
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_move_line_that_is_changed(seed):
+    """Anywhere outside of blends, by 0.02 deg: found. Within one: found, or as far from the corner as is allowed."""
+    text = compiled().text
+    *_, spans = read(text)
+    rng = np.random.default_rng(seed)
+    lines = text.split("\n")
+    order = [k for k, line in enumerate(lines) if re.match(r"X[-0-9]", line)][1:]
+    k = int(rng.integers(0, len(order) - 3))
+    axis = int(rng.integers(0, 3))
+    parts = re.findall(r"([A-Z])(-?[0-9.]+)", lines[order[k]])
+    parts[axis] = parts[axis][0], f"{float(parts[axis][1]) + 0.02:.6f}"
+    lines[order[k]] = "".join(letter + value for letter, value in parts)
+    result = judged("\n".join(lines))
+    touched = range(k, k + 4)  # segments k to k + 3 before the point's number counts from the first
+    inside = any(
+        blend and all(end - blend // 2 <= s < end + blend // 2 for s in touched)
+        for _, end, blend in spans.values()
+    )
+    assert inside or codes(result), (k, axis)
+
+
+def test_outputs_and_maps_that_are_changed():
+    text = compiled().text
+    assert codes(judged(text)) == []
+    lines = text.split("\n")
+    (at,) = (k for k, line in enumerate(lines) if line == "M1==1")
+    for off, found in ((-1, []), (1, []), (2, ["Y1165"]), (-3, ["Y1165"])):
+        moved = [*lines]
+        moved.insert(at + off, moved.pop(at))
+        # the map's lines of both commands go along with it
+        place = moved.index("M1==1") + 1
+        shown = re.sub(
+            r"(; command [13] \S+ \S+ \d+ )(\d+) (\d+)",
+            lambda m, place=place: (
+                m[1] + " ".join(str(_shifted(int(x), at + 1, place)) for x in (m[2], m[3]))
+            ),
+            "\n".join(moved),
+        )
+        assert sorted(set(codes(judged(shown)))) == found, off
+    for old, new in ((r"blend (\d+)$", "blend 0"), (r" blend (\d+)$", "")):
+        changed = re.sub(rf"(; command 1 .*){old}", rf"\g<1>{new}", text, count=1, flags=re.MULTILINE)
+        assert changed != text
+        assert codes(judged(changed))
+
+
+def _shifted(line, before, behind):
+    """The number of a move line after a line was moved from `before` to `behind`."""
+    if behind <= line < before:
+        return line + 1
+    if before < line <= behind:
+        return line - 1
+    return line

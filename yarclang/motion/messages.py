@@ -374,14 +374,20 @@ def time_off_the_grid(duration: float, curve: Curve, origin: Origin) -> Message:
 
 
 def another_configuration(
-    robot: Robot, step: Motion, taken: Array, nearest: Array | None, reasons: tuple[Diagnostic, ...]
+    robot: Robot,
+    step: Motion,
+    taken: Array,
+    nearest: Array | None,
+    later: Step,
+    reasons: tuple[Diagnostic, ...],
 ) -> Message:
     """A target whose nearest solution would break a later motion."""
     origin = step.origin
     why = next((reason for reason in reasons if reason.is_error), None)
     blamed = ""
     if why is not None:
-        label = why.place or (f"line {why.span.line}" if why.span is not None else "")
+        named = "" if isinstance(later, Gap) else later.origin.label
+        label = named or (f"line {why.span.line}" if why.span is not None else "")
         blamed = f": with that, in {label}, {why.message}" if label else f": with that, {why.message}"
     differs = ""
     if nearest is not None:

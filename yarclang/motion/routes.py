@@ -131,7 +131,11 @@ class Router:
                 assert isinstance(step, Motion)
                 note = Collector(step.origin.source)
                 note.place = step.origin.place
-                note.add(*messages.another_configuration(self.robot, step, q, nearest, tried[-1].found))
+                note.add(
+                    *messages.another_configuration(
+                        self.robot, step, q, nearest, self.steps[last - 1], tried[-1].found
+                    )
+                )
                 self.done[chosen].found = (*note.found, *self.done[chosen].found)
                 return
             self._choices.pop(chosen)

@@ -24,6 +24,9 @@ _SHORTEST = 0.004
 _SHARES = (1.0, 0.9, 0.8, 0.65, 0.5)
 """Shares of the limits of acceleration and jerk that a law by itself may use. With a half, two always add up to no more than all."""
 
+_FOR_FLOW = 1.1
+"""A chain may take so many times as long as the fastest one for the sake of fewer stops: a blend is asked for to flow."""
+
 _EXACT = 1e-7
 """Times that miss whole segments by less [s] don't miss them."""
 
@@ -32,7 +35,7 @@ Way = Callable[[float, list[int | None]], list[Piece] | float | None]
 
 
 def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
-    """Carry out a chain in the way that is fastest, and of equals keeps its speed best.
+    """Carry out a chain in the way that has the fewest stops and isn't much slower than the fastest.
 
     Each motion can be done by itself, so the chain can, if need be with a stop at a corner.
     """
@@ -44,7 +47,10 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
         for share in _SHARES
     ]
     found += [made for way in ways if (made := _made(way, links, grid)) is not None]
-    return min(found, key=_preference, default=[link.as_alone for link in links])
+    if not found:
+        return [link.as_alone for link in links]
+    fastest = min(_duration(pieces) for pieces in found)
+    return min((pieces for pieces in found if _duration(pieces) <= _FOR_FLOW * fastest), key=_preference)
 
 
 def _is_as_asked(link: Link, piece: Piece) -> bool:
@@ -67,10 +73,13 @@ def _steadily(chain: Chain, links: Sequence[Link], grid: Grid) -> list[list[Piec
     return found
 
 
-def _preference(pieces: list[Piece]) -> tuple[float, int]:
-    """The shorter, and of equals the one with fewer stops; what was found first of equals."""
-    duration = sum(piece.curve.duration for piece in pieces)
-    return round(duration, 6), sum(piece.overlap == 0 for piece in pieces)
+def _preference(pieces: list[Piece]) -> tuple[int, float]:
+    """Fewer stops, and of equals the shorter; what was found first of equals."""
+    return sum(piece.overlap == 0 for piece in pieces), round(_duration(pieces), 6)
+
+
+def _duration(pieces: list[Piece]) -> float:
+    return sum(piece.curve.duration for piece in pieces)
 
 
 def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | None:

@@ -171,3 +171,28 @@ def _shifted(line, before, behind):
     if before < line <= behind:
         return line - 1
     return line
+
+
+WAYS = """
+DEFAULT {TCP} [2] (mm,deg,s) {B}
+INPUT DOOR M11
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [MIN]
+WHEN DOOR ON
+  P0020 MOVEL 80 1174.4 1176 0 0 0 BLEND 10
+  P0030 MOVEL 80 1174.4 1276 0 0 0
+ELSE
+  P0040 DMOVE 80 0 0 0 0 0
+  P0050 MOVEL_SPLINE 90 1174.4 1200 0 0 0; 80 1174.4 1276 0 0 0
+END
+P0060 MOVEC 100 1174.4 1226; 0 1174.4 1176 0 0 0
+"""
+
+
+@pytest.mark.parametrize("target", ["rotary", "prog"])
+def test_the_ways_of_a_when(target):
+    """Each begins where the robot stood before both: a motion of the second way isn't one from the end of the first."""
+    result = yarclang.compile(WAYS, robot="INDUSTRIAL6", target=target)
+    assert result.value is not None, result.diagnostics
+    kinds = [command.kind for command in result.value.certificate.commands]
+    assert kinds == ["joint", "line", "line", "line", "pose_spline", "arc"]
+    assert result.value.certificate.position < 2e-5

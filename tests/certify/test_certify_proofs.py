@@ -1,5 +1,6 @@
 """The proofs of whole commands against dense sampling: never below the truth, and not far above it."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -400,3 +401,28 @@ def test_half_a_turn_the_wrong_way_round_is_found():
         found = judged(robot, start, motion, joint_points(start, goal, 160), "50").deviation
         assert found.end_angle < 1e-8
         assert (found.angle < TOLERANCE.angle) == good
+
+
+def test_a_tolerance_of_its_own_is_that_of_the_moving_frame():
+    """Of a joint motion as well: the joints' deviations, each times its reach."""
+    robot = industrial6()
+    goal = Q0 + np.array([20, 10, 5, -20, 10, 0]) * DEG
+    points = joint_points(Q0, goal, 60)
+    points[30] += 1e-3 * DEG * np.array([0, 1, 0, 0, 0, 0])
+    _, q, *_ = sample(Q0, points, 0.05)
+    tool = tool_poses(robot.chain, q, FLANGE_FROM_TCP)[:, :3, 3]
+    way = (goal - Q0) / np.linalg.norm(goal - Q0) ** 2
+    line = Q0 + np.outer((q - Q0) @ way, goal - Q0)
+    truth = np.linalg.norm(tool - tool_poses(robot.chain, line, FLANGE_FROM_TCP)[:, :3, 3], axis=1).max()
+    link = hir.FrameLink("TCP", FLANGE_FROM_TCP, hir.FrameLink("FLANGE", np.eye(4)))
+    for kind in (hir.JointMove, hir.SplineMove):
+        target = hir.JointGoal(goal) if kind is hir.JointMove else (hir.JointGoal(goal),)
+        plain = kind(replace(origin(0), moving=link), target, "LSPB", hir.Timing(3.0))
+        witnesses = {} if kind is hir.JointMove else {0: goal[None]}
+        assert judged(robot, Q0, plain, points, "50", witnesses).deviation.position == 0.0
+        bound = judged(robot, Q0, replace(plain, tolerance=1.0), points, "50", witnesses).deviation.position
+        assert truth <= bound <= 5.0 * truth
+        for share, found in ((1.01, []), (0.99, ["Y1159"])):
+            job = Job(replace(plain, tolerance=bound * share), points)
+            result = certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, witnesses)
+            assert [finding.code for finding in result.diagnostics] == found

@@ -96,7 +96,7 @@ def follow(
     again = np.flatnonzero(paths.lawful & beyond & (need_more > 2.0 * REMAINDER_SHARE))
     if len(again) and not (pieces == MOST_PIECES).all():
         factor = np.ones(len(stretch.first))
-        factor[again] = (need_more[again] / REMAINDER_SHARE) ** 0.25
+        factor[again] = np.minimum(need_more[again] / REMAINDER_SHARE, 1e6) ** 0.25
         pieces = np.clip(np.ceil(pieces * factor[arm.command]), 1, MOST_PIECES).astype(np.int64)
         found = _followed(stretch, paths, robot, arm, pieces, claims)
     return found

@@ -10,8 +10,8 @@ from yarclang import hir
 from yarclang.certify.certificate import Deviation
 from yarclang.certify.corner import Judged, check_claims, claimed_joints, find_starts, shown
 from yarclang.certify.flows import find_flows, speeds_around
-from yarclang.certify.frames import frame_moves
-from yarclang.certify.joint import JointLines, by_kind, joint_weights, straight_deviations
+from yarclang.certify.frames import frame_moves, moving_frame
+from yarclang.certify.joint import JointLines, by_kind, frame_off, joint_weights, straight_deviations
 from yarclang.certify.layout import Layout, Place, row_chunks
 from yarclang.certify.pose import distance
 from yarclang.certify.proofs import Proofs, law_of
@@ -114,9 +114,19 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
                 off, rest = bound.deviation, by_kind(bound.remainder, robot)
                 proofs.covered[row] = bound.covered
         slide, turn = by_kind(off, robot)
+        slide = max(slide, _frame_off(judged, layout, place, off))
         end = ends[i]
         deviation = Deviation(max(slide, end[0]), max(turn, end[1]), *end, *rest)
         proofs.deviations[place.step] = deviation
+
+
+def _frame_off(judged: Judged, layout: Layout, place: Place, off: Array) -> float:
+    """How far the moving frame is from its place where a joint motion has a tolerance of its own, which is that frame's [m]."""
+    motion = place.motion
+    if motion.tolerance is None or not place.size or not np.isfinite(off).all():
+        return 0.0
+    travel = np.abs(layout.points(place)).max(axis=0)
+    return frame_off(off, moving_frame(motion), travel, judged.robot)
 
 
 def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proofs: Proofs) -> SplineBound:
@@ -153,6 +163,7 @@ def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs:
     if begin < stop:
         bound = _along_spline(judged, layout, row, points, proofs)
         position, angle = by_kind(bound.deviation, robot)
+        position = max(position, _frame_off(judged, layout, place, bound.deviation))
         rest = by_kind(bound.remainder, robot)
         proofs.covered[row] = bound.covered
     elif place.size:

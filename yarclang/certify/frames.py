@@ -147,3 +147,17 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
         float(speeds.most[i]),
         float(speeds.beyond[i]),
     )
+
+
+def moving_frame(motion: hir.Motion) -> Array:
+    """Where the frame that a motion moves sits on the flange (4, 4): by its goals, else as its line says, else the flange itself."""
+    goals = motion.waypoints if isinstance(motion, hir.SplineMove | hir.PoseSplineMove) else (motion.goal,)
+    for goal in goals:
+        if isinstance(goal, hir.PoseGoal | hir.PoseDelta):
+            return goal.flange_from_moving
+    flange_from_moving = np.eye(4)
+    link = motion.origin.moving
+    while link is not None and link.parent is not None:
+        flange_from_moving = link.parent_from_frame @ flange_from_moving
+        link = link.parent
+    return flange_from_moving

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.certify.bounds import segment_max
+from yarclang.certify.bounds import reaches, segment_max
 from yarclang.robot.model import Array, Robot, Tolerance
 
 
@@ -79,3 +79,12 @@ def _knot(s: Array, at: NDArray[np.int64]) -> Array:
     """The value of the B-spline with the control values `s` at the knots of the points `at` to `at` + 2."""
     value: Array = (s[at] + 4.0 * s[at + 1] + s[at + 2]) / 6.0
     return value
+
+
+def frame_off(off: Array, flange_from_moving: Array, travel: Array, robot: Robot) -> float:
+    """How far a frame on the flange can be from where it should be [m], while the joints are off by up to `off` (n,) [rad or m].
+
+    Each revolute joint moves it by no more than its reach times its angle; `travel` (n,) is the largest |q| of prismatic joints [m].
+    """
+    reach = reaches(robot.chain, flange_from_moving, travel + off)
+    return float(np.where(robot.chain.is_prismatic, 1.0, reach) @ off)

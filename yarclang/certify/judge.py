@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
+import numpy as np
+
 from yarclang import hir
 from yarclang.certify.blend import judge_blends
 from yarclang.certify.certificate import Certificate, Deviation
@@ -66,8 +68,10 @@ def certify(
     judge.rest(layout)
     loads = judge.limits(layout)
     judged = Judged(robot, tolerance, witnesses, laws, judge.find)
-    proofs = find_deviations(judged, layout)
-    blends = judge_blends(judged, layout, proofs)
+    # the bounds of a motion that nobody would plan may be without end
+    with np.errstate(over="ignore", invalid="ignore"):
+        proofs = find_deviations(judged, layout)
+        blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)
     commands = tuple(
         judge.command(

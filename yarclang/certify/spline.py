@@ -139,9 +139,9 @@ def _proved(
     while True:
         bound = _bound(cubics, spline, weights, pieces, law, free)
         need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
-        if need <= 1.0 or pieces == MOST_PIECES:
+        if not need > 1.0 or pieces == MOST_PIECES:
             return bound
-        pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * need**0.25))))
+        pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * min(need, 1e6) ** 0.25))))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,6 +21,10 @@ class Arm:
         self.data = tomllib.loads((folder / "robot.toml").read_text())
         self.model = pinocchio.buildModelFromUrdf(str(folder / self.data["urdf"]))
         self.workspace = self.model.createData()
+        ids = [self.model.getJointId(name) for name in self.data["joints"]]
+        self.places = [self.model.joints[number].idx_q for number in ids]
+        self.slides = np.array(["P" in self.model.joints[number].shortname()[7:] for number in ids])
+        self.si = np.where(self.slides, 1e-3, np.pi / 180.0)
         self.base = self.model.getFrameId(self.data["base"])
         self.flange = self.model.getFrameId(self.data["flange"])
         joints = self.data["joints"].values()
@@ -35,10 +39,12 @@ class Arm:
         self.tcp = pinocchio.SE3(rotation, np.array(frame.get("xyz", [0, 0, 0])) * 1e-3)
 
     def poses(self, q_deg):
-        """Positions [mm] and rotations of {TCP} in {B} for joint positions in deg."""
+        """Positions [mm] and rotations of {TCP} in {B} for joint positions in deg (mm)."""
         points, rotations = [], []
-        for q in np.radians(q_deg):
-            pinocchio.framesForwardKinematics(self.model, self.workspace, q)
+        whole = pinocchio.neutral(self.model)
+        for q in q_deg * self.si:
+            whole[self.places] = q
+            pinocchio.framesForwardKinematics(self.model, self.workspace, whole)
             pose = self.workspace.oMf[self.base].actInv(self.workspace.oMf[self.flange]) * self.tcp
             points.append(pose.translation * 1e3)
             rotations.append(pose.rotation)
@@ -68,7 +74,7 @@ def read(text):
     lines = text.split("\n")
     table = {}
     for line in lines:
-        if found := re.match(r"; command (\d+) (\S+) (\S+) \d+ (\d+) (\d+)$", line):
+        if found := re.match(r"; command (\d+) (\S+) (\S+) \d+ (\d+) (\d+)(?: blend \d+)?$", line):
             table[int(found[1])] = (int(found[4]), int(found[5]))
     start = _axes(lines[lines.index("RAPID") + 2])
     tm, sequences = None, []
@@ -166,3 +172,9 @@ def _to_segment(point, a, b):
     way = b - a
     t = np.clip((point - a) @ way / max(way @ way, 1e-30), 0.0, 1.0)
     return np.abs(point - a - t * way).max()
+
+
+def overlaps(text):
+    """The segments in which each command overlaps with the next, by step number, of those that do."""
+    found = re.finditer(r"^; command (\d+) .* blend (\d+)$", text, re.MULTILINE)
+    return {int(one[1]): int(one[2]) for one in found}

@@ -81,7 +81,10 @@ def fewest_at_speed(trials: Trials, cruise: float, segment: float) -> Trial | No
         trial = trials.within(least - FEWEST_IN_BLEND + blend, segment)
         return trial if trial.demand.segment <= segment else None
 
-    return fewest(tried, FEWEST_IN_BLEND, most - least + FEWEST_IN_BLEND)
+    gentlest = most - least + FEWEST_IN_BLEND
+    if gentlest < FEWEST_IN_BLEND or tried(gentlest) is None:
+        return None
+    return fewest(tried, FEWEST_IN_BLEND, gentlest)
 
 
 def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial | None:
@@ -105,15 +108,18 @@ def _tried(
 ) -> Curve | NotHeld | TooFast | None:
     """The curve; None where the ramps have no room."""
     segment = grid.nearest(min(grid.largest, full / (FEWEST_IN_BLEND + 1)))
+    refused = False
     while segment >= grid.smallest:
         trials = Trials(path, cruise_law(full / segment), bounds, tolerance)
         finer = grid.nearest(segment / 2.0)
         can_be_finer = finer >= max(grid.smallest, _FINEST)
         trial = fewest_at_speed(trials, full / segment, segment)
         if trial is None:
-            if not can_be_finer:
+            # where ramps have room enough, it isn't the segments that are too coarse
+            has_room = full / segment > 2 * _FINE
+            if not can_be_finer or (refused and has_room):
                 return _cause(trials, full / segment, segment)
-            segment = finer
+            refused, segment = has_room, finer
             continue
         more = trials.segments_for_tolerance(trial)
         if more is not None:

@@ -8,6 +8,7 @@ from tests.certify.certify_bench import Job, emit, industrial6, origin, program
 from tests.certify.test_certify_blends import Q0, codes, joint_chain, judge
 from yarclang import hir
 from yarclang.certify import certify
+from yarclang.certify.judge import certify_text
 from yarclang.certify.read import ControllerText, Unreadable, read
 from yarclang.robot.model import Tolerance
 
@@ -50,6 +51,10 @@ def test_in_the_middle(at):
         assert set(codes(result)) == {"Y1165"}
         side = "behind" if at > 0 else "before"
         assert f"{abs(at)} segments {side} the middle of the blend" in result.diagnostics[0].message
+    # nor without the program
+    source = program(Q0, with_sets()).source
+    found = certify_text(emit(industrial6(), Q0, with_sets(at)), industrial6(), source)
+    assert codes(found) == ([] if abs(at) <= 1 else ["Y1165"])
 
 
 def test_more_than_one():

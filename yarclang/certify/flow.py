@@ -37,8 +37,7 @@ def check_flow(
     meant = {output.signal.variable: output.safe for output in program.outputs if output.safe is not None}
     if dict(text.outputs) != meant:
         yield None, "the safe values of the outputs aren't the program's"
-    yield from _not_at_rest(text)
-    yield from _not_in_the_middle(text)
+    yield from check_places(text)
     yield from _stands_elsewhere(text, start / axis_units)
     told = list(_told(text))
     for place, (step, deed) in enumerate(
@@ -51,6 +50,12 @@ def check_flow(
     extra = len(list(_meant(program, {entry.step for entry in text.entries if entry.first})))
     if len(told) > extra:
         yield None, f"the text does {_words(told[extra])} behind the program's end"
+
+
+def check_places(text: ControllerText) -> Iterator[Fault]:
+    """What can be told without the program: outputs and barriers where the robot rests, or in the middle of a blend."""
+    yield from _not_at_rest(text)
+    yield from _not_in_the_middle(text)
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:

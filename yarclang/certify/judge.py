@@ -13,6 +13,7 @@ from yarclang.certify.blend import judge_blends
 from yarclang.certify.certificate import Certificate, Deviation
 from yarclang.certify.corner import Judged
 from yarclang.certify.deviations import find_deviations
+from yarclang.certify.flow import check_places
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, lay_out
 from yarclang.certify.read import ControllerText, Unreadable, read
@@ -112,6 +113,8 @@ def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certific
         step, reason = layout
         judge.find("Y1153", reason, step)
         return Result(None, tuple(judge.findings))
+    for step, reason in check_places(content):
+        judge.find("Y1165", reason, step)
     judge.segment_times(content, layout)
     judge.rest(layout)
     loads = judge.limits(layout)
@@ -135,5 +138,6 @@ def _told(content: ControllerText, robot: Robot, source: SourceFile) -> hir.Prog
         still = entry.first is None
         blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
         move = hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend)
-        steps.append(hir.Stop(origin) if still else move)
+        # of what has no lines only the name is known; what ends a sequence is seen in the text itself
+        steps.append(hir.SetOutput(origin, hir.Signal("", ""), 0.0) if still else move)
     return hir.Program(source, q, tuple(steps))

@@ -9,11 +9,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Literal, NoReturn
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.certify.cursor import Cursor, Refusal, shown
 from yarclang.robot.model import Array, Controller
 
 Target = Literal["rotary", "prog"]
@@ -22,8 +23,6 @@ TM_STEPS_PER_MS = 4096
 """TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
 LARGEST_TM_MS = 4096
 
-_NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
-"""Possessive: a line that has matched is never tried again, so that the time is linear."""
 _TARGET = re.compile(r"; target (rotary|prog)")
 _ENTRY = re.compile(
     r"; command ([0-9]+) (\S+) (\S+) ([0-9]+) (?:([0-9]+) ([0-9]+)(?: blend ([0-9]{1,6}))?|- -)"
@@ -170,91 +169,14 @@ def read(text: str, controller: Controller) -> ControllerText | Unreadable:
         return Unreadable(line, "has a character that isn't ASCII")
     if not text.endswith("\n"):
         return Unreadable(text.count("\n") + 1, "doesn't end with a line feed")
-    cursor = _Cursor(text, controller)
+    cursor = Cursor(text, controller)
     try:
         return _read(cursor, controller)
-    except _Refusal as refusal:
+    except Refusal as refusal:
         return Unreadable(*refusal.args)
 
 
-class _Refusal(Exception):  # noqa: N818 - never leaves this module
-    """Line, reason and code of an `Unreadable`."""
-
-
-class _Cursor:
-    """The place in the text: hands out lines, and blocks of move lines as numbers."""
-
-    def __init__(self, text: str, controller: Controller) -> None:
-        self._text = text
-        self._place = 0
-        self._axes = controller.axes
-        self.line = 1  # of the line that comes next
-        self.decimals = 0
-        move = "".join(letter + _NUMBER for letter in controller.axes) + "\n"
-        self._block = re.compile(f"(?:{move})++")
-        self._blank = str.maketrans(dict.fromkeys((*controller.axes, "\n"), " "))
-
-    @property
-    def at_end(self) -> bool:
-        return self._place == len(self._text)
-
-    def peek(self) -> str:
-        return self._text[self._place : self._text.find("\n", self._place)] if not self.at_end else ""
-
-    def take(self) -> str:
-        """The next line, comments left out."""
-        self.skip_remarks()
-        content = self.peek()
-        if self.at_end:
-            self.refuse("the text ends too early")
-        self.skip()
-        return content
-
-    def skip_remarks(self) -> None:
-        """Go over comments; those that the header gives a meaning belong there."""
-        while self.peek().startswith(";"):
-            if re.match(r"; *(command|target|barrier)\b", self.peek()):
-                self.refuse("is a line of the header behind the header")
-            self.skip()
-
-    def skip(self) -> None:
-        self._place = self._text.find("\n", self._place) + 1
-        self.line += 1
-
-    def block(self) -> Array | None:
-        """The move lines from here on (k, n), or None where the next line is none."""
-        found = self._block.match(self._text, self._place)
-        if found is None:
-            return None
-        block = found.group()
-        while re.search(rf"\.[0-9]{{{self.decimals + 1}}}", block):
-            self.decimals += 1
-        points = np.fromstring(block.translate(self._blank), sep=" ").reshape(-1, len(self._axes))
-        self._place = found.end()
-        self.line += len(points)
-        return points
-
-    def move_follows(self) -> bool:
-        """Whether a move line comes next, other outputs, comments and the guard's flag left out."""
-        rest = re.compile(r"(?:;[^\n]*\n|P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
-        found = rest.match(self._text, self._place)
-        return self._block.match(self._text, found.end() if found else self._place) is not None
-
-    def expect(self, *lines: str) -> None:
-        """The next lines are these."""
-        for line in lines:
-            if (found := self.take()) != line:
-                self.refuse(f"is {_shown(found)} where {_shown(line)} belongs", back=1)
-
-    def refuse(self, reason: str, *, back: int = 0, code: str = "Y1151") -> NoReturn:
-        raise _Refusal(self.line - back, reason, code)
-
-
-def _shown(line: str) -> str:
-    return f"'{line[:60]}...'" if len(line) > 63 else f"'{line}'"
-
-
-def _read(cursor: _Cursor, controller: Controller) -> ControllerText:
+def _read(cursor: Cursor, controller: Controller) -> ControllerText:
     target, entries, barriers = _read_header(cursor)
     system = f"&{controller.coordinate_system}"
     cursor.expect("CLOSE ALL", "END GATHER", "DELETE GATHER")
@@ -265,11 +187,11 @@ def _read(cursor: _Cursor, controller: Controller) -> ControllerText:
     course = _read_course(cursor, barriers, target, controller.coordinate_system)
     cursor.skip_remarks()
     if not cursor.at_end:
-        cursor.refuse(f"is {_shown(cursor.peek())} behind CLOSE" + _why(cursor.peek()))
+        cursor.refuse(f"is {shown(cursor.peek())} behind CLOSE" + _why(cursor.peek()))
     return ControllerText(target, entries, start, course, outputs, cursor.decimals)
 
 
-def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, Barred]]:
+def _read_header(cursor: Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, Barred]]:
     target: Target | None = None
     entries: list[Entry] = []
     barriers: dict[int, Barred] = {}
@@ -291,14 +213,14 @@ def _read_header(cursor: _Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, 
                 int(found[1]), found[2], int(found[3]), found[4], timeout, found[6].removeprefix("-")
             )
         elif re.match(r"; *(command|target|barrier)\b", line):
-            cursor.refuse(f"is no line of the map: {_shown(line)}")
+            cursor.refuse(f"is no line of the map: {shown(line)}")
         cursor.skip()
     if target is None:
         cursor.refuse("the header names no target")
     return target, tuple(entries), barriers
 
 
-def _read_outputs(cursor: _Cursor) -> tuple[tuple[str, float], ...]:
+def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
     """A PLC that does nothing but give outputs their safe values when the guard has held the motion."""
     cursor.skip_remarks()
     if cursor.peek() != "OPEN PLC 28 CLEAR":
@@ -312,7 +234,7 @@ def _read_outputs(cursor: _Cursor) -> tuple[tuple[str, float], ...]:
     return tuple(outputs)
 
 
-def _read_rotary_start(cursor: _Cursor, controller: Controller) -> Start:
+def _read_rotary_start(cursor: Cursor, controller: Controller) -> Start:
     cursor.expect("".join(f"#{motor}J/" for motor in controller.motors), "DELETE ROT")
     while re.fullmatch(r"I1[67]=[0-9]{1,6}", cursor.peek()):  # the marks of the buffer's guard
         cursor.skip()
@@ -328,7 +250,7 @@ def _read_rotary_start(cursor: _Cursor, controller: Controller) -> Start:
     return Start(line, rapid=point[0])
 
 
-def _read_prog_start(cursor: _Cursor, controller: Controller) -> Start:
+def _read_prog_start(cursor: Cursor, controller: Controller) -> Start:
     if re.fullmatch(r"OPEN PROG [1-9][0-9]{0,4} CLEAR", cursor.take()) is None:
         cursor.refuse("OPEN PROG with CLEAR belongs here", back=1)
     line = cursor.line
@@ -353,7 +275,7 @@ def _read_prog_start(cursor: _Cursor, controller: Controller) -> Start:
 
 
 def _read_course(
-    cursor: _Cursor, barriers: dict[int, Barred], target: Target, system: int
+    cursor: Cursor, barriers: dict[int, Barred], target: Target, system: int
 ) -> tuple[Run | Dwelt | Put | Barred | Stood, ...]:
     """Everything from the first TM up to CLOSE."""
     course = _Course()
@@ -387,7 +309,7 @@ def _read_course(
         elif (found := _TRIGGER.fullmatch(content)) and course.moves_on(cursor):
             course.puts.append(Put(line, found[1], float(found[2]), synchronous=True))
         else:
-            cursor.refuse(f"is {_shown(content)}: no move line, TM, P8100 or CLOSE" + _why(content), back=1)
+            cursor.refuse(f"is {shown(content)}: no move line, TM, P8100 or CLOSE" + _why(content), back=1)
     course.finish()
     if barriers:
         cursor.refuse(f"the map names a barrier in line {min(barriers)}, and none is there")
@@ -404,7 +326,7 @@ class _Course:
         self._blocks: list[tuple[int, Array]] = []
         self.puts: list[Put] = []
 
-    def moves_on(self, cursor: _Cursor) -> bool:
+    def moves_on(self, cursor: Cursor) -> bool:
         """Whether moves of the sequence stand before this place and right behind it: elsewhere an output that is set in step with a
         move is set at no known time, or not at all.
         """
@@ -418,14 +340,14 @@ class _Course:
     def segment(self, ms: float, line: int, printed: str) -> None:
         """A new segment time ends a sequence; the same one isn't known to."""
         if ms == self._ms:
-            raise _Refusal(line, f"repeats TM{printed}: not known to end a sequence", "Y1151")
+            raise Refusal(line, f"repeats TM{printed}: not known to end a sequence", "Y1151")
         self.finish()
         self._ms, self._tm_line = ms, line
 
     def moves(self, line: int, points: Array) -> None:
         """Move lines of the sequence."""
         if self._ms is None:
-            raise _Refusal(line, "is a move line before the first TM", "Y1151")
+            raise Refusal(line, "is a move line before the first TM", "Y1151")
         self._blocks.append((line, points))
 
     def finish(self) -> None:
@@ -433,7 +355,7 @@ class _Course:
         if self._ms is None:
             return
         if not self._blocks:
-            raise _Refusal(self._tm_line, "is a TM without move lines", "Y1151")
+            raise Refusal(self._tm_line, "is a TM without move lines", "Y1151")
         lines = np.concatenate([np.arange(line, line + len(block)) for line, block in self._blocks])
         points = np.concatenate([block for _, block in self._blocks])
         self.items.append(Run(self._ms, self._tm_line, points, lines, tuple(self.puts)))
@@ -442,7 +364,7 @@ class _Course:
         self.puts.clear()
 
 
-def _read_stand(cursor: _Cursor, line: int) -> Stood:
+def _read_stand(cursor: Cursor, line: int) -> Stood:
     """The rest of RAPID, ABS, a point, DWELL0, SPLINE1."""
     cursor.expect("ABS")
     point = cursor.block()
@@ -452,7 +374,7 @@ def _read_stand(cursor: _Cursor, line: int) -> Stood:
     return Stood(line, point[0])
 
 
-def _expect_barrier(cursor: _Cursor, barrier: Barred, target: Target, system: int) -> None:
+def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int) -> None:
     """The lines that keep the program from going on."""
     if target == "rotary":
         cursor.expect("STOP")
@@ -485,12 +407,12 @@ def _expect_barrier(cursor: _Cursor, barrier: Barred, target: Target, system: in
             cursor.expect("STOP")
 
 
-def _expect_text(cursor: _Cursor) -> None:
+def _expect_text(cursor: Cursor) -> None:
     if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
         cursor.refuse("SEND with a text belongs here", back=1)
 
 
-def _segment_ms(printed: str, cursor: _Cursor) -> float:
+def _segment_ms(printed: str, cursor: Cursor) -> float:
     """TM [ms], where the controller can keep it exactly."""
     exact = Decimal(printed)
     steps = exact * TM_STEPS_PER_MS

@@ -47,14 +47,11 @@ def _row(command: CommandCertificate) -> Iterator[str]:
     yield command.name
     yield f"{command.duration:.3f}"
     yield f"{command.segment_time * 1e3:.4g}" if command.segments else "-"
-    for load in (
-        command.position,
-        command.velocity,
-        command.acceleration,
-        command.jerk,
-        command.motor_velocity,
-    ):
+    for load in (command.position, command.velocity, command.acceleration):
         yield _load(load)
+    # in parentheses where it isn't judged: a time-optimal law has no limit of the jerk
+    yield _load(command.jerk) if command.jerk_judged else f"({_load(command.jerk)})"
+    yield _load(command.motor_velocity)
     yield _load(command.hold)
     yield bound_text(command.deviation.position / MM)
     yield bound_text(command.deviation.angle / DEG)

@@ -1,5 +1,7 @@
 """Motions that flow into each other: what is right is proved, what is wrong by a little is found, dense sampling is never beyond a bound."""
 
+import json
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -542,3 +544,27 @@ def test_two_frames_in_one_chain():
     for step in range(2):
         bad = edited(jobs, step, (14, 20)[step], 0.02 * DEG * np.array([0, 0, 1, 0, 0, 0]))
         assert codes(judge(robot, Q0, bad)) == ["Y1159"]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.data())
+def test_no_text_stops_the_judge(data):
+    """Numbers of moves, of the map and of TM changed at will: a certificate or a refusal, and both can be told."""
+    robot = industrial6()
+    _, jobs, _ = frame_chain(data.draw(st.sampled_from(["lines", "arc", "curve"])))
+    lines = emit(robot, Q0, jobs).split("\n")
+    for _ in range(data.draw(st.integers(1, 3))):
+        kind = data.draw(st.sampled_from(["X", "; command", "TM"]))
+        k = data.draw(st.sampled_from([k for k, line in enumerate(lines) if line.startswith(kind)]))
+        if kind == "X":
+            size = data.draw(st.sampled_from(["0", "1000", "-77.5", "9999999"]))
+            lines[k] = re.sub(r"Z-?[0-9.]+", f"Z{size}", lines[k])
+        elif kind == "TM":
+            lines[k] = data.draw(st.sampled_from(["TM4", "TM100", "TM4095"]))
+        else:
+            lines[k] = re.sub(r" blend \d+", f" blend {2 * data.draw(st.integers(0, 30))}", lines[k])
+    result = certify("\n".join(lines), program(Q0, jobs), robot, TOLERANCE, {})
+    assert result.value is not None or codes(result) in (["Y1153"], ["Y1151"])
+    if result.value is not None:
+        assert json.dumps(result.value.to_json(), allow_nan=False)
+        assert result.value.summary()

@@ -196,3 +196,25 @@ def test_the_ways_of_a_when(target):
     kinds = [command.kind for command in result.value.certificate.commands]
     assert kinds == ["joint", "line", "line", "line", "pose_spline", "arc"]
     assert result.value.certificate.position < 2e-5
+
+
+def test_an_arm_with_a_joint_too_many(tmp_path):
+    """The joints at the end of a line are as planned: the pose alone doesn't say them."""
+    from programs import compiled as compiled_for
+
+    from tests.robot.made_arms import DATA, REAL, made
+
+    file, arguments, size = REAL["panda"]
+    assert size == 7
+    made(DATA / file, tmp_path / "arm", *arguments)
+    text = """
+DEFAULT {TCP} [4] (mm,deg,s) {B}
+P0010 MOVEJ 10 30 15 -100 10 110 5 [10]
+P0020 DMOVE 60 0 0 0 0 0 BLEND 15
+P0030 DMOVEJ 4 4 4 4 4 4 4 BLEND 15
+P0040 DMOVE 0 60 0 0 5 0
+"""
+    result, diagnostics = compiled_for(text, str(tmp_path / "arm"))
+    assert [one.message for one in diagnostics if one.is_error] == []
+    assert result is not None
+    assert result.certificate.commands[1].blended.position <= 0.01502

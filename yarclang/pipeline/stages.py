@@ -16,7 +16,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import Array, JointMove, Motion, Program, Reading, SplineMove, fingerprint
+from yarclang.hir import Array, Motion, Program, Reading, fingerprint
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan
 from yarclang.motion.profile import profile_names
@@ -199,10 +199,5 @@ def _laws(planned: MotionPlan) -> Mapping[int, Array]:
 
 
 def _witnesses(planned: MotionPlan) -> Mapping[int, Array]:
-    """The joint way-points that were chosen for motions of joints."""
-    steps = planned.program.steps
-    return {
-        motion.step: np.asarray(motion.waypoints)
-        for motion in planned.motions
-        if isinstance(steps[motion.step], SplineMove | JointMove)
-    }
+    """The joint positions that were chosen for the goals of motions: one for each way-point, of Cartesian motions that at the end."""
+    return {motion.step: np.asarray(motion.waypoints) for motion in planned.motions}

@@ -14,7 +14,7 @@ from yarclang.motion.curve import Curve
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import plan_module
-from yarclang.report import plot
+from yarclang.report import plot, tool_panels
 from yarclang.report.drawn_frame import drawn_frame
 from yarclang.report.passed import passed_corners
 from yarclang.report.tool_trace import tool_trace_of
@@ -218,3 +218,19 @@ def test_any_curve_has_a_speed_and_a_measure(
     assert (trace.speed >= 0.0).all()
     assert (trace.singular >= 0.0).all()
     assert trace.singular.max() < 1.0
+
+
+@pytest.mark.parametrize(("wanted", "top"), [(8.0, 560.0), (60.0, 61.0), (250.0, 700.0), (0.0, 300.0)])
+def test_slow_work_between_fast_ways_is_seen(wanted: float, top: float) -> None:
+    from matplotlib.figure import Figure
+
+    axes = Figure().add_subplot()
+    note = tool_panels._scale(axes, wanted, top)
+    assert ("squeezed" in note) == (0 < wanted * 1.25 < 0.4 * top)
+    low, high = axes.transData.transform([(0.0, 0.0), (0.0, top)])[:, 1]
+    shown = float(axes.transData.transform((0.0, wanted))[1])
+    assert 0.0 == axes.get_ylim()[0] < top < axes.get_ylim()[1]
+    if wanted:
+        assert (shown - low) / (high - low) > 0.3
+    axes.plot([0.0, 1.0], [0.0, top])
+    axes.figure.canvas.draw()

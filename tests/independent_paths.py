@@ -1,0 +1,168 @@
+"""What programs say, read anew: the programmed paths as dense polylines, and how far an executed motion is from them.
+
+As tests/independent.py it shares nothing with yarclang. A place of the moving frame is a vector: its position [mm] and its rotation
+matrix, each in units of its tolerance, so that one distance stands for both; joint positions are vectors as they are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation, Slerp
+
+DENSE = 3000
+TURN_CHORD = 100.0
+"""How much of a spline's parameter [mm] a turn of 1 rad takes."""
+
+
+@dataclass
+class Said:
+    """What one motion says: `kind` is joints, joint_spline, line, arc or pose_spline; goals are joint positions (deg, mm) or poses.
+
+    A pose is (x y z [mm], Rotation). Increments are worked out by `goal_from`.
+    """
+
+    kind: str
+    goals: list
+    via: np.ndarray | None = None
+    relative: bool = False
+    profile: str = "LSPB"
+    time: str = "[MIN]"
+    blend: float | None = None
+    acc: float = 1.0
+
+    @property
+    def in_joints(self):
+        return self.kind in ("joints", "joint_spline")
+
+    @property
+    def seconds(self):
+        inside = self.time[1:-1]
+        return None if inside == "MIN" or "%" in inside or "V" in inside else float(inside)
+
+    @property
+    def speed(self):
+        return float(self.time[2:-1]) if self.time.startswith("[V") else None
+
+    @property
+    def share(self):
+        return float(self.time[1:-2]) / 100.0 if "%" in self.time else 1.0
+
+
+def goals_from(arm, said, start):
+    """The goals of a motion from joint position `start`, increments added."""
+    if not said.relative:
+        return said.goals
+    (goal,) = said.goals
+    if said.in_joints:
+        return [start + goal]
+    (point,), turns = arm.poses(start[None])
+    return [(point + turns[0].apply(goal[0]), turns[0] * goal[1])]
+
+
+def path(arm, said, start, goals, way_points):
+    """The programmed path as a polyline (M, d): of joint positions, or of places as `embedded` makes them.
+
+    `way_points` are the joint positions that were chosen for the goals.
+    """
+    if said.kind == "joints":
+        return np.array([start, way_points[-1]])
+    if said.kind == "joint_spline":
+        return _joint_spline(np.array([start, *way_points]), arm.si)
+    (first,), turns = arm.poses(start[None])
+    points, rotations = _of_frame(said, first, turns[0], goals)
+    return embedded(arm, points, rotations)
+
+
+def embedded(arm, points, rotations):
+    """Poses as vectors (N, 12) in units of the robot's tolerance."""
+    tolerance = arm.data["tolerance"]
+    turns = rotations.as_matrix().reshape(-1, 9) / np.sqrt(2.0) / np.radians(tolerance["angle"])
+    return np.concatenate((points / tolerance["position"], turns), axis=1)
+
+
+def nearest(samples, polyline):
+    """The point of a polyline nearest to each sample."""
+    at = cKDTree(polyline).query(samples)[1]
+    best = polyline[at]
+    far = np.linalg.norm(samples - best, axis=1)
+    for piece in (at - 1, at):
+        low = np.clip(piece, 0, len(polyline) - 2)
+        a, way = polyline[low], polyline[low + 1] - polyline[low]
+        square = np.maximum((way * way).sum(axis=1), 1e-300)
+        foot = a + np.clip(((samples - a) * way).sum(axis=1) / square, 0.0, 1.0)[:, None] * way
+        distance = np.linalg.norm(samples - foot, axis=1)
+        nearer = distance < far
+        best[nearer], far[nearer] = foot[nearer], distance[nearer]
+    return best
+
+
+def off(arm, said, samples, polyline):
+    """How far samples (N, n) are from a path, as shares of the tolerance (N,)."""
+    tolerance = arm.data["tolerance"]
+    if said.in_joints:
+        each = np.where(arm.slides, tolerance["position"], tolerance["angle"])
+        return np.abs((samples - nearest(samples, polyline)) / each).max(axis=1)
+    places = embedded(arm, *arm.poses(samples))
+    miss = places - nearest(places, polyline)
+    return np.maximum(np.linalg.norm(miss[:, :3], axis=1), np.linalg.norm(miss[:, 3:], axis=1))
+
+
+def _of_frame(said, first, turn, goals):
+    """Positions [mm] and rotations along a path of the moving frame, densely."""
+    s = np.linspace(0.0, 1.0, DENSE)
+    if said.kind == "pose_spline":
+        return _pose_spline(first, turn, goals, s)
+    point, rotation = goals[-1]
+    turns = Slerp([0, 1], Rotation.concatenate([turn, rotation]))(s)
+    if said.kind == "line":
+        return first + s[:, None] * (point - first), turns
+    return _arc(first, said.via, point, s), turns
+
+
+def _arc(first, via, last, s):
+    normal = np.cross(via - first, last - first)
+    normal /= np.linalg.norm(normal)
+    # as far from the first as from the two others, and in their plane
+    rows = np.array([via - first, last - first, normal])
+    right = np.array([(via @ via - first @ first) / 2, (last @ last - first @ first) / 2, normal @ first])
+    centre = np.linalg.solve(rows, right)
+    x = first - centre
+    y = np.cross(normal, x)
+    sweep = np.arctan2((last - centre) @ y, (last - centre) @ x) % (2 * np.pi)
+    return centre + np.cos(s * sweep)[:, None] * x + np.sin(s * sweep)[:, None] * y
+
+
+def _pose_spline(first, turn, goals, s):
+    points, quaternions = [first], [turn.as_quat()]
+    steps = []
+    for point, rotation in goals:
+        quaternion = rotation.as_quat()
+        if quaternion @ quaternions[-1] < 0:
+            quaternion = -quaternion
+        angle = (Rotation.from_quat(quaternions[-1]).inv() * rotation).magnitude()
+        step = np.hypot(np.linalg.norm(point - points[-1]), TURN_CHORD * angle)
+        if step > 1e-9:
+            points.append(point)
+            quaternions.append(quaternion)
+            steps.append(step)
+    if not steps:
+        return np.tile(first, (len(s), 1)), Rotation.concatenate([turn] * len(s))
+    knots = np.concatenate(([0.0], np.cumsum(steps))) / np.sum(steps)
+    placed = CubicSpline(knots, np.array(points), bc_type="natural")(s)
+    turned = CubicSpline(knots, np.array(quaternions), bc_type="natural")(s)
+    return placed, Rotation.from_quat(turned)
+
+
+def _joint_spline(points, si):
+    """The natural spline over the chord in rad and m."""
+    keep = [0]
+    for number in range(1, len(points)):
+        if np.linalg.norm((points[number] - points[keep[-1]]) * si) > 1e-9:
+            keep.append(number)
+    points = points[keep]
+    if len(points) == 1:
+        return np.repeat(points, 2, axis=0)
+    knots = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points * si, axis=0), axis=1))))
+    return CubicSpline(knots, points, bc_type="natural")(np.linspace(0.0, knots[-1], DENSE))

@@ -1,0 +1,261 @@
+"""Programs by chance: all motions, profiles, times and blends, on several arms; and a judge of what they compile to.
+
+The judge reads the emitted text with tests/independent.py. Which joint positions were chosen for poses it takes from the plan, and
+checks that they are solutions.
+"""
+
+import re
+from dataclasses import dataclass
+
+import independent
+import numpy as np
+from independent_paths import Said, goals_from, off, path
+from scipy.spatial.transform import Rotation
+
+PROFILES = ("", "_LSPB", "_POLY5", "_SCURVE", "_TOPP")
+TIMES = ("[MIN]", "[MIN]", "[4.7]", "[3]", "[8]", "[12]", "[50%]")
+SPEEDS = ("[V 20]", "[V 50]", "[V 10]")
+KINDS = (
+    "joints",
+    "joints_to_pose",
+    "joint_delta",
+    "joint_spline",
+    "line",
+    "line",
+    "delta",
+    "arc",
+    "pose_spline",
+)
+
+
+@dataclass
+class Program:
+    """A program's text, and what each of its motions says, by step."""
+
+    text: str
+    said: dict[int, Said]
+
+
+def drawn(arm, random, most=5):
+    """A program of a few motions about the arm's middle.
+
+    The pose of an arm with more than six joints doesn't say how it stands: there, blends lead only from joints to joints.
+    """
+    middle = _middle(arm)
+    room = np.minimum(arm.upper - middle, middle - arm.lower)
+    (point,), turns = arm.poses(middle[None])
+    reach = np.linalg.norm(point) / 10.0
+    lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
+    said = {}
+    if arm.data["name"] == "INDUSTRIAL6":  # its wrist is straight at home
+        lines.append(f"P0001 MOVEJ {_numbers(middle)} [MIN]")
+        said[0] = Said("joints", [np.round(middle, 4)])
+    step = len(said)
+    before, before_at = None, 0
+    can_follow = len(middle) >= 6
+
+    def pose(size=1.0):
+        shift = np.round(point + random.uniform(-1, 1, 3) * reach * size, 3)
+        rpy = np.round(turns[0].as_euler("xyz", degrees=True) + random.uniform(-25, 25, 3) * size, 3)
+        return shift, rpy, (shift, Rotation.from_euler("xyz", rpy, degrees=True))
+
+    for _ in range(random.integers(1, most + 1)):
+        kind = str(random.choice(KINDS if can_follow else ("joints", "joint_delta", "joint_spline")))
+        profile = str(random.choice(PROFILES))
+        time = str(random.choice(TIMES))
+        of_frame = kind in ("line", "delta", "arc", "pose_spline")
+        if of_frame and profile in ("", "_LSPB", "_SCURVE") and random.random() < 0.25:
+            time = str(random.choice(SPEEDS))
+        common = {"profile": profile[1:] or "LSPB", "time": time}
+        if kind in ("joints", "joint_delta"):
+            size = random.choice([0.05, 0.3, 0.8])
+            away = np.round(random.uniform(-1, 1, len(middle)) * room * size, 4)
+            if kind == "joints":
+                goal = np.round(middle + away, 4)
+                words, one = f"MOVEJ{profile} {_numbers(goal)}", Said("joints", [goal], **common)
+            else:
+                away = np.round(away * 0.2, 4)
+                words = f"DMOVEJ{profile} {_numbers(away)}"
+                one = Said("joints", [away], relative=True, **common)
+        elif kind == "joint_spline":
+            goals = [
+                np.round(middle + random.uniform(-1, 1, len(middle)) * room * 0.4, 4)
+                for _ in range(random.integers(2, 5))
+            ]
+            words = f"MOVEJ_SPLINE{profile} {'; '.join(map(_numbers, goals))}"
+            one = Said("joint_spline", goals, **common)
+        elif kind == "joints_to_pose":
+            shift, rpy, goal = pose()
+            words = f"MOVEJ_RPY{profile} {_numbers([*shift, *rpy])}"
+            one = Said("joints", [goal], **common)
+        elif kind == "line":
+            shift, rpy, goal = pose()
+            words, one = f"MOVEL{profile} {_numbers([*shift, *rpy])}", Said("line", [goal], **common)
+        elif kind == "delta":
+            shift = np.round(random.uniform(-1, 1, 3) * reach * 0.5, 3)
+            rpy = np.round(random.uniform(-12, 12, 3), 3)
+            words = f"DMOVE{profile} {_numbers([*shift, *rpy])}"
+            goal = (shift, Rotation.from_euler("xyz", rpy, degrees=True))
+            one = Said("line", [goal], relative=True, **common)
+        elif kind == "arc":
+            via = pose(0.7)[0]
+            shift, rpy, goal = pose(0.7)
+            words = f"MOVEC{profile} {_numbers(via)}; {_numbers([*shift, *rpy])}"
+            one = Said("arc", [goal], via=via, **common)
+        else:
+            poses = [pose(0.6) for _ in range(random.integers(2, 5))]
+            values = "; ".join(_numbers([*shift, *rpy]) for shift, rpy, _ in poses)
+            words = f"MOVEL_SPLINE{profile} {values}"
+            one = Said("pose_spline", [goal for _, _, goal in poses], **common)
+        if (
+            len(middle) > 6
+            and before is not None
+            and before.blend
+            and not (one.in_joints and before.in_joints)
+        ):
+            lines[before_at] = re.sub(r" BLEND \S+", "", lines[before_at])
+            before.blend = None
+        options = ""
+        if random.random() < 0.15:
+            one.acc = float(random.choice([0.3, 0.6]))
+            options += f" ACC {one.acc * 100:g}%"
+        if random.random() < 0.55:
+            one.blend = float(random.choice([0.3, 1, 3, 8, 20]))
+            options += f" BLEND {one.blend:g}"
+        base = " {TCP}" if kind == "delta" else ""
+        before_at = len(lines)
+        lines.append(f"P{(step + 1) * 10:04d} {words} {time}{base}{options}")
+        said[step] = one
+        step += 1
+        before = one
+        if random.random() < 0.15:
+            lines.append(f"P{(step + 1) * 10:04d} SET LAMP {random.choice(['ON', 'OFF'])}")
+            step += 1
+    return Program("\n".join(lines) + "\n", said)
+
+
+def _middle(arm):
+    home = np.array(arm.data["positions"]["HOME"], float)
+    bent = np.array([0, -5, -20, 10, 40, 0]) if arm.data["name"] == "INDUSTRIAL6" else 0.0
+    return home + bent
+
+
+def _numbers(values):
+    return " ".join(f"{value:.4f}" for value in values)
+
+
+def faults(arm, said, text, chosen, told):
+    """What an emitted text does otherwise than its program says: sentences, none where all is well.
+
+    Args:
+        arm: the arm, independently read.
+        said: what each motion says, by step.
+        text: the emitted text.
+        chosen: for each step the joint positions (k, n) [rad, m] that were chosen for its goals.
+        told: the codes of warnings and notes, by step.
+    """
+    found = []
+    stands, executed = independent.read(text)
+    overlaps = independent.overlaps(text)
+    steps = sorted(said)
+    corner, flows_in, ball_before = stands, False, None
+    for place, step in enumerate(steps):
+        one, done = said[step], executed[step]
+        following = said[steps[place + 1]] if place + 1 < len(steps) else None
+        goals = goals_from(arm, one, corner)
+        ends = chosen[step] / arm.si
+        flows_on = overlaps.get(step, 0) > 0
+        label = f"step {step} {one.kind}"
+        found += [f"{label}: {fault}" for fault in _not_solutions(arm, goals, ends)]
+        found += [
+            f"{label}: {fault}" for fault in _beyond(arm, one, done, said, steps, place, flows_in, flows_on)
+        ]
+        q = done.sample()
+        for flows, end, where in ((flows_in, corner, 0.0), (flows_on, ends[-1], done.duration)):
+            if not flows:
+                if np.abs(done.spline(where, nu=1) * arm.si).max() > 2e-6:
+                    found.append(f"{label}: no rest at {where:.3f} s")
+                if np.abs(done.spline(where) - end).max() > 3e-5:
+                    found.append(f"{label}: not at its place at {where:.3f} s")
+        shares = off(arm, one, q, path(arm, one, corner, goals, ends))
+        ball = _ball(arm, one, following, ends[-1]) if flows_on else None
+        in_ball = np.zeros(len(q), bool)
+        for inside in (ball_before, ball):
+            if inside is not None:
+                in_ball |= inside(q) <= 1.0
+        shares[in_ball] = 0.0
+        if shares.max() > 1.0 + 1e-3:
+            found.append(f"{label}: off the path by {shares.max():.4f} of the tolerance")
+        if (
+            one.seconds is not None
+            and "Y0609" not in told.get(step, ())
+            and abs(done.duration - one.seconds) > 2.1e-4
+        ):
+            found.append(f"{label}: takes {done.duration:.6f} s")
+        if one.speed is not None:
+            reaches = "Y0610" not in told.get(step, ()) and not (flows_in or flows_on)
+            found += [f"{label}: {fault}" for fault in _off_speed(arm, one, done, in_ball, reaches)]
+        corner, flows_in, ball_before = ends[-1], flows_on, ball
+    return found
+
+
+def _not_solutions(arm, goals, ends):
+    if len(goals) != len(ends):
+        ends = ends[-1:]
+        goals = goals[-1:]
+    for goal, q in zip(goals, ends, strict=True):
+        if isinstance(goal, tuple):
+            (point,), turns = arm.poses(q[None])
+            if np.linalg.norm(point - goal[0]) > 1e-5 or (turns[0].inv() * goal[1]).magnitude() > 1e-7:
+                yield "a joint position that doesn't reach its pose"
+        elif np.abs(goal - q).max() > 1e-7:
+            yield "another joint position than is said"
+        if ((q > arm.upper + 1e-6) | (q < arm.lower - 1e-6)).any():
+            yield "a joint position out of limits"
+
+
+def _beyond(arm, one, done, said, steps, place, flows_in, flows_on):
+    """Limits that are broken at any sample."""
+    beside = [one]
+    if flows_in:
+        beside.append(said[steps[place - 1]])
+    if flows_on:
+        beside.append(said[steps[place + 1]])
+    share = max(other.share for other in beside)
+    ramp = max(other.share * other.acc for other in beside)
+    allowed = {"position": 1.0, "velocity": share, "motor": share, "acceleration": ramp, "jerk": ramp}
+    if any(other.profile == "TOPP" for other in beside):
+        del allowed["jerk"]
+    used = independent.shares(arm, done)
+    for kind, most in allowed.items():
+        if used[kind] > most * (1.0 + 1e-6) + 1e-9:
+            yield f"{kind} at {used[kind]:.6f} of the limit, {most:g} is allowed"
+
+
+def _ball(arm, one, following, corner):
+    """How far joint positions are from a corner, as shares of what BLEND allows there."""
+    if one.in_joints and following.in_joints:
+        return lambda q: np.abs(q - corner).max(axis=1) / one.blend
+    (point,), _ = arm.poses(corner[None])
+    return lambda q: np.linalg.norm(arm.poses(q)[0] - point, axis=1) / one.blend
+
+
+def _off_speed(arm, one, done, in_ball, reaches):
+    """A cruise that isn't at its speed."""
+    points, _ = arm.poses(done.sample())
+    times = np.linspace(0.0, done.duration, len(points))
+    speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(times)
+    fastest = speeds[~(in_ball[1:] | in_ball[:-1])].max(initial=0.0)
+    if fastest > one.speed * 1.002:
+        yield f"goes at {fastest:.4f} mm/s"
+    if reaches and fastest < one.speed * 0.998:
+        yield f"reaches only {fastest:.4f} mm/s"
+
+
+def told_by_step(diagnostics):
+    """The codes of findings by the step of their command: every line from the third on is one."""
+    told = {}
+    for one in diagnostics:
+        if one.span is not None:
+            told.setdefault(one.span.line - 3, set()).add(one.code)
+    return told

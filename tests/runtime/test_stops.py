@@ -278,3 +278,14 @@ def test_lines_are_fed_during_a_hold():
     held = [sent for sent in world.sent if sent.state is State.HOLD and isinstance(sent.request, Write)]
     assert held
     assert from_counts(job.robot, world.stands(job.robot)) == pytest.approx(job.end, abs=1e-6)
+
+
+def test_an_abort_behind_a_stop_is_told():
+    """The stop was on the path, and what came then wasn't."""
+    job, _ = prepared(tm=5)
+    world = world_of(job, record=True, seed=0)
+    world.order(Stop(), 1.0)
+    world.order(Abort(), 1.0)
+    ended = run(world, job)
+    lands(world, job, ended)
+    assert "aborted" in ended.what

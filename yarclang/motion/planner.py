@@ -134,7 +134,7 @@ class _Planner:
                 fitted = fit(path, load_profile("SCURVE"), None, bounds, grid, tolerance)
         else:
             fitted = fit(path, profile, timing.duration, bounds, grid, tolerance)
-        near = nearest_singularity(path) if isinstance(path, CartesianPath) else None
+        near = nearest_singularity(path, bounds.velocity) if isinstance(path, CartesianPath) else None
         match fitted:
             case Curve():
                 if near is not None:

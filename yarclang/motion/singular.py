@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.robot.kinematics.singularity import smallest_singular_values
 
@@ -13,7 +14,7 @@ NEAR = 0.06
 """Below this smallest singular value a path counts as near a singularity: far from one it is 0.1 to 0.5."""
 
 _COSTS = 2.0
-"""A joint that turns so many times as fast there as it does on the average costs something."""
+"""A path that asks so many times as much of its joints there as on the average pays for it."""
 
 _STILL = 1e-9
 
@@ -31,25 +32,28 @@ class Nearest:
     turns: bool
 
 
-def nearest_singularity(path: CartesianPath) -> Nearest | None:
-    """Where a path comes nearest to a singularity that costs it joint speed; None where it keeps away, or passes without a cost.
+def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
+    """Where a path comes near a singularity and pays for it in joint speed; None where it keeps away, or passes without a cost.
 
     The places are those at which the arm was followed: the nearer a singularity, the denser they are.
+
+    Args:
+        path: the path.
+        velocity: the joints' limits (n,) [rad/s or m/s].
     """
+    extent, turns = path.extent
     s, q = path.followed.s, path.followed.q
     smallest = smallest_singular_values(path.chain, q, path.flange_from_moving)
-    if smallest.min() >= NEAR:
+    if extent < _STILL or smallest.min() >= NEAR:
         return None
     slope = np.abs(np.diff(q, axis=0)) / np.diff(s)[:, None]
-    average = np.abs(np.diff(q, axis=0)).sum(axis=0)
-    # beside the place, not on it: exactly there the way may go through between two places
-    peak = np.maximum(np.vstack((slope[:1], slope)), np.vstack((slope, slope[-1:])))
-    near = np.flatnonzero(smallest < NEAR)
-    here = int(near[np.argmax((peak[near] / np.maximum(average, 1e-3)).max(axis=1))])
-    joint = int(np.argmax(peak[here] / np.maximum(average, 1e-3)))
-    if peak[here, joint] < _COSTS * max(average[joint], 1e-3):
+    # the share of its speed that the busiest joint needs, were the path gone along in 1 s
+    shares = slope / velocity
+    load = shares.max(axis=1)
+    near = np.minimum(smallest[1:], smallest[:-1]) < NEAR
+    here = int(np.argmax(np.where(near, load, 0.0)))
+    if load[here] < _COSTS * float(load @ np.diff(s)):
         return None
-    extent, turns = path.extent
-    if extent < _STILL:
-        return None
-    return Nearest(float(s[here]), float(smallest[here]), joint, float(peak[here, joint] / extent), turns)
+    joint = int(np.argmax(shares[here]))
+    at = here if smallest[here] < smallest[here + 1] else here + 1
+    return Nearest(float(s[at]), float(smallest[at]), joint, float(slope[here, joint] / extent), turns)

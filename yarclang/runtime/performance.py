@@ -38,6 +38,8 @@ AGAIN_FOR = 10.0
 
 _AGAIN_EACH = 0.5
 
+_ABORTED = "aborted: off its path"
+
 _PATIENCE_AT_REST = 10.0
 """How long a controller may be busy where it is only asked where the robot stands [s]."""
 
@@ -127,7 +129,7 @@ def _stream(operation: Operation, job: Job) -> Script[Ended]:
         yield from away_from_start(operation, job)
         yield from stream.run()
     except Stopped as stopped:
-        what = "aborted: off its path" if stopped.abort else "stopped on its path"
+        what = _ABORTED if stopped.abort else "stopped on its path"
         ended = yield from _settle(operation, stream, Event.STOP, Trouble(what, code=""))
     except Trouble as trouble:
         ended = yield from _settle(operation, stream, Event.FAULT, trouble)
@@ -175,7 +177,9 @@ def _settle(operation: Operation, stream: Stream, event: Event, why: Trouble) ->
         if event is Event.FAULT and operation.state is State.MOVE:
             # better on the path than dry, some lines later
             yield from operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
-        joints = yield from _end_at_rest(operation, robot)
+        joints, aborted = yield from _end_at_rest(operation, robot)
+        if aborted and _ABORTED not in what:
+            what = _ABORTED if event is Event.STOP else f"{what}; then {_ABORTED}"
         yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
         operation.go(event, what)
@@ -186,12 +190,13 @@ def _settle(operation: Operation, stream: Stream, event: Event, why: Trouble) ->
     return _ended(stream, what, remedy, joints, why)
 
 
-def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array | None]:
-    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands.
+def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
+    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands, and whether it was aborted.
 
     Returns:
-        None behind a reset: the registers count from where the robot was then.
+        None for the place behind a reset: the registers count from where the robot was then.
     """
+    aborted = False
     operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
     while True:
         try:
@@ -199,12 +204,13 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[Array | None]:
             break
         except Interrupted:
             operation.orders.clear()
+            aborted = True
             yield from operation.abort()
     operation.watch = ()
     yield from leave(operation, robot)
     if were_reset(motors):
-        return None
-    return (yield from stands_at(operation, robot))
+        return None, aborted
+    return (yield from stands_at(operation, robot)), aborted
 
 
 def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
@@ -222,7 +228,9 @@ def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
             try:
                 yield from operation.hold_all(robot.controller.hold_time)
                 yield from _greet(operation)
-                joints = yield from _end_at_rest(operation, robot)
+                joints, aborted = yield from _end_at_rest(operation, robot)
+                if aborted:
+                    what = f"{what}; then {_ABORTED}"
                 yield from Outputs(stream.job).secure(operation)
             except Lost as lost:
                 outcome = Unreachable(str(lost))
@@ -288,7 +296,7 @@ def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[
         yield from operation.abort()
     else:
         yield from operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
-    joints = yield from _end_at_rest(operation, robot)
+    joints, _ = yield from _end_at_rest(operation, robot)
     if joints is None:
         operation.remark(f"the controller was reset: {RESET_REMEDY}", warning=True)
     else:

@@ -102,6 +102,15 @@ def test_a_speed_that_falls_between_the_ramps():
     assert result.value.commands[0].tool_speed.least < 0.85 * speed
 
 
+def test_a_speed_that_is_reached_for_an_instant():
+    """On a way too short for a cruise: no piece of it is wholly at the speed."""
+    rate = np.sin(np.pi * np.arange(1, 60) / 60) ** 8
+    law = np.r_[0, 0, 0, np.cumsum(rate) / rate.sum(), 1, 1]
+    speed = true_speeds(straight(None, law=law)[0].points)[0].max()
+    for share, found in ((1.0, []), (1.002, ["Y1167"]), (0.998, ["Y1167"])):
+        assert codes(judge(straight(hir.Reading(speed * share, None), law=law)[0])) == found
+
+
 def test_a_pure_turn_has_an_angular_speed():
     speed = cruise(length=0.6)
     job, (_, true) = straight(hir.Reading(None, speed), way=(0, 0, 0), rotvec=(0.0, 0.36, 0.48))

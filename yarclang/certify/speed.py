@@ -145,4 +145,6 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
             most[own] = fast[kept[0] : kept[-1] + 1].max()
         elif not inside.any():
             least[own] = most[own] = cruise  # all of it is blends
+        elif (peak := fast[inside].max()) >= cruise * (1.0 - KEPT):
+            least[own] = most[own] = peak  # for an instant only
     return Speeds(wanted.turns, wanted.cruise, largest, least, most, beyond)

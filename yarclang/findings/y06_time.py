@@ -90,7 +90,7 @@ FINDINGS = (
         "a way is too short to get to its speed",
         "[V ..] asks for a speed, and the ramps to it and from it take some of the way. Where the limits leave no room for them, the moving "
         "frame goes as fast as it can.",
-        "P0010 MOVEL {TCP} 0 1174.4 1220 0 0 0 [V 500] (mm,deg,s) {B}",
-        "P0010 MOVEL {TCP} 0 1174.4 1000 0 0 0 [V 100] (mm,deg,s) {B}",
+        "P0010 DMOVE {TCP} 0 0 -6 0 0 0 [V 500] (mm,deg,s) {B}",
+        "P0010 DMOVE {TCP} 0 0 -60 0 0 0 [V 50] (mm,deg,s) {B}",
     ),
 )

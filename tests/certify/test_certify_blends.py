@@ -98,7 +98,9 @@ def test_joint_motions():
     assert result.value.to_json()["commands"][0]["blend"]["segments"] == 12
     message = judge(robot, Q0, blended(jobs, 0, hir.Reading(None, 0.1 * DEG))).diagnostics[0].message
     assert message.startswith("P0001 MOVEJ: in the blend behind it J")
-    assert "from the corner, where the next path is joined; allowed are 0.1 deg" in message
+    assert (
+        "from the corner, where the next path is joined: 2.43 more than the 0.1 that are allowed" in message
+    )
 
 
 def test_prismatic_joints_have_a_length():

@@ -93,8 +93,8 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
         judged.find(
             "Y1166",
             f"in the blend behind it {robot.joint_names[joint]} is up to {worst[joint] / unit:.6g} "
-            f"{robot.axis_unit_names[joint]} from the corner, {_how(away[joint], left[joint], joined[joint])}; allowed are "
-            f"{allowed[joint] / unit:.6g} {robot.axis_unit_names[joint]}",
+            f"{robot.axis_unit_names[joint]} from the corner, {_how(away[joint], left[joint], joined[joint])}: "
+            f"{(worst - allowed)[joint] / unit:.3g} more than the {allowed[joint] / unit:.6g} that are allowed",
             layout.places[corner.first].step,
         )
     most, bound = by_kind(allowed, robot), by_kind(worst, robot)
@@ -158,7 +158,7 @@ def _of_frames(
             judged.find(
                 "Y1166",
                 f"in the blend behind it the moving frame is up to {most / MM:.6g} mm from the corner, "
-                f"{_how(*parts)}; allowed are {radius[i] / MM:.6g} mm",
+                f"{_how(*parts)}: {(most - radius[i]) / MM:.3g} more than the {radius[i] / MM:.6g} that are allowed",
                 step,
             )
         elif not angle[i] <= together.angle[i]:

@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 from programs import planned
 
 from yarclang.motion.curve import Curve, knot_values, middle_values, through_knots
-from yarclang.motion.limits import Bounds
+from yarclang.motion.fit import fit
+from yarclang.motion.limits import Bounds, Grid
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.profile import load_profile, profile_names
+from yarclang.robot.model import Tolerance
 
 PROFILES = [load_profile(name) for name in profile_names()]
 LINE = JointPath(np.zeros(2), np.array([1.0, -0.4]))
@@ -152,3 +154,21 @@ P0060 DMOVEJ 0.000001 0 0 0 0 0"""
     plan, diagnostics = planned(text, robot)
     assert plan is not None
     assert [(one.code, one.span.line) for one in diagnostics] == [("Y0603", 4), ("Y0603", 6)]
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda one: one.name)
+@pytest.mark.parametrize("way", np.geomspace(0.001, 1, 8))
+def test_a_few_segments_more_would_not_be_faster(profile, way):
+    """The shortest time of a short motion too: there one segment more or less is much."""
+    bounds = BOUNDS if profile.has_jerk_limit else BOUNDS.without_jerk()
+    grid, path = Grid(0.004, 0.05, 2.0**-12 * 1e-3), JointPath(np.zeros(2), np.array([way, -0.4 * way]))
+    found = fit(path, profile, None, BOUNDS, grid, Tolerance())
+    law = profile.law(path, bounds)
+    for segments in range(found.segments + 1, found.segments + 5):
+        control = [law.control(segments, tuple(form.tolist())) for form in law.forms(segments)]
+        times = [
+            segments
+            * grid.not_below(max(demand.segment for demand in bounds.demands(one[:, None] * path.end)))
+            for one in control
+        ]
+        assert found.duration <= min(times) * 1.05

@@ -184,7 +184,7 @@ class _Fitter:
         aren't too long.
         """
         # without blends and ramps there is nothing to round
-        more = MORE_SEGMENTS if len(self.trials.law.forms(segments)) > 1 else 0
+        more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
         numbers = range(segments, segments + more + 1)
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
             # what other numbers need is known without their control points, so many can be compared

@@ -41,8 +41,14 @@ CartesianMove = LineMove | ArcMove | PoseSplineMove
 MUCH_SWING = 1.0
 """A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
 
+MUCH_OF_BOX = 0.1
+"""... or, of a curve of the moving frame, by more than this share of the diagonal of the box round them."""
+
 _ANGLE_NOISE = 1e-3
 """A smaller angle [rad] that is left beside a distance comes from the search for the distance."""
+
+_DISTANCE_NOISE = 1e-6
+"""A smaller distance [m] that is left beside an angle comes from the search for both."""
 
 _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a via pose beside it"
 
@@ -50,8 +56,7 @@ _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a v
 def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
     """A pose without a joint position."""
     if solved.kind == "reach":
-        turn = f" and {solved.miss_angle / DEG:.3g} deg" if solved.miss_angle > _ANGLE_NOISE else ""
-        message = f"{which}out of reach by {_length(solved.miss)}{turn}"
+        message = f"{which}out of reach by {_miss(solved.miss, solved.miss_angle)}"
         return (
             "Y0501",
             message,
@@ -106,8 +111,7 @@ def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianM
     where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
     joint = broken.joint
     if broken.kind == "reach":
-        turn = f" and {broken.angle / DEG:.3g} deg" if broken.angle > _ANGLE_NOISE else ""
-        message = f"the {what} leaves the workspace {where}: it is out of reach by up to {_length(broken.amount)}{turn}"
+        message = f"the {what} leaves the workspace {where}: it is out of reach by up to {_miss(broken.amount, broken.angle)}"
         return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
     if broken.kind == "limits" and joint is not None:
         message = (
@@ -146,6 +150,12 @@ def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: 
     message = (
         f"the curve swings {swing:.3g} {unit} beyond its way-points in {name}, at {s * 100:.3g} % of the way"
     )
+    return "Y0505", message, origin.span, "a way-point between holds it back", None
+
+
+def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Message:
+    """A curve of the moving frame that leaves the box round its way-points by much."""
+    message = f"the curve swings {_length(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} % of the way"
     return "Y0505", message, origin.span, "a way-point between holds it back", None
 
 
@@ -452,6 +462,14 @@ def _not_below(value: float) -> float:
 
 def _percent(share: float) -> str:
     return f"{share * 100:.3g} %" if share < 10.0 else f"{share * 100:,.0f} %"
+
+
+def _miss(distance: float, angle: float) -> str:
+    """A distance [m], an angle [rad] or both: what isn't rounding."""
+    if angle <= _ANGLE_NOISE:
+        return _length(distance)
+    turn = f"{angle / DEG:.3g} deg"
+    return turn if distance < _DISTANCE_NOISE else f"{_length(distance)} and {turn}"
 
 
 def _length(metres: float) -> str:

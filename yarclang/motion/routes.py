@@ -37,11 +37,12 @@ from yarclang.motion.path import Path
 from yarclang.motion.paths.arc import NoArc, arc_through
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.paths.line import line_between
-from yarclang.motion.paths.pose_spline import AtConstantSpeed, through_poses
+from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline, through_poses
 from yarclang.motion.paths.spline import SplinePath, distinct, through
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
 from yarclang.robot.model import Robot
+from yarclang.units import MM
 
 CartesianMove = LineMove | ArcMove | PoseSplineMove
 
@@ -303,8 +304,22 @@ class Router:
                     return None
                 if spline is None:  # all way-points are where the frame stands
                     return line_between(start, start)
+                self._note_swing(spline, step, findings)
                 timed = step.timing.speed is not None and spline.slowest > 1e-3 * spline.length > 0.0
                 return AtConstantSpeed(spline) if timed else spline
+
+    def _note_swing(self, spline: PoseSpline, step: PoseSplineMove, findings: Collector) -> None:
+        """A note where a curve of the moving frame leaves the box round its way-points by much."""
+        low, low_at, high, high_at = spline.positions.extremes()
+        points = spline.positions.values
+        swing = np.maximum(points.min(axis=0) - low, high - points.max(axis=0))
+        axis = int(np.argmax(swing))
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
+        if swing[axis] > max(messages.MUCH_SWING * MM, messages.MUCH_OF_BOX * size):
+            at = low_at if points[:, axis].min() - low[axis] == swing[axis] else high_at
+            findings.add(
+                *messages.curve_swings_out("xyz"[axis], float(swing[axis]), float(at[axis]), step.origin)
+            )
 
     def _spline(
         self, number: int, step: SplineMove, stands: Array, findings: Collector

@@ -1,0 +1,249 @@
+"""Motions that flow into each other: where the path is left, how long each takes, and that limits hold in between.
+
+Densely sampled; tests/test_random_programs.py does the same with programs by chance and from the emitted text.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from programs import codes, compiled, planned
+
+from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.kinematics.fk import tool_poses
+
+HEAD = "DEFAULT {TCP} [2] (mm,deg,s) {B}\nOUTPUT GLUE M1 OFF\nP0001 MOVEJ_RPY 0 1174.4 1176 0 0 0 [MIN]\n"
+FRAMES = """P0010 MOVEL 150 1174.4 1176 0 0 0 BLEND 20
+P0020 MOVEL 150 1174.4 1326 0 0 10 BLEND 20
+P0030 MOVEL 0 1174.4 1326 0 0 0
+"""
+JOINTS = """P0010 MOVEJ 0 0 0 0 30 0 [3] BLEND 4
+P0020 MOVEJ 20 0 0 0 30 0 [3] BLEND 4
+P0030 MOVEJ_SPLINE 20 0 15 0 30 0; 20 10 15 0 10 10 [4] BLEND 3
+P0040 MOVEJ 0 0 0 0 -10 0 [3]
+"""
+MIXED = """P0010 MOVEL 150 1174.4 1176 0 0 0 BLEND 15
+P0020 MOVEJ 0 0 0 0 -30 0 [4] BLEND 15
+P0030 MOVEL 0 1174.4 1326 0 0 0 [4]
+"""
+ARCS = """P0010 MOVEC 60 1134.4 1176; 120 1174.4 1176 0 0 10 BLEND 10
+P0020 MOVEL_SPLINE 160 1174.4 1226 0 0 10; 120 1174.4 1276 0 0 0 [3] BLEND 10
+P0030 MOVEL 0 1174.4 1276 0 0 0
+"""
+CHAINS = {"frames": FRAMES, "joints": JOINTS, "mixed": MIXED, "arcs": ARCS}
+
+
+def chain(lines):
+    plan, diagnostics = planned(HEAD + lines)
+    assert [one for one in diagnostics if one.is_error] == []
+    return plan, codes(diagnostics)
+
+
+def dense(plan, number):
+    curve = plan.motions[number].curve
+    return curve.sample(np.linspace(0, curve.duration, 25 * curve.segments + 1))
+
+
+def corner_distance(plan, number, q):
+    """How far joint positions are from the end of a motion, in units of what BLEND says there."""
+    steps = plan.program.steps
+    motion, step = plan.motions[number], steps[plan.motions[number].step]
+    following = steps[plan.motions[number + 1].step]
+    of_joints = all(type(one).__name__ in ("JointMove", "SplineMove") for one in (step, following))
+    if of_joints:
+        return np.abs(q - motion.path.end).max(axis=1) / step.blend.angle
+    tcp = plan.robot.flange_from_frame["TCP"]
+    both = tool_poses(plan.robot.chain, np.concatenate((motion.path.end[None], q)), tcp)[:, :3, 3]
+    return np.linalg.norm(both[1:] - both[0], axis=1) / step.blend.length
+
+
+def off_path(path, q):
+    """How far joint positions are from a path, in mm or deg: to the nearest of many places."""
+    s = np.linspace(0, 1, 4001)
+    if hasattr(path, "frame"):
+        tcp = path.flange_from_moving
+        places = path.frame.poses(s)[:, :3, 3] * 1e3
+        points = tool_poses(path.chain, q, tcp)[:, :3, 3] * 1e3
+    else:
+        places, points = np.degrees(path.joints(s)), np.degrees(q)
+    nearest = np.array([np.linalg.norm(places - point, axis=1).min() for point in points])
+    # halfway between two places
+    return nearest - np.linalg.norm(np.diff(places, axis=0), axis=1).max()
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_the_path_is_left_only_inside_the_ball(name):
+    plan, found = chain(CHAINS[name])
+    assert set(found) <= {"Y0505", "Y0702"}
+    assert all(motion.overlap > 0 for motion in plan.motions[1:-1])
+    for number in range(1, len(plan.motions)):
+        q = dense(plan, number)[0][::5]
+        outside = np.ones(len(q), bool)
+        if number > 1:
+            outside &= corner_distance(plan, number - 1, q) > 1
+        if number + 1 < len(plan.motions):
+            outside &= corner_distance(plan, number, q) > 1
+        assert outside.any()
+        assert off_path(plan.motions[number].path, q[outside]).max() < 0.02
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_times_count_from_middle_to_middle(name):
+    plan, _ = chain(CHAINS[name])
+    for motion in plan.motions[1:]:
+        wanted = plan.program.steps[motion.step].timing.duration
+        assert motion.curve.duration == pytest.approx(wanted, abs=2e-4)
+        assert motion.curve.segment == plan.motions[1].curve.segment
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_limits_hold_and_nothing_jumps(name, industrial6):
+    plan, _ = chain(CHAINS[name])
+    limits = industrial6.limits
+    for number in range(1, len(plan.motions)):
+        q, v, a = dense(plan, number)
+        curve = plan.motions[number].curve
+        assert ((q >= limits.lower) & (q <= limits.upper)).all()
+        assert (np.abs(v) <= limits.velocity).all()
+        assert (np.abs(a) <= limits.acceleration).all()
+        assert (np.abs(np.diff(curve.points, 3, axis=0)) <= limits.jerk * curve.segment**3).all()
+        assert (np.abs(v @ counts_per_joint(industrial6).T) <= industrial6.actuation.velocity).all()
+    for one, other in pairwise(plan.motions[1:]):
+        ends = [one.curve.sample(np.array([one.curve.duration])), other.curve.sample(np.zeros(1))]
+        for before, behind in zip(*ends, strict=True):
+            assert behind == pytest.approx(before, abs=1e-8)
+        assert np.abs(ends[0][1]).max() > 1e-3  # it doesn't stop
+
+
+def test_between_two_lines_the_frame_stays_in_their_plane():
+    plan, _ = chain(FRAMES)
+    tcp = plan.robot.flange_from_frame["TCP"]
+    for number in (1, 2):
+        places = tool_poses(plan.robot.chain, dense(plan, number)[0], tcp)[:, :3, 3]
+        assert places[:, 1] == pytest.approx(1.1744, abs=2e-5)
+
+
+def test_lines_in_one_direction_are_passed_at_one_speed():
+    lines = "".join(f"P{10 * k:04d} MOVEL {50 * k} 1174.4 1176 0 0 0 [V 80] BLEND 15\n" for k in range(1, 5))
+    plan, found = chain(lines)
+    assert found == ["Y1010"]
+    tcp = plan.robot.flange_from_frame["TCP"]
+    inner = [tool_poses(plan.robot.chain, dense(plan, number)[0], tcp)[:, :3, 3] for number in (2, 3)]
+    for number, places in zip((2, 3), inner, strict=True):
+        curve = plan.motions[number].curve
+        speed = np.linalg.norm(np.diff(places, axis=0), axis=1) * (len(places) - 1) / curve.duration * 1e3
+        assert speed.max() <= 80.01
+        assert speed.min() > 0.97 * 80
+
+
+def test_blending_is_quicker_than_stopping():
+    free = FRAMES.replace("[2]", "[MIN]")
+    head = HEAD.replace("[2]", "[MIN]")
+    through = planned(head + free)[0].duration
+    stopping = planned(head + free.replace(" BLEND 20", ""))[0].duration
+    assert through < stopping - 0.03
+
+
+def test_times_without_a_common_part_are_rounded_where_they_meet_and_told():
+    plan, found = chain(
+        "P0010 MOVEL 50 1174.4 1176 0 0 0 [0.99991] BLEND 10\nP0020 MOVEL 50 1174.4 1226 0 0 0 [1.00007] BLEND 10\n"
+        "P0030 MOVEL 0 1174.4 1226 0 0 0 [1.00013]\n"
+    )
+    assert found == ["Y0609"]
+    lasts = [motion.curve.duration for motion in plan.motions[1:]]
+    segment = plan.motions[1].curve.segment
+    assert lasts == pytest.approx([0.99991, 1.00007, 1.00013], abs=segment)
+    assert sum(lasts) == pytest.approx(3.00011, abs=segment / 2 + 1e-3)
+
+
+def test_times_with_a_common_part_are_exact():
+    plan, found = chain(
+        "P0010 MOVEL 150 1174.4 1176 0 0 0 [1.2] BLEND 10\nP0020 MOVEL 150 1174.4 1326 0 0 0 [2.8] BLEND 10\n"
+        "P0030 MOVEL 0 1174.4 1326 0 0 0 [3.6]\n"
+    )
+    assert found == []
+    assert [motion.curve.duration for motion in plan.motions[1:]] == pytest.approx([1.2, 2.8, 3.6], abs=1e-4)
+
+
+TANGENT = """P0010 MOVEL 100 1174.4 1176 0 0 0 BLEND 0
+P0020 MOVEC 170.711 1174.4 1205.289; 200 1174.4 1276 0 0 0 BLEND 0
+P0030 MOVEL 200 1174.4 1376 0 0 0
+"""
+
+
+def test_blend_0_leaves_the_path_nowhere():
+    plan, found = chain(TANGENT)
+    assert found == []
+    assert all(motion.overlap > 0 for motion in plan.motions[1:-1])
+    for number in (1, 2, 3):
+        q = dense(plan, number)[0][::5]
+        beside = [off_path(plan.motions[k].path, q) for k in range(max(1, number - 1), min(4, number + 2))]
+        assert np.min(beside, axis=0).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "code"),
+    [
+        ("MOVEL 100 1174.4 1176 0 0 0", "MOVEL 200 1174.4 1176.09 0 0 0", []),
+        ("MOVEL 100 1174.4 1176 0 0 0", "MOVEL 200 1174.4 1176.2 0 0 0", ["Y0607"]),
+        ("MOVEL 100 1174.4 1176 0 0 10", "MOVEL 200 1174.4 1176 0 0 20", []),
+        ("MOVEL 100 1174.4 1176 0 0 10", "MOVEL 200 1174.4 1176 0 0 10", ["Y0607"]),
+        ("MOVEL 100 1174.4 1176 0 0 0", "MOVEL 0 1174.4 1176 0 0 0", ["Y0607"]),
+    ],
+)
+def test_what_is_tangent(first, second, code):
+    _, diagnostics = planned(f"{HEAD}P0010 {first} BLEND 0\nP0020 {second}\n")
+    assert codes(diagnostics) == code
+
+
+def test_outputs_don_t_break_a_blend_and_are_set_in_its_middle():
+    lines = FRAMES.replace("P0020", "P0015 SET GLUE ON\nP0016 SET GLUE OFF\nP0017 SET GLUE ON\nP0020")
+    plan, found = chain(lines)
+    plain, _ = chain(FRAMES)
+    assert found == []
+    for one, other in zip(plan.motions, plain.motions, strict=True):
+        assert np.array_equal(one.curve.points, other.curve.points)
+    made, diagnostics = compiled(HEAD + lines)
+    assert codes(diagnostics) == []
+    assert "M1==1" in made.text
+
+
+@pytest.mark.parametrize("between", ["WAIT [1]", "HOLD", "WAIT DOOR ON [5]"])
+def test_what_the_robot_stands_for_ends_a_chain(between):
+    plan, diagnostics = planned(
+        HEAD.replace("OUTPUT", "INPUT DOOR M11\nOUTPUT") + FRAMES.replace("P0020", f"P0015 {between}\nP0020")
+    )
+    assert codes(diagnostics) == ["Y1010"]
+    assert [motion.overlap > 0 for motion in plan.motions] == [False, False, True, False]
+    _, v, _ = plan.motions[1].curve.sample(np.array([plan.motions[1].curve.duration]))
+    assert v == pytest.approx(np.zeros((1, 6)), abs=1e-9)
+
+
+@pytest.mark.parametrize("options", ["[50%]", "[MIN] ACC 30%"])
+def test_shares_of_the_limits_hold_in_overlaps_too(options, industrial6):
+    lines = "".join(line.replace(" BLEND", f" {options} BLEND") + "\n" for line in FRAMES.splitlines()[:2])
+    plan, _ = chain(
+        lines + f"P0030 MOVEL 0 1174.4 1326 0 0 0 {options}\n".replace("[MIN] ACC 30%", "[MIN] ACC 30%")
+    )
+    assert any(motion.overlap for motion in plan.motions)
+    share, ramp = (0.5, 0.5) if "%]" in options else (1.0, 0.3)
+    for number in (1, 2, 3):
+        _, v, a = dense(plan, number)
+        assert (np.abs(v) <= share * industrial6.limits.velocity).all()
+        assert (np.abs(a) <= ramp * industrial6.limits.acceleration).all()
+
+
+def test_a_long_chain_flows_all_the_way():
+    lines = "".join(
+        f"P{10 * k:04d} MOVEL {100 * (k % 2)} 1174.4 {1176 + 5 * k} 0 0 0 BLEND 2\n" for k in range(1, 16)
+    )
+    plan, found = chain(lines)
+    assert found == ["Y1010"]
+    assert sum(motion.overlap > 0 for motion in plan.motions) == 14
+    assert plan.duration - plan.motions[0].curve.duration == pytest.approx(30, abs=1e-2)
+
+
+def test_the_same_program_gives_the_same_curves():
+    one, other = (chain(MIXED)[0] for _ in range(2))
+    for first, second in zip(one.motions, other.motions, strict=True):
+        assert np.array_equal(first.curve.points, second.curve.points)

@@ -13,7 +13,7 @@ from yarclang.motion.blend import Part
 from yarclang.motion.cruise import cruise_law, fewest, fewest_at_speed
 from yarclang.motion.curve import FEWEST_SEGMENTS
 from yarclang.motion.links import Link, Piece
-from yarclang.motion.overlaps import Overlaps, widest
+from yarclang.motion.overlaps import SPEED_KEPT, Overlaps, widest
 from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
@@ -114,6 +114,9 @@ class _Maker:
             one, other = (self._part(trials, trying, number) for number in (place, place + 1))
             if one is None or other is None or overlap > one.segments - before:
                 return False
-            return self.corners.serves(one, other, place, overlap)
+            return (
+                self.corners.serves(one, other, place, overlap)
+                and self.corners.excess(one, other, place, overlap) <= 1.0 + SPEED_KEPT
+            )
 
         return widest(serves, min(first.segments - before, half))

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.hir import Array
 from yarclang.motion.blend import Corner
+from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve
 from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
@@ -39,6 +40,13 @@ class Link:
         if self.full is not None:
             kept = min(1.0, self.full * float(np.diff(self.alone.law).max()) / self.alone.segment)
         return Piece(self.alone, 0, self.alone.law, kept)
+
+    @property
+    def speed(self) -> float | None:
+        """The speed of the moving frame that is asked for [m/s, or rad/s of a pure turn]."""
+        if self.full is None or not isinstance(self.path, CartesianPath):
+            return None
+        return self.path.extent[0] / self.full
 
     @property
     def own_bounds(self) -> Bounds:

@@ -9,13 +9,18 @@ import numpy as np
 
 from yarclang.hir import Array
 from yarclang.motion.blend import Corner, Part, begins, both, shares, superpose, way_length
+from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve, knot_values, middle_values
 from yarclang.motion.limits import Bounds
 from yarclang.motion.links import Link, Piece
+from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Chain, Tolerance
 
 _WITHIN = 0.98
 """The share of a ball that is used: between the places that are looked at the curve may go a little farther."""
+
+SPEED_KEPT = 2e-4
+"""A speed that is exceeded by less than this share is kept."""
 
 _WIDTHS = 14
 """How many widths of an overlap are tried, from the widest that has room on."""
@@ -46,6 +51,29 @@ class Overlaps:
         return not corner.is_tangent or self._on_both(
             first, second, points, overlap, self.links[place].tolerance
         )
+
+    def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
+        """How many times as fast as was asked for the moving frame goes in an overlap, at the knots and between; 0 where no speed
+        was asked for. Of two speeds the larger counts.
+        """
+        links = self.links[place : place + 2]
+        asked = [link.speed for link in links if link.speed is not None]
+        corner = self.links[place].corner
+        if not asked or corner is None:
+            return 0.0
+        points = superpose(self.chain, (first, second), (corner,), (overlap,))
+        begin = max(first.segments - overlap - 1, 0)
+        curve = Curve(points[begin : begin + overlap + 5], self.segment, np.empty(0))
+        q, rate, _ = curve.sample(np.arange(2 * curve.segments + 1, dtype=float) * (self.segment / 2.0))
+        most = 0.0
+        for link in links:
+            if link.speed is None or not isinstance(link.path, CartesianPath):
+                continue
+            jacobians = poses_and_jacobians(self.chain, q, link.path.flange_from_moving)[1]
+            rows = slice(3, 6) if link.path.extent[1] else slice(0, 3)
+            speeds = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, rows], rate), axis=1)
+            most = max(most, float(speeds.max()))
+        return most / max(asked)
 
     def _in_ball(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
         """Whether an overlap stays in the ball round its corner."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from yarclang.hir import Array
 from yarclang.motion.blend import Part
 from yarclang.motion.links import Link, Piece
-from yarclang.motion.overlaps import Overlaps
+from yarclang.motion.overlaps import SPEED_KEPT, Overlaps
 from yarclang.motion.path import Path
 from yarclang.motion.profile import NO_FORM, Form, Law
 from yarclang.motion.trapezoid import FEWEST_IN_BLEND, between_ramps
@@ -91,12 +91,14 @@ class _Maker:
             if any(self._is_too_slow(place, cruise) for place, cruise in enumerate(cruises)):
                 return None
             turns = [self._turn(place, cruises) for place in range(count - 1)]
-            slow = {place + side for place, turn in enumerate(turns) if turn is None for side in (0, 1)}
+            slow = {
+                place + side: _SLOWER for place, turn in enumerate(turns) if turn is None for side in (0, 1)
+            }
             taken = [turn for turn in turns if turn is not None]
             parts: list[Part | None] = []
             if not slow:
                 parts = [self._part(place, cruises[place], taken) for place in range(count)]
-                slow = {place for place, part in enumerate(parts) if part is None}
+                slow = {place: _SLOWER for place, part in enumerate(parts) if part is None}
             if not slow:
                 slow = self._slow_corners(parts, taken)
             if not slow:
@@ -106,7 +108,7 @@ class _Maker:
             if not free:
                 return None
             for place in free:
-                cruises[place] *= _SLOWER
+                cruises[place] *= slow[place]
         return None
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
@@ -125,15 +127,21 @@ class _Maker:
                 cruises[place] *= asked[place] + 1e-3
         return cruises
 
-    def _slow_corners(self, parts: list[Part | None], turns: list[_Turn]) -> set[int]:
-        """The motions on both sides of the corners that ask too much."""
-        slow: set[int] = set()
+    def _slow_corners(self, parts: list[Part | None], turns: list[_Turn]) -> dict[int, float]:
+        """The motions on both sides of the corners that ask too much, and how much slower they should be."""
+        slow: dict[int, float] = {}
         for place, turn in enumerate(turns):
             first, second = parts[place], parts[place + 1]
             assert first is not None
             assert second is not None
             if not self.corners.serves(first, second, place, turn.width):
-                slow |= {place, place + 1}
+                more = _SLOWER
+            else:
+                excess = self.corners.excess(first, second, place, turn.width)
+                more = excess if excess > 1.0 + SPEED_KEPT else 1.0
+            if more > 1.0:
+                for side in (place, place + 1):
+                    slow[side] = max(slow.get(side, 1.0), more)
         return slow
 
     def _finished(self, parts: list[Part], turns: list[_Turn], cruises: list[float]) -> list[Piece] | float:
@@ -259,7 +267,7 @@ class _Maker:
             segments = middle + (into + out) // 2
         else:
             segments = math.ceil(cruise + (rise.width + fall.width) / 2.0 - 1e-9)
-        if segments < max(rise.width, fall.width) + 1:
+        if segments < max(rise.width, math.ceil(2.0 * (segments - cruise) - rise.width)):
             return None
         trial = trials.trial(segments, (rise.width, rise.ramp, fall.ramp))
         own = trial.points[max(into - 1, 0) : segments + 3 - max(out - 1, 0)]

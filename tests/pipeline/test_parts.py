@@ -4,7 +4,7 @@ import pytest
 from programs import planned
 
 from yarclang.diagnostics import Diagnostic
-from yarclang.pipeline.parts import motion_number, part
+from yarclang.pipeline.parts import chain_place, chains, motion_number, part
 from yarclang.pipeline.stages import Request
 from yarclang.robot.description import load_robot
 
@@ -62,3 +62,69 @@ def test_a_place_without_a_motion(plan, place):
     assert isinstance(found, Diagnostic)
     assert found.code == "Y1164"
     assert "there are P0030(I=0), P0030(I=1), P0050" in found.help
+
+
+CHAIN = """DEFAULT [1] (deg,s)
+OUTPUT GLUE M1
+P0010 MOVEJ 10 0 0 0 0 0
+REPEAT I 2
+  P0020 MOVEJ $(20 + I) 0 0 0 0 0 BLEND 2
+  P0030 SET GLUE ON
+  P0040 MOVEJ $(20 + I) 10 0 0 0 0
+END
+P0050 MOVEJ 0 0 0 0 0 0 BLEND 2
+P0060 MOVEJ 0 0 10 0 0 0 BLEND 2
+P0070 MOVEJ 0 0 10 0 10 0
+"""
+
+
+@pytest.fixture(scope="module")
+def blended():
+    value, found = planned(CHAIN)
+    assert value is not None, found
+    assert [motion.overlap > 0 for motion in value.motions] == [0, 1, 0, 1, 0, 1, 1, 0]
+    return value
+
+
+def test_motions_that_flow_into_each_other_are_one_group(blended):
+    assert chains(blended) == [(0, 1), (1, 3), (3, 5), (5, 8)]
+    assert chains(blended, 3) == [(3, 5), (5, 8)]
+
+
+def test_the_groups_are_the_whole_motion(blended):
+    durations = [part(blended, REQUEST, first, last).value.plan.duration for first, last in chains(blended)]
+    assert sum(durations) == pytest.approx(blended.duration, abs=1e-9)
+    whole = part(blended, REQUEST, 5).value.plan.motions
+    for made, motion in zip(whole, blended.motions[5:], strict=True):
+        assert made.curve.points == pytest.approx(motion.curve.points, abs=1e-12)
+
+
+@pytest.mark.parametrize(("first", "last"), [(2, None), (4, 5), (6, 8), (7, None), (1, 2), (5, 7)])
+def test_a_part_never_begins_or_ends_in_a_corner(blended, first, last):
+    refused = part(blended, REQUEST, first, last)
+    assert refused.value is None
+    assert [one.code for one in refused.diagnostics] == ["Y1608"]
+
+
+def test_the_motion_that_begins_the_chain_is_named(blended):
+    (inner,) = part(blended, REQUEST, 7).diagnostics
+    assert inner.message.startswith("P0060 MOVEJ flows into P0070 MOVEJ")
+    assert inner.help == "begin with P0050 MOVEJ, where the chain begins: --from P0050"
+    assert inner.span.line == 11
+    (looped,) = part(blended, REQUEST, 4).diagnostics
+    assert looped.help.endswith("--from 'P0020(I=1)'")
+
+
+@pytest.mark.parametrize(
+    ("place", "begins"),
+    [
+        ("P0010", "P0010"),
+        ("P0040(I=1)", "P0020(I=1)"),
+        ("P0070", "P0050"),
+        ("P0050", "P0050"),
+        ("P0099", "P0099"),
+        ("", ""),
+    ],
+)
+def test_where_to_go_on(blended, place, begins):
+    assert chain_place(blended, place) == begins

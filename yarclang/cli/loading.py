@@ -18,7 +18,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.inputs import open_program
 from yarclang.pipeline.jobs import Papers, job_of_text
 from yarclang.pipeline.origins import Origins, origins_of_text
-from yarclang.pipeline.parts import motion_number, part
+from yarclang.pipeline.parts import chains, motion_number, part
 from yarclang.pipeline.sources import read_source
 from yarclang.pipeline.stages import Compiled, compile_module
 from yarclang.robot.description import load_robot
@@ -154,7 +154,7 @@ def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Lo
         shorter = first is not None and plan.motions[number].step > 0
         wanted = [(number, len(plan.motions))] if shorter else []
         if options["step"]:
-            wanted += [(one, one + 1) for one in range(number, len(plan.motions))]
+            wanted += chains(plan, number)
         parts: list[Job] = []
         for begin, end in wanted:
             made = part(plan, request, begin, end, with_lead=first is None)

@@ -22,7 +22,7 @@ from yarclang.cli.show import show_findings
 from yarclang.cli.table import checked_table
 from yarclang.hir import Array
 from yarclang.pipeline.jobs import items_of
-from yarclang.pipeline.parts import approach
+from yarclang.pipeline.parts import approach, chain_place
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.job import Job
 from yarclang.runtime.log import FOLDER, RunLog
@@ -392,7 +392,9 @@ class _Run:
             yield f"  it stood at {ended.command}"
             if plan is not None:
                 before = motion_before(plan, index)
-                yield from self._going_on(f"--from {shlex.quote(before)}" if before else "")
+                yield from self._going_on(
+                    f"--from {shlex.quote(chain_place(plan, before))}" if before else ""
+                )
             return
         if found is not None:
             index = found.command.index
@@ -400,7 +402,7 @@ class _Run:
         else:
             yield f"  it was executing {ended.command}, {ended.done:.1f} s into the program"
         if plan is not None and ended.joints is not None and index not in ("", "-"):
-            yield from self._going_on(f"--from {shlex.quote(index)}")
+            yield from self._going_on(f"--from {shlex.quote(chain_place(plan, index))}")
 
     def _going_on(self, option: str) -> Iterator[str]:
         if self.again:

@@ -58,4 +58,13 @@ FINDINGS: tuple[Finding, ...] = (
         "The lines of the motion came later than the robot used them up, and no guard held it before: it rests at the last point that was "
         "calculated, off its path.",
     ),
+    Finding(
+        "Y1608",
+        "begun-in-a-corner",
+        "error",
+        "a run can't begin between motions that flow into each other",
+        "Where a motion flows into the next one (BLEND), the robot doesn't stop, and isn't in the corner itself: the second motion can't be carried out "
+        "by itself as it was planned and proved. A run begins, and --step pauses, at a motion in front of which the robot stands; the message names the "
+        "one that begins the chain.",
+    ),
 )

@@ -61,9 +61,19 @@ def part(
 
     What stands between two motions belongs to the first of them. What stands in front of them all, such as a WAIT, belongs to the
     first motion, or to none (`with_lead`).
+
+    Returns:
+        A finding instead, where a part would cut motions that flow into each other, or a WHEN.
     """
     motion = plan.motions[first]
     steps = plan.program.steps
+    for number in (first, last):
+        if (
+            number is not None
+            and number < len(plan.motions)
+            and (begin := chain_begin(plan, number)) != number
+        ):
+            return Result(None, (_in_a_chain(plan, number, begin),))
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
     begin = 0 if first == 0 and with_lead else motion.step
     chosen = steps[begin:end]
@@ -91,6 +101,57 @@ def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
     return opened[0] if opened else None
 
 
+def chain_begin(plan: MotionPlan, number: int) -> int:
+    """The number of the motion with which the robot starts from rest to get to motion `number` without a stop: mostly itself."""
+    while number and plan.motions[number - 1].overlap:
+        number -= 1
+    return number
+
+
+def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
+    """The motions from number `first` on in groups: in front of each the robot stands, and within it doesn't.
+
+    Returns:
+        The first number of each group, and that behind its last.
+    """
+    flows = [motion.overlap > 0 for motion in plan.motions]
+    begins = [
+        number for number in range(first, len(plan.motions)) if number == first or not flows[number - 1]
+    ]
+    return list(zip(begins, [*begins[1:], len(plan.motions)], strict=True))
+
+
+def chain_place(plan: MotionPlan, place: str) -> str:
+    """The place of the motion from which the robot gets to that at a place without a stop: mostly the same."""
+    number = motion_number(plan, place)
+    return place if isinstance(number, Diagnostic) else _origin(plan, chain_begin(plan, number)).label
+
+
+def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
+    """Why motion `number` is no beginning, and that the one numbered `begin` is."""
+    origin, first = _origin(plan, number), _origin(plan, begin)
+    before = _origin(plan, number - 1)
+    message = f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a run can't begin there"
+    help_ = f"begin with {_called(first)}, where the chain begins"
+    if first.label:
+        help_ += (
+            f": --from '{first.label}'"
+            if ">" in first.label or "(" in first.label
+            else f": --from {first.label}"
+        )
+    return Diagnostic("Y1608", message, origin.source, origin.span, help_)
+
+
+def _called(origin: Origin) -> str:
+    return f"{origin.label} {origin.name}".strip()
+
+
+def _origin(plan: MotionPlan, number: int) -> Origin:
+    step = plan.program.steps[plan.motions[number].step]
+    assert not isinstance(step, Gap)  # a gap is never planned
+    return step.origin
+
+
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
     """The number of the motion at a place: an index such as P0010, or what leads to it among loops and calls, as a run tells it.
     Of several, the first.
@@ -98,11 +159,7 @@ def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
     Returns:
         A finding that says which there are, where there is none.
     """
-    labels: dict[int, str] = {}
-    for number, motion in enumerate(plan.motions):
-        step = plan.program.steps[motion.step]
-        assert not isinstance(step, Gap)
-        labels[number] = step.origin.label
+    labels = {number: _origin(plan, number).label for number in range(len(plan.motions))}
     if found := matching(labels, place):
         return found[0]
     named = [name for name in labels.values() if name]

@@ -171,3 +171,36 @@ def test_roll_pitch_yaw_straight_up_and_down(pitch):
     pose = np.eye(4)
     pose[:3, :3] = rpy_rotation(np.array([20.0, pitch, 50.0]) * DEG)
     assert np.abs(rpy_rotation(pose_values(pose)[3:] * DEG) - pose[:3, :3]).max() < 1e-9
+
+
+BLENDED = """OUTPUT GLUE M1
+P0010 MOVEJ 9 0 0 0 0 0 [1] (deg,s) BLEND 2
+P0020 SET GLUE ON
+P0030 MOVEJ 9 9 0 0 0 0 [1] (deg,s)
+P0040 SET GLUE OFF
+P0050 MOVEJ 0 0 0 0 0 0 [1] (deg,s)
+"""
+
+
+def test_a_motion_says_what_it_flows_into():
+    first, second, third = (inspected(BLENDED, place) for place in ("P0010", "P0030", "P0050"))
+    assert first.flows.before is None
+    assert first.flows.behind == second.flows.before
+    corner = first.flows.behind
+    assert corner.middle == pytest.approx(1.0)
+    assert corner.begins < corner.middle < corner.ends
+    assert corner.ends - corner.middle == pytest.approx(corner.middle - corner.begins)
+    assert "flows on into P0030 MOVEJ without a stop" in words(first)
+    assert "flows in from P0010 MOVEJ without a stop" in words(second)
+    assert "flows" not in words(third)
+    found = inspected_json(second)["flows"]
+    assert (found["before"]["from"], found["before"]["into"], found["behind"]) == ("P0010", "P0030", None)
+    json.dumps(found)
+
+
+def test_an_output_says_whether_the_robot_moves():
+    inside, behind = (inspected(BLENDED, place) for place in ("P0020", "P0040"))
+    assert "in motion, half way from P0010 MOVEJ to P0030 MOVEJ, GLUE (M1) becomes ON" in words(inside)
+    assert "at rest, GLUE (M1) becomes OFF" in words(behind)
+    assert "stands at" in words(behind)
+    assert "stands at" not in words(inside)

@@ -26,6 +26,7 @@ from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.line_map import Stretch, map_lines
 from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_program
 from yarclang.report.inspected_branches import Solution, solutions_of
+from yarclang.report.inspected_flow import NO_FLOWS, Flows, flows_of
 from yarclang.report.inspected_limits import Pace, pace_of
 from yarclang.report.inspected_way import Way, stands_before, trouble_behind, way_to
 from yarclang.robot.kinematics.fk import tool_poses
@@ -76,6 +77,7 @@ class Inspected:
         certificate: what was proved.
         stretches: its lines in the controller's text, and `text`, the lines of that; empty where the program has errors.
         findings: what is wrong with this command.
+        flows: the corners in motion that it has to do with.
     """
 
     robot: Robot
@@ -92,6 +94,7 @@ class Inspected:
     stretches: tuple[Stretch, ...]
     text: tuple[str, ...]
     findings: tuple[Diagnostic, ...]
+    flows: Flows = NO_FLOWS
 
     @property
     def origin(self) -> Origin:
@@ -155,6 +158,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         stretches=stretches,
         text=text,
         findings=_own(studied, step, way),
+        flows=NO_FLOWS if compiled is None else flows_of(compiled.plan, number),
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.hir import FrameLink
 from yarclang.report.inspected import Inspected, WayPoint, chain_of
+from yarclang.report.inspected_flow import flows_json
 from yarclang.report.inspected_limits import Pace
 from yarclang.report.pose_text import pose_values
 from yarclang.robot.model import Array, Robot
@@ -36,6 +37,7 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
         "segments": motion.curve.segments if motion else None,
         "segment_time_ms": motion.curve.segment / MS if motion else None,
         "duration_s": motion.curve.duration if motion else None,
+        "flows": flows_json(inspected.flows),
         "limits": _limits(inspected.pace),
         "shortest_s": inspected.pace.shortest if inspected.pace else None,
         "certificate": inspected.certificate.to_json() if inspected.certificate else None,

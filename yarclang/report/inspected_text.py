@@ -16,7 +16,6 @@ from yarclang.hir import (
     Motion,
     PoseDelta,
     SetOutput,
-    Step,
     Timing,
     WaitInput,
     When,
@@ -24,6 +23,7 @@ from yarclang.hir import (
 from yarclang.pipeline.line_map import MOVE, Stretch
 from yarclang.report.inspected import Inspected, WayPoint, chain_of, chain_pose
 from yarclang.report.inspected_branches import Solution
+from yarclang.report.inspected_flow import flow_lines, when_set
 from yarclang.report.inspected_limits import Limit, Pace
 from yarclang.report.plot import printable
 from yarclang.report.pose_text import pose_text
@@ -78,17 +78,17 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield printable(line)
     if origin.place and origin.place != origin.index:
         yield f"place {origin.place}, step {inspected.number} of the program"
-    if (told := _told(inspected.step)) is not None:
+    if (told := _told(inspected)) is not None:
         yield told
 
 
-def _told(step: Step) -> str | None:
+def _told(inspected: Inspected) -> str | None:
     """What a command does that moves nothing."""
-    match step:
+    match inspected.step:
         case Dwell(duration=duration):
             return f"the robot stands for {duration:g} s"
         case SetOutput(output=output, value=value):
-            return f"at rest, {output.name} ({output.variable}) becomes {_state(value)}"
+            return f"{when_set(inspected.flows)} {output.name} ({output.variable}) becomes {_state(value)}"
         case WaitInput(input=signal, value=value, timeout=timeout):
             until = f", at most {timeout:g} s" if timeout is not None else ", however long"
             return f"the robot stands until {signal.name} ({signal.variable}) is {_state(value)}{until}"
@@ -162,7 +162,8 @@ def _joints(inspected: Inspected) -> Iterator[str]:
     moves = isinstance(inspected.step, Motion)
     rows = [("", *robot.joint_names)]
     if start is not None:
-        rows.append(("start" if moves else "stands at", *joint_cells(robot, start)))
+        stands = "stands at" if inspected.flows.inside is None else "corner"
+        rows.append(("start" if moves else stands, *joint_cells(robot, start)))
     if end is not None and moves:
         rows.append(("end", *joint_cells(robot, end)))
         if start is not None:
@@ -243,6 +244,7 @@ def _time(inspected: Inspected) -> Iterator[str]:
             yield f"the time that is asked for, {asked}, can't be held; below, the shortest is looked at"
             asked = "the shortest"
         yield f"{law}asked for {asked}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
+    yield from flow_lines(inspected.flows)
     if inspected.pace is not None and inspected.motion is not None:
         yield from _pace(inspected.pace, inspected.motion.curve.duration)
 

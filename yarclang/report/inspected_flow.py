@@ -1,0 +1,106 @@
+"""The corners that a command has to do with: motions that flow into each other, and outputs that are set in the middle of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from yarclang.hir import Gap, Motion, Origin, SetOutput
+from yarclang.motion.plan import MotionPlan
+
+
+@dataclass(frozen=True, slots=True)
+class Flowing:
+    """A corner that is passed in motion: from which command into which, when both are carried out together, from `begins` to
+    `ends` [s of the program], and when one gives way to the other, `middle`.
+    """
+
+    first: Origin
+    second: Origin
+    begins: float
+    middle: float
+    ends: float
+
+
+@dataclass(frozen=True, slots=True)
+class Flows:
+    """The corners `before` and `behind` a motion, or that `inside` which an output is set; None where the robot stands."""
+
+    before: Flowing | None = None
+    behind: Flowing | None = None
+    inside: Flowing | None = None
+
+
+NO_FLOWS = Flows()
+
+
+def flows_of(plan: MotionPlan, number: int) -> Flows:
+    """The corners that step `number` of a planned program has to do with."""
+    step = plan.program.steps[number]
+    places = [motion.step for motion in plan.motions]
+    if isinstance(step, Motion) and number in places:
+        at = places.index(number)
+        return Flows(_corner(plan, at - 1), _corner(plan, at))
+    if isinstance(step, SetOutput):
+        at = sum(place < number for place in places) - 1
+        return Flows(inside=_corner(plan, at))
+    return Flows()
+
+
+def flow_lines(flows: Flows) -> Iterator[str]:
+    """What there is to say of a motion."""
+    if flows.before is not None:
+        yield f"flows in from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
+    if flows.behind is not None:
+        yield f"flows on into {_called(flows.behind.second)} without a stop: {_together(flows.behind)}"
+
+
+def _together(corner: Flowing) -> str:
+    return f"both together from {corner.begins:.3f} to {corner.ends:.3f} s, half way at {corner.middle:.3f} s"
+
+
+def when_set(flows: Flows) -> str:
+    """When an output is set, in words."""
+    if flows.inside is None:
+        return "at rest,"
+    return f"in motion, half way from {_called(flows.inside.first)} to {_called(flows.inside.second)},"
+
+
+def flows_json(flows: Flows) -> dict[str, Any]:
+    """As plain data, the unit in each name."""
+    return {
+        name: corner
+        and {
+            "from": corner.first.label,
+            "into": corner.second.label,
+            "begins_s": corner.begins,
+            "middle_s": corner.middle,
+            "ends_s": corner.ends,
+        }
+        for name, corner in (
+            ("before", flows.before),
+            ("behind", flows.behind),
+            ("inside", flows.inside),
+        )
+    }
+
+
+def _corner(plan: MotionPlan, motion: int) -> Flowing | None:
+    """The corner at the end of a motion; None where the robot stands there."""
+    if motion < 0 or not plan.motions[motion].overlap:
+        return None
+    made = plan.motions[motion]
+    half = made.overlap * made.curve.segment / 2.0
+    middle = float(plan.starts[motion + 1])
+    return Flowing(_origin(plan, motion), _origin(plan, motion + 1), middle - half, middle, middle + half)
+
+
+def _called(origin: Origin) -> str:
+    return f"{origin.label} {origin.name}".strip()
+
+
+def _origin(plan: MotionPlan, motion: int) -> Origin:
+    step = plan.program.steps[plan.motions[motion].step]
+    assert not isinstance(step, Gap)  # a gap is never planned
+    return step.origin

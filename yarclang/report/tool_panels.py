@@ -71,7 +71,9 @@ def _scale(axes: Axes, wanted: float, top: float) -> str:
 
     def forward(value: Array) -> Array:
         # on with the last slope, or what lies beyond couldn't be told apart
-        drawn_at: Array = np.where(value > data[-1], 1.0 + (value - data[-1]) * slope, np.interp(value, data, drawn))
+        drawn_at: Array = np.where(
+            value > data[-1], 1.0 + (value - data[-1]) * slope, np.interp(value, data, drawn)
+        )
         return drawn_at
 
     def back(value: Array) -> Array:

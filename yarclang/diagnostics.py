@@ -43,11 +43,13 @@ class Diagnostic:
     fix: Fix | None = None
     place: str = ""
     """Of a finding in unrolled code: what led to the command, as `P0020(I=2)>P0010`."""
+    level: Severity | None = None
+    """Of a rule's finding, or one whose severity a project has set: that severity."""
 
     @property
     def severity(self) -> Severity:
-        """The severity that the catalogue gives this code."""
-        return CATALOGUE[self.code].severity
+        """How severe it is: as it was set, else as the catalogue says of its code."""
+        return self.level or CATALOGUE[self.code].severity
 
     @property
     def is_error(self) -> bool:

@@ -20,9 +20,9 @@ def _robots(ctx: click.Context, param: click.Parameter, incomplete: str) -> list
 
 def _codes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001
     """The findings' codes that begin so, for completion."""
-    from yarclang.findings import CATALOGUE
+    from yarclang.lint.registry import everything
 
-    return [code for code in CATALOGUE if code.startswith(incomplete.upper())]
+    return [code for code in everything() if code.startswith(incomplete.upper())]
 
 
 def file_argument(name: str, **settings: Any) -> Callable[[F], F]:
@@ -111,6 +111,35 @@ def planning_options(function: F) -> F:
     ):
         function = option(function)
     return function
+
+
+class Findings(click.ParamType[frozenset[str]]):
+    """Codes, beginnings of codes, or names of findings, separated by commas."""
+
+    name = "CODES"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
+        """The words as codes; one that is none is wrong usage."""
+        from yarclang.diagnostics import suggest
+        from yarclang.lint.registry import codes_of, everything
+
+        if isinstance(value, frozenset):
+            return value
+        found: set[str] = set()
+        for word in str(value).split(","):
+            codes = codes_of(word)
+            if not codes:
+                near = suggest(word, [*everything(), *(one.name for one in everything().values())])
+                self.fail(
+                    f"no finding is called {word!r}; {near or 'yarc explain lists all codes'}", param, ctx
+                )
+            found.update(codes)
+        return frozenset(found)
+
+
+def finding_words(name: str, **settings: Any) -> Callable[[F], F]:
+    """An option that takes codes of findings, completed; None without it."""
+    return click.option(name, type=Findings(), shell_complete=_codes, **settings)
 
 
 def format_option(function: F) -> F:

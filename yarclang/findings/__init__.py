@@ -22,6 +22,7 @@ FAMILIES = {
     "14": "logs of runs",
     "15": "imported files, new projects",
     "16": "runs on a controller",
+    "17": "suppressed findings",
 }
 """The families of the codes by their two digits."""
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
 from yarclang.pipeline.sources import read_source
@@ -12,19 +14,23 @@ from yarclang.source import SourceFile, Span
 from yarclang.toml.places import find_places
 
 FILE_NAME = "yarc.toml"
-_KEYS = ("robot", "start")
+_KEYS = ("robot", "start", "teach", "findings")
+_LEVELS = ("off", "note", "warning", "error")
 
 
 @dataclass(frozen=True, slots=True)
 class Project:
-    """The settings of a yarc.toml: a robot's name or path (relative to `folder`), and where the
-    robot stands [deg, mm for prismatic joints].
+    """The settings of a yarc.toml: a robot's name or path (relative to `folder`), where the
+    robot stands [deg, mm for prismatic joints], whether its programs are for teaching at reduced speed, and how severe
+    findings are by their codes (`off`: they aren't told).
     """
 
     folder: Path
     robot: str | None = None
     start: tuple[float, ...] | None = None
     source: SourceFile | None = None
+    teach: bool = False
+    levels: Mapping[str, str] = field(default_factory=dict)
 
     def span_of(self, key: str) -> Span | None:
         """Where a key's value stands in the file."""
@@ -74,11 +80,51 @@ def _read(path: Path) -> Result[Project]:
         say(
             "start", "start is a list of numbers", "write one value a joint, in deg (mm for prismatic joints)"
         )
+    teach = data.get("teach", False)
+    if not isinstance(teach, bool):
+        say(
+            "teach", "teach is true or false", "write teach = true where people are within reach of the robot"
+        )
+    levels = _levels(data.get("findings", {}), source, findings)
     if findings:
         return Result(None, tuple(findings))
-    return Result(
-        Project(path.parent, robot, tuple(map(float, start)) if start is not None else None, source)
-    )
+    given = tuple(map(float, start)) if start is not None else None
+    return Result(Project(path.parent, robot, given, source, teach, levels))
+
+
+def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:
+    """The table [findings]: codes, beginnings of codes or names, and what becomes of those findings."""
+    if not table and isinstance(table, dict):
+        return {}
+    from yarclang.lint.registry import codes_of, everything
+
+    places = find_places(source)
+
+    def say(path: tuple[str, ...], message: str, help_: str) -> None:
+        findings.append(Diagnostic("Y1393", message, source, places.of_key(path), help_))
+
+    levels: dict[str, str] = {}
+    if not isinstance(table, dict):
+        say(("findings",), "findings is a table", 'write [findings], and below it Y0611 = "off"')
+        return levels
+    known = [*everything(), *(one.name for one in everything().values())]
+    # what is more exact holds, wherever it stands
+    for word, level in sorted(table.items(), key=lambda entry: len(entry[0])):
+        path = ("findings", word)
+        codes = codes_of(word)
+        if not codes:
+            say(path, f"no finding is called {word}", suggest(word, known) or "yarc explain lists all codes")
+        elif level not in _LEVELS:
+            say(path, f"{word} is set to {level!r}", f"a finding is one of {', '.join(_LEVELS)}")
+        elif len(codes) == 1 and everything()[codes[0]].severity == "error" and level != "error":
+            say(
+                path,
+                f"{codes[0]} is an error, which stays one",
+                "the program can't be carried out as it is written",
+            )
+        else:
+            levels |= {code: level for code in codes if everything()[code].severity != "error"}
+    return levels
 
 
 def _line_of(message: str) -> int:

@@ -99,7 +99,11 @@ def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
 
 def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
     """Syntax tree to motion plan. A program with errors is planned as well, for what else is to be found."""
-    checked = check_program(module, request)
+    return plan_checked(check_program(module, request), request)
+
+
+def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPlan]:
+    """What a check has given to motion plan, with the findings of both."""
     assert checked.value is not None  # a check always gives a program
     planned = plan_program(checked.value, request)
     told = name_arguments_of_times(planned.diagnostics, checked.value.steps)

@@ -2,63 +2,189 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
+from yarclang.cli.options import finding_words, planning_options, tm_option
+from yarclang.cli.outputs import STANDARD
 
 if TYPE_CHECKING:
+    from yarclang.cli.checks import Done, Task
     from yarclang.diagnostics import Diagnostic
-    from yarclang.pipeline.inputs import Options
+
+_PAUSE = 0.3
+"""How often --watch looks [s]."""
 
 
 @click.command("check")
-@file_argument("files", nargs=-1, metavar="FILE...")
+@click.argument("paths", nargs=-1, required=True, metavar="PATH...", type=click.Path(allow_dash=True))
+@click.option(
+    "--fix", is_flag=True, help="Apply fixes until none is left; none that would break the program."
+)
+@click.option("--diff", is_flag=True, help="Show what --fix would change, and write nothing.")
+@click.option("--watch", is_flag=True, help="Check again whenever a file changes, until Ctrl-C.")
+@click.option(
+    "--plan/--no-plan",
+    "plans",
+    default=True,
+    help="Plan and prove the motions (default), or find only what needs neither.",
+)
+@click.option("--strict", is_flag=True, help="A warning counts as an error.")
+@finding_words(
+    "--select", help="Tell (and fix) only these besides errors: codes, their beginnings (Y06), or names."
+)
+@finding_words("--ignore", help="Don't tell (or fix) these; errors are told all the same.")
+@click.option(
+    "--max-findings", type=click.IntRange(min=0), metavar="N", help="Show at most so many findings."
+)
+@click.option(
+    "--format",
+    "format_",
+    type=click.Choice(["text", "json", "sarif", "github", "junit"]),
+    default="text",
+    help="How to write the findings.",
+)
 @planning_options
 @tm_option
-@click.option("--strict", is_flag=True, help="A warning counts as an error.")
-@format_option
-def command(files: tuple[str, ...], strict: bool, format_: str, **planning: Any) -> None:
-    """Check programs: everything that yarcc checks before it writes. - reads standard input.
+def command(
+    paths: tuple[str, ...],
+    fix: bool,
+    diff: bool,
+    watch: bool,
+    plans: bool,
+    strict: bool,
+    select: frozenset[str] | None,
+    ignore: frozenset[str] | None,
+    max_findings: int | None,
+    format_: str,
+    **planning: Any,
+) -> None:
+    """Check programs: everything that yarcc checks before it writes, and what else is worth saying.
 
-    A FILE.toml is checked by itself: robot.toml is a robot's, any other a cell's (for --robot, if it is given).
+    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml is a robot's, any other a
+    cell's (for --robot, if it is given). `yarc.toml` says for which robot, and which findings are told: docs/findings.md.
     """
-    from yarclang.cli.show import count_text, finding_json, show_findings
+    _check_usage(paths, fix, diff, watch, format_)
+    from yarclang.cli.checks import Task
+    from yarclang.cli.paths import programs
     from yarclang.cli.work import Progress, options_from
-    from yarclang.diagnostics import in_order
 
-    found: list[Diagnostic] = []
     with Progress() as progress:
-        options = options_from(planning, progress)
-        for file in files:
-            diagnostics = _checked(file, options)
-            progress.pause()
-            if format_ == "text":
-                show_findings(in_order(diagnostics))
-            found += in_order(diagnostics)
-    if format_ == "json":
-        import json
-
-        document = {"version": 1, "diagnostics": [finding_json(diagnostic) for diagnostic in found]}
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
-    else:
-        files_text = f"{len(files)} file{'s' * (len(files) != 1)}"
-        click.echo(f"{files_text} checked: {count_text(found) or 'nothing to complain of'}", err=True)
-    failed = any(one.is_error or (strict and one.severity == "warning") for one in found)
+        task = Task(options_from(planning, progress), plans, fix or diff, _shown(select, ignore))
+        if watch:
+            _watch(paths, task, max_findings, progress)
+            return
+        failed = _checked(
+            programs(paths), task, strict, max_findings, format_, progress, writes=fix, diff=diff
+        )
     raise SystemExit(1 if failed else 0)
 
 
-def _checked(file: str, options: Options) -> tuple[Diagnostic, ...]:
-    """The findings of a program, or of the description of a cell or a robot."""
-    from yarclang.pipeline.cells import SUFFIX, check_description
-    from yarclang.pipeline.inputs import open_program
-    from yarclang.pipeline.stages import plan_module
+def _check_usage(paths: tuple[str, ...], fix: bool, diff: bool, watch: bool, format_: str) -> None:
+    """What can't be meant together is wrong usage."""
+    if fix and diff:
+        raise click.UsageError("--fix writes and --diff doesn't: choose one")
+    if watch and (fix or diff or STANDARD in paths or format_ != "text"):
+        raise click.UsageError(
+            "--watch goes with files, folders and --format text, and neither --fix nor --diff"
+        )
+    if format_ != "text" and (diff or (fix and STANDARD in paths)):
+        raise click.UsageError(f"--format {format_} and what was changed would both go to standard output")
 
-    if file.lower().endswith(SUFFIX):
-        return check_description(file, options.robot)
-    opened = open_program(file, options)
-    if opened.value is None:
-        return opened.diagnostics
-    planned = plan_module(opened.value.module, opened.value.request)
-    return (*opened.diagnostics, *planned.diagnostics)
+
+def _shown(select: frozenset[str] | None, ignore: frozenset[str] | None) -> frozenset[str] | None:
+    """The codes that are wanted; None for all."""
+    if select is None and ignore is None:
+        return None
+    from yarclang.lint.registry import everything
+
+    return (select if select is not None else frozenset(everything())) - (ignore or frozenset())
+
+
+def _checked(
+    files: Sequence[str],
+    task: Task,
+    strict: bool,
+    most: int | None,
+    format_: str,
+    progress: Any,
+    *,
+    writes: bool = False,
+    diff: bool = False,
+) -> bool:
+    """Check files and tell what was found; whether that is a failure."""
+    from yarclang.cli.checks import check_all
+    from yarclang.cli.show import count_text, show_findings
+
+    found: list[Diagnostic] = []
+    fixes = changed = shown = 0
+    for number, done in enumerate(check_all(files, task), 1):
+        progress.pause()
+        said = list(done.found)
+        if writes or diff:
+            fixes, changed = fixes + len(done.applied), changed + done.is_changed
+            said += _put(done, diff=diff)
+        found += said
+        if format_ == "text":
+            room = len(said) if most is None else max(0, most - shown)
+            show_findings(said[:room])
+            shown += len(said[:room])
+        progress("checking", number, len(files))
+    progress.pause()
+    if format_ != "text":
+        from yarclang.cli.formats import document
+        from yarclang.cli.work import write_standard_output
+
+        written = write_standard_output(document(format_, files, found[:most], strict=strict))
+        show_findings(written)
+        found += written
+    else:
+        if shown < len(found):
+            click.echo(f"and {len(found) - shown:,} more: --max-findings {most}", err=True)
+        if fixes:
+            verb = "would be applied" if diff else "applied"
+            click.echo(f"{_counted(fixes, 'fix', 'fixes')} {verb} in {_counted(changed, 'file')}", err=True)
+        click.echo(
+            f"{_counted(len(files), 'file')} checked: {count_text(found) or 'nothing to complain of'}",
+            err=True,
+        )
+    failed = any(one.is_error or (strict and one.severity == "warning") for one in found)
+    return failed or (diff and changed > 0)
+
+
+def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
+    """Write what was fixed, or show how it differs; a program from standard input goes to standard output."""
+    from yarclang.cli.differences import difference, with_mark
+    from yarclang.cli.work import write_standard_output, write_whole
+
+    if diff:
+        return (
+            write_standard_output(difference(done.path, done.before, done.after)) if done.is_changed else ()
+        )
+    if done.path == STANDARD:
+        return write_standard_output((done.after or "").encode()) if done.after is not None else ()
+    if not done.is_changed:
+        return ()
+    path = Path(done.path)
+    return write_whole(path, with_mark(path, done.after or ""))
+
+
+def _watch(paths: tuple[str, ...], task: Task, most: int | None, progress: Any) -> None:
+    """Check whatever changes, until somebody interrupts."""
+    from yarclang.cli.watching import changes
+
+    try:
+        for files in changes(paths, lambda: time.sleep(_PAUSE)):
+            if len(files) == 1:
+                click.echo(f"{files[0]}:", err=True)
+            _checked(files, task, False, most, "text", progress)
+    except KeyboardInterrupt:
+        click.echo(err=True)
+
+
+def _counted(number: int, one: str, many: str = "") -> str:
+    return f"{number} {one if number == 1 else many or one + 's'}"

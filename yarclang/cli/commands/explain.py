@@ -12,12 +12,13 @@ from yarclang.cli.options import code_argument
 def command(codes: tuple[str, ...]) -> None:
     """Explain findings by their codes; without one, list all codes."""
     from yarclang.diagnostics import suggest
-    from yarclang.findings import CATALOGUE, FAMILIES
+    from yarclang.findings import FAMILIES
+    from yarclang.lint.registry import everything
 
     if not codes:
         for family, title in FAMILIES.items():
             entries = sorted(
-                (finding for finding in CATALOGUE.values() if finding.family == family),
+                (finding for finding in everything().values() if finding.family == family),
                 key=lambda one: one.code,
             )
             if entries:
@@ -27,9 +28,9 @@ def command(codes: tuple[str, ...]) -> None:
         return
     unknown = False
     for code in codes:
-        known = [one for one in CATALOGUE.values() if code.lower() in {one.code.lower(), one.name}]
+        known = [one for one in everything().values() if code.lower() in {one.code.lower(), one.name}]
         if not known:
-            click.echo(f"no finding has the code {code}. {suggest(code, CATALOGUE)}".rstrip(), err=True)
+            click.echo(f"no finding has the code {code}. {suggest(code, everything())}".rstrip(), err=True)
             unknown = True
             continue
         finding = known[0]

@@ -1,0 +1,94 @@
+"""Each rule is documented, finds what its invalid examples have, and says nothing of its valid ones."""
+
+import pytest
+from conftest import EXAMPLES
+
+from yarclang.findings import CATALOGUE, FAMILIES
+from yarclang.lint.registry import codes_of, everything, rules
+from yarclang.pipeline.checking import check_file, check_text
+from yarclang.pipeline.inputs import Options
+from yarclang.source import SourceFile
+
+RULES = [pytest.param(rule, id=rule.finding.code) for rule in rules()]
+CASES = [
+    pytest.param(rule, text, expected, id=f"{rule.finding.code}-{kind}{number}")
+    for rule in rules()
+    for kind, texts, expected in (
+        ("valid", (*rule.valid, rule.finding.better), False),
+        ("invalid", (*rule.invalid, rule.finding.example), True),
+    )
+    for number, text in enumerate(texts)
+]
+TRUE_NOTES = {"Y0505", "Y0702", "Y0204"}
+"""What the examples are told, and rightly: a swing, a singularity beside the way, names of the first release."""
+
+
+def found(text, folder, teach=False):
+    if teach:
+        (folder / "yarc.toml").write_text("teach = true\n")
+    return check_text(SourceFile("test.yarc", text), folder, Options(robot="INDUSTRIAL6")).diagnostics
+
+
+@pytest.mark.parametrize(("rule", "text", "expected"), CASES)
+def test_example(rule, text, expected, tmp_path):
+    diagnostics = found(text, tmp_path, rule.teach)
+    assert (rule.finding.code in {one.code for one in diagnostics}) == expected
+    if not (expected and rule.explains_errors):
+        assert not [one.message for one in diagnostics if one.is_error]
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_documentation(rule):
+    finding = rule.finding
+    assert finding.family in FAMILIES
+    assert finding.severity in {"warning", "note"}
+    assert len(finding.why) > 80
+    assert finding.why.endswith(".")
+    assert not finding.title.endswith(".")
+    assert finding.example
+    assert finding.better
+    assert rule.valid
+    assert rule.invalid
+
+
+def test_codes_and_names_are_there_once():
+    assert not {rule.finding.code for rule in rules()} & CATALOGUE.keys()
+    assert len(everything()) == len(CATALOGUE) + len(rules())
+    assert len({one.name for one in everything().values()}) == len(everything())
+
+
+def test_there_are_many():
+    """Codes about programs alone, without those of robots, cells, imports and runs."""
+    assert len([code for code in everything() if code < "Y13" or code >= "Y17"]) > 50
+    assert len(rules()) >= 11
+    assert {rule.reads.__name__ for rule in rules()} == {"Module", "Program", "MotionPlan", "Certificate"}
+
+
+def test_words_for_codes():
+    assert codes_of("y0611") == ("Y0611",)
+    assert codes_of("slow-motion") == ("Y0611",)
+    assert {"Y0601", "Y0611"} <= {*codes_of("Y06")}
+    assert codes_of("Y9") == codes_of("nothing") == codes_of("") == ()
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yarc")), ids=lambda path: path.stem)
+def test_no_rule_cries_wolf(path):
+    diagnostics = check_file(str(path), Options()).diagnostics
+    if "Y1391" in {one.code for one in diagnostics}:
+        diagnostics = check_file(str(path), Options(robot="INDUSTRIAL6")).diagnostics
+    assert {one.code for one in diagnostics} <= TRUE_NOTES
+
+
+def test_a_rule_is_silent_at_a_command_with_an_error(tmp_path):
+    text = "OUTPUT GRIP M1 OFF\nOUTPUT GRIP M1 OFF\nP0010 MOVEJ HOME [50%]"
+    assert [one.code for one in found(text, tmp_path)] == ["Y0206", "Y0603"]
+
+
+def test_modules_keep_what_they_declare(tmp_path):
+    text = "LET DEPTH = 5 (mm)\nSUB LIFT\n  P0010 DMOVE {TCP} 0 0 5 0 0 0 [2] (mm,deg,s) {B}\nEND\n"
+    assert not [one for one in found(text, tmp_path) if one.code in {"Y0215", "Y0216"}]
+
+
+def test_the_standard_library_is_not_spoken_of_in_other_programs(tmp_path):
+    text = (EXAMPLES / "05_pick_and_place.yarc").read_text()
+    assert {one.source.name for one in found(text, tmp_path)} <= {"test.yarc"}

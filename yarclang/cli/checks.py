@@ -1,0 +1,95 @@
+"""Files checked, and fixed, one after the other or several at once in processes of their own."""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from yarclang.cli.outputs import STANDARD
+
+if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.inputs import Options
+    from yarclang.source import SourceFile
+
+_MANY = 4
+"""From so many files on they are shared among processes: each of them imports everything once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What to do with each file: `shown` are the codes that are wanted (None: all); errors are told all the same."""
+
+    options: Options
+    plans: bool = True
+    fix: bool = False
+    shown: frozenset[str] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What was found in a file; if it was to be fixed, its text before and after, and what was done."""
+
+    path: str
+    found: tuple[Diagnostic, ...]
+    before: str | None = None
+    after: str | None = None
+    applied: tuple[str, ...] = ()
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether a fix was applied."""
+        return self.after is not None and self.after != self.before
+
+
+def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
+    """Check files, in their order. The progress of the options is told where no other process does the work."""
+    workers = min(len(files), len(os.sched_getaffinity(0)))
+    if len(files) < _MANY or workers < 2:
+        yield from (check_one(path, task) for path in files)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import get_context
+
+    task = replace(task, options=replace(task.options, progress=None))
+    size = max(1, min(8, len(files) // (4 * workers)))
+    try:
+        # not forked: a library that has threads already may wait for them for ever
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            yield from pool.map(check_one, files, [task] * len(files), chunksize=size)
+    except BrokenProcessPool:
+        raise click.ClickException(
+            "a process that checked files was killed; is there enough memory? Check fewer files at once"
+        ) from None
+
+
+def check_one(path: str, task: Task) -> Done:
+    """Check one file, and fix it if that is wanted."""
+    from yarclang.pipeline.checking import Checked, check_file, check_text
+    from yarclang.pipeline.fixing import fixed
+
+    gc.set_threshold(
+        200_000, 20, 20
+    )  # trees of a long program are no garbage, and looked through again and again
+    checked = check_file(path, task.options, plans=task.plans)
+    if not task.fix or checked.source is None:
+        return Done(path, _told(checked.diagnostics, task))
+    folder = Path.cwd() if path == STANDARD else Path(path).parent
+
+    def again(source: SourceFile) -> Checked:
+        return check_text(source, folder, task.options, plans=task.plans)
+
+    before = checked.source.text
+    made = fixed(checked, again, lambda one: task.shown is None or one.code in task.shown)
+    return Done(path, _told(made.checked.diagnostics, task), before, made.text, made.applied)
+
+
+def _told(found: tuple[Diagnostic, ...], task: Task) -> tuple[Diagnostic, ...]:
+    return tuple(one for one in found if task.shown is None or one.is_error or one.code in task.shown)

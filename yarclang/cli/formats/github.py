@@ -1,0 +1,40 @@
+"""Workflow commands of GitHub Actions: a finding becomes an annotation of the line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from yarclang.cli.formats import path_of
+from yarclang.diagnostics import Diagnostic
+from yarclang.lint.registry import everything
+
+_COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
+
+
+def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)
+    """One command a line."""
+    return "".join(f"{_command(one)}\n" for one in found)
+
+
+def _command(one: Diagnostic) -> str:
+    properties: dict[str, object] = {}
+    if one.source is not None:
+        properties["file"] = path_of(one)
+    if one.source is not None and one.span is not None:
+        properties |= {"line": one.span.line, "endLine": one.span.end_line}
+        if one.span.line == one.span.end_line:  # columns count within one line only
+            properties |= {"col": one.span.column, "endColumn": one.span.end_column}
+    properties["title"] = f"{one.code} {everything()[one.code].name}"
+    shown = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
+    text = f"{one.message}\n{one.help}" if one.help else one.message
+    return f"::{_COMMANDS[one.severity]} {shown}::{_data(text)}"
+
+
+def _data(text: str) -> str:
+    """As the runner's toolkit escapes messages."""
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    """As the runner's toolkit escapes properties."""
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

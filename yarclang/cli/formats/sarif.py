@@ -1,0 +1,97 @@
+"""SARIF 2.1.0 (OASIS, 27 March 2020): what code scanning of GitHub, GitLab and Azure reads."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import Any
+from urllib.parse import quote
+
+from yarclang import __version__
+from yarclang.cli.formats import path_of
+from yarclang.diagnostics import Diagnostic
+from yarclang.findings import Finding
+from yarclang.lint.registry import everything
+from yarclang.source import Span
+
+SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+
+
+def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)
+    """One run, with the rules of the findings that there are."""
+    codes = sorted({one.code for one in found})
+    run = {
+        "tool": {
+            "driver": {
+                "name": "yarc check",
+                "version": __version__,
+                "rules": [_rule(everything()[code]) for code in codes],
+            }
+        },
+        "columnKind": "unicodeCodePoints",
+        "artifacts": [{"location": {"uri": _uri(file)}} for file in files],
+        "results": [_result(one, codes.index(one.code)) for one in found],
+    }
+    return (
+        json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False)
+        + "\n"
+    )
+
+
+def _rule(finding: Finding) -> dict[str, Any]:
+    text = finding.why
+    markdown = finding.why
+    for title, lines in (("For example", finding.example), ("Better", finding.better)):
+        if lines:
+            text += f"\n\n{title}:\n\n{lines}"
+            markdown += f"\n\n{title}:\n\n```\n{lines}\n```"
+    return {
+        "id": finding.code,
+        "name": "".join(part.capitalize() for part in finding.name.split("-")),
+        "shortDescription": {"text": f"{finding.title}."},
+        "fullDescription": {"text": finding.why},
+        "help": {"text": text, "markdown": markdown},
+        "defaultConfiguration": {"level": finding.severity},
+    }
+
+
+def _result(one: Diagnostic, rule: int) -> dict[str, Any]:
+    text = f"{one.message}\n{one.help}" if one.help else one.message
+    result: dict[str, Any] = {
+        "ruleId": one.code,
+        "ruleIndex": rule,
+        "level": one.severity,
+        "message": {"text": text},
+    }
+    if one.source is None:
+        return result
+    artifact = {"uri": _uri(path_of(one))}
+    place: dict[str, Any] = {"artifactLocation": artifact}
+    if one.span is not None:
+        place["region"] = _region(one.span)
+    result["locations"] = [{"physicalLocation": place}]
+    if one.fix is not None:
+        replacements = [
+            {"deletedRegion": _region(edit.span), "insertedContent": {"text": edit.text}}
+            for edit in one.fix.edits
+        ]
+        changes = [{"artifactLocation": artifact, "replacements": replacements}]
+        result["fixes"] = [{"description": {"text": one.fix.title}, "artifactChanges": changes}]
+    return result
+
+
+def _region(span: Span) -> dict[str, int]:
+    """Lines and columns count from 1, as ours; the end column lies behind the last character, as ours."""
+    return {
+        "startLine": span.line,
+        "startColumn": span.column,
+        "endLine": span.end_line,
+        "endColumn": span.end_column,
+    }
+
+
+def _uri(path: str) -> str:
+    """A path as a relative reference, or, of an absolute one, a file's address."""
+    pure = PurePath(path)
+    return pure.as_uri() if pure.is_absolute() else quote(pure.as_posix())

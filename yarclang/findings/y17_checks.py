@@ -1,0 +1,25 @@
+"""Family 17: checks themselves."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y1701",
+        "needless-suppression",
+        "warning",
+        "a comment suppresses a finding that isn't there",
+        "`! yarc: ignore[CODE]` at the end of a line, or alone above it, suppresses warnings and notes of that code on that line. Once the cause is gone, "
+        "the comment would hide the next one.",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0603]",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+    ),
+    Finding(
+        "Y1702",
+        "bad-suppression",
+        "warning",
+        "a comment suppresses something that can't be suppressed",
+        "A comment names the codes of warnings or notes that it suppresses. Errors can't be suppressed: the program couldn't be carried out as it is written.",
+        "P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0502]",
+        "P0010 MOVEJ 160 0 0 0 0 0 [5] (deg,s)",
+    ),
+)

@@ -1,0 +1,117 @@
+"""Which names a file declares, and which it speaks of. Names are told apart as the language does: frames have their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from yarclang.source import Span
+from yarclang.syntax.ast import (
+    Computed,
+    ComputedPercent,
+    FrameName,
+    Module,
+    Statement,
+    Word,
+)
+from yarclang.syntax.expressions import Expression, Name, parts_of
+from yarclang.syntax.words import DECLARATIONS
+
+_FRAMES = ("FRAME", "FRAME_QUAT")
+_NAMED = ("LET", "JOINTS", "INPUT", "OUTPUT", "SUB", "USE")
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A declaration: its word (FRAME for both kinds), the name in upper case, its statement, where the name stands."""
+
+    word: str
+    name: str
+    statement: Statement
+    span: Span
+
+
+@dataclass(slots=True)
+class Names:
+    """What a file declares in order, and the names of numbers and others (`words`) and of frames that it speaks of elsewhere."""
+
+    declared: list[Declared] = field(default_factory=list)
+    words: set[str] = field(default_factory=set)
+    frames: set[str] = field(default_factory=set)
+    is_program: bool = False
+    """Whether a command stands outside of SUBs; of a module, what is declared is for others."""
+
+    def unused(self, *words: str) -> Iterator[Declared]:
+        """The declarations of some kinds that the file doesn't speak of; none of a module's."""
+        if not self.is_program:
+            return
+        for one in self.declared:
+            spoken_of = self.frames if one.word == "FRAME" else self.words
+            if one.word in words and one.name not in spoken_of:
+                yield one
+
+
+def names_of(module: Module) -> Names:
+    """Look through a file. What couldn't be read may speak of any name: then nothing is said to be unused."""
+    found = Names()
+    depth, sub_depth = 0, 0
+    for statement in module.statements:
+        word = statement.name.name
+        if word in {"SUB", "REPEAT", "IF", "WHEN"}:
+            depth += 1
+            sub_depth = sub_depth or (depth if word == "SUB" else 0)
+        elif word == "END":
+            sub_depth = 0 if sub_depth == depth else sub_depth
+            depth -= 1
+        if word not in DECLARATIONS and not sub_depth:
+            found.is_program = True
+        _read(statement, found)
+    if module.unreadable_lines:
+        found.is_program = False
+    return found
+
+
+def _read(statement: Statement, found: Names) -> None:
+    word = statement.name.name
+    own: object = None
+    if word in _FRAMES and statement.moving is not None:
+        own = statement.moving
+        found.declared.append(Declared("FRAME", statement.moving.name, statement, statement.span(own.place)))
+    elif (
+        word in _NAMED and statement.waypoints and isinstance(first := statement.waypoints[0].values[0], Word)
+    ):
+        own = first
+        found.declared.append(Declared(word, first.name, statement, statement.span(first.place)))
+    for frame in (statement.moving, statement.base):
+        if frame is not None and frame is not own:
+            _speak_of(frame, found)
+    if statement.expression is not None:
+        _expression(statement.expression, found)
+    for waypoint in statement.waypoints:
+        for value in waypoint.values:
+            if value is not own:
+                _speak_of(value, found)
+    for item in statement.time.items if statement.time else ():
+        _speak_of(item, found)
+    for option in statement.options:
+        _speak_of(option.argument, found)
+
+
+def _speak_of(value: object, found: Names) -> None:
+    match value:
+        case Word(name=name):
+            found.words |= {name, name.partition(".")[0]}
+        case FrameName(name=name):
+            module, dot, _ = name.partition(".")
+            found.frames.add(name)
+            if dot:
+                found.words.add(module)
+        case Computed(expression=expression) | ComputedPercent(expression=expression):
+            _expression(expression, found)
+
+
+def _expression(expression: Expression, found: Names) -> None:
+    if isinstance(expression, Name):
+        found.words |= {expression.name, expression.name.partition(".")[0]}
+    for part in parts_of(expression):
+        _expression(part, found)

@@ -1,0 +1,1 @@
+"""The rules; each file has a RULE. None imports another."""

@@ -1,0 +1,85 @@
+"""A DMOVE along the base's axes that was probably meant along the tool's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.findings import Finding
+from yarclang.hir import Array, LineMove, PoseDelta
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.units import DEG
+
+TILTED = 10.0 * DEG
+"""A tool whose axis is off by less [rad] goes nearly the same way in both frames."""
+
+_ALONG = 2.0 * DEG
+"""A way in that is off the tool's axis by less [rad] is along it."""
+
+
+def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
+    said_base = {one.line for one in around.module.statements if one.base is not None}
+    before: PlannedMotion | None = None
+    for motion in plan.motions:
+        step = plan.program.steps[motion.step]
+        came, before = before, motion
+        if not isinstance(step, LineMove) or not isinstance(step.goal, PoseDelta) or step.goal.axes_on_flange:
+            continue
+        if step.origin.span.line in said_base or not isinstance(motion.path, CartesianPath):
+            continue
+        axis = _axis(step.goal)
+        if axis is None or came is None or not isinstance(came.path, CartesianPath):
+            continue
+        rotation = motion.path.frame.poses(np.array([0.0]))[0, :3, :3]
+        off = _between(rotation[:, axis], step.goal.axes[:, axis])
+        way = came.path.frame.tangents(np.array([1.0]))[0, :3]
+        if TILTED < off < np.pi - TILTED and _between(way, rotation[:, axis], both_ways=True) < _ALONG:
+            letter = "xyz"[axis]
+            base = step.origin.base.name if step.origin.base else "B"
+            message = f"this goes along {letter} of {{{base}}}, {off / DEG:.0f} deg off the tool's own {letter}, along which the tool came here"
+            name = step.origin.moving.name if step.origin.moving else "TCP"
+            yield remark_at(
+                step.origin,
+                message,
+                f"write {{{name}}} at the end of the line to go along the tool, or {{{base}}} to say that this is meant",
+            )
+
+
+def _axis(goal: PoseDelta) -> int | None:
+    """The only axis along which the delta goes; None where it is not one, or turns."""
+    moves = np.flatnonzero(goal.shift)
+    return int(moves[0]) if len(moves) == 1 and np.array_equal(goal.turn, np.eye(3)) else None
+
+
+def _between(one: Array, other: Array, *, both_ways: bool = False) -> float:
+    """The angle between two directions [rad]; of `both_ways`, that between the lines."""
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    cosine = float(one @ other) / size if size else 0.0
+    return float(np.arccos(np.clip(abs(cosine) if both_ways else cosine, -1.0, 1.0)))
+
+
+_HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1074.4 1276 30 0 0\n"
+RULE = Rule(
+    Finding(
+        "Y0308",
+        "axes-of-the-tool",
+        "warning",
+        "a DMOVE goes along the base's axes where the tool came along its own",
+        "A tool that went into a hole along its own axis has to come out along it. Without a base frame of its own, DMOVE takes that of DEFAULT: with a tilted tool that is "
+        "another direction, and the tool is torn out sideways.",
+        _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
+        _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",
+    ),
+    MotionPlan,
+    _look,
+    valid=(
+        _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",
+        _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {B}",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1074.4 1276 0 0 0\nP0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ 20 0 0 0 -30 0\nP0020 DMOVE 0 0 -120 0 0 0",
+    ),
+    invalid=(_HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",),
+)

@@ -1,0 +1,41 @@
+"""A feed hold that asks more than the robot may be stopped with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from yarclang.certify.certificate import Certificate
+from yarclang.findings import Finding
+from yarclang.hir import Motion
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+
+MUCH = 1.9
+"""A hold that asks more than this share of the stop acceleration is told: motions with all their acceleration come near it."""
+
+
+def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
+    for one in certificate.commands:
+        step = around.steps[one.step]
+        if one.hold.share <= MUCH or not isinstance(step, Motion):
+            continue
+        message = f"a hold in the worst moment of this motion asks {one.hold.share * 100:.0f} % of the stop acceleration of {one.hold.name}"
+        help_ = "make the motion slower (ACC 50%, or a longer time), or hold more slowly: controller.hold_time in robot.toml"
+        yield remark_at(step.origin, message, help_)
+
+
+RULE = Rule(
+    Finding(
+        "Y1168",
+        "hard-hold",
+        "note",
+        "holding this motion in its worst moment asks far more than the stop acceleration",
+        "A feed hold slows time down to a stop, and what the motion needs at that moment comes on top. The certificate says how much of each joint's "
+        "acceleration of an emergency stop that takes; beyond it the drive may trip or lose the path just when somebody wanted to stop.",
+        "P0010 MOVEJ_TOPP 120 60 0 0 0 0 [MIN] (deg)",
+        "P0010 MOVEJ 120 60 0 0 0 0 [50%] (deg)",
+    ),
+    Certificate,
+    _look,
+    valid=("P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",),
+    invalid=("P0010 MOVEJ_TOPP 120 60 0 0 0 0 [MIN] (deg)",),
+)

@@ -1,0 +1,56 @@
+"""A joint near its limit at a target."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.findings import Finding
+from yarclang.hir import Motion
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.motion.plan import MotionPlan
+
+NEAR = 2.0
+"""What is nearer to a limit [deg or mm] is near."""
+
+
+def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
+    robot = around.robot
+    limits, units = robot.limits, robot.axis_units
+    for motion in plan.motions:
+        room = np.minimum(motion.waypoints - limits.lower, limits.upper - motion.waypoints) / units
+        if room.min(initial=np.inf) >= NEAR:
+            continue
+        at, joint = np.unravel_index(int(np.argmin(room)), room.shape)
+        step = plan.program.steps[motion.step]
+        assert isinstance(step, Motion)
+        unit = robot.axis_unit_names[joint]
+        which = f"way-point {at + 1}" if len(motion.waypoints) > 1 else "the target"
+        message = (
+            f"{which} takes {robot.joint_names[joint]} to {motion.waypoints[at, joint] / units[joint]:.4g} {unit}, "
+            f"{max(0.0, room[at, joint]):.2g} {unit} from its limit"
+        )
+        help_ = "another configuration (NEAR) or another place of the part leaves more room"
+        yield remark_at(step.origin, message, help_)
+
+
+RULE = Rule(
+    Finding(
+        "Y0506",
+        "near-joint-limit",
+        "note",
+        "a joint comes within 2 deg (or mm) of its limit at a target",
+        "There the program works, and with the next part that is measured a little differently it doesn't: the pose is refused, or the arm goes another way. "
+        "On the machine, the limit switch may be a little nearer than robot.toml says.",
+        "P0010 MOVEJ 169 0 0 0 0 0 [50%] (deg)",
+        "P0010 MOVEJ 160 0 0 0 0 0 [50%] (deg)",
+    ),
+    MotionPlan,
+    _look,
+    valid=("P0010 MOVEJ 167.9 0 0 0 0 0 [50%] (deg)", "P0010 STOP"),
+    invalid=(
+        "P0010 MOVEJ 168.1 0 0 0 0 0 [50%] (deg)",
+        "P0010 MOVEJ_SPLINE 100 0 0 0 0 0; 169 5 0 0 0 0; 100 0 0 0 20 0 [30] (deg,s)",
+    ),
+)

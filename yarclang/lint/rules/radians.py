@@ -1,0 +1,74 @@
+"""Radians in a line of degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.findings import Finding
+from yarclang.hir import Array, JointGoal, JointMove, Program, SplineMove
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.units import DEG
+
+_STEP = np.pi / 12.0
+"""People turn by multiples of 15 degrees [rad]."""
+
+_EXACT = 6e-5
+"""So near [rad] is a multiple that was written with four digits."""
+
+
+def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
+    turning = ~around.robot.chain.is_prismatic
+    for step in program.steps:
+        goals: tuple[object, ...] = ()
+        if isinstance(step, JointMove):
+            goals = (step.goal,)
+        elif isinstance(step, SplineMove):
+            goals = step.waypoints
+        else:
+            continue
+        for goal in goals:
+            if isinstance(goal, JointGoal) and (value := _radian(goal.q[turning] / DEG)) is not None:
+                turn = round(value / _STEP) * 15
+                message = (
+                    f"{value:.5g} deg looks like {turn} deg in rad; as it stands, the joint hardly moves"
+                )
+                yield remark_at(step.origin, message, "write (rad) behind the values, or the values in deg")
+                break
+
+
+def _radian(values: Array) -> float | None:
+    """A value that is a multiple of 15 deg in rad, where all are small and none is a round number of degrees."""
+    moving = values[values != 0.0]
+    if (
+        not len(moving)
+        or np.abs(moving).max() > 2.0 * np.pi + _EXACT
+        or (np.abs(moving * 20.0 - np.round(moving * 20.0)) < 1e-9).any()
+    ):
+        return None
+    multiples = np.round(moving / _STEP)
+    hits = moving[(np.abs(moving - multiples * _STEP) < _EXACT) & (multiples != 0)]
+    return float(hits[0]) if len(hits) >= min(2, len(moving)) else None
+
+
+RULE = Rule(
+    Finding(
+        "Y0418",
+        "radians",
+        "warning",
+        "joint values in degrees look like radians",
+        "1.5708 deg is a strange number, and a quarter of a turn in rad. The line is carried out, and the arm moves by a sixtieth of what was meant; "
+        "the next straight motion then starts from somewhere else.",
+        "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (deg,s)",
+        "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (rad,s)",
+    ),
+    Program,
+    _look,
+    valid=(
+        "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (rad,s)",
+        "P0010 MOVEJ 1.57 0 0 0 5 0 [5] (deg,s)",
+        "P0010 MOVEJ 0.123 0.2618 1.413 0 0 0 [5] (deg,s)",
+    ),
+    invalid=("P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (deg,s)", "P0010 MOVEJ 0 0 0 0 -0.7854 0 [5] (deg,s)"),
+)

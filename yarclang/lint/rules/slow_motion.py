@@ -1,0 +1,64 @@
+"""A motion that takes much longer than it has to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from yarclang.findings import Finding
+from yarclang.hir import Motion
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.motion.limits import bounds_of
+from yarclang.motion.plan import MotionPlan
+from yarclang.motion.profile import load_profile
+
+MANY = 20.0
+"""A motion that takes so many times the shortest time is slow."""
+
+SHORT = 5.0
+"""Below so many seconds nobody waits [s]."""
+
+_NO_TIME = 1e-3
+"""A motion that could be done in less [s] goes nowhere: another finding."""
+
+
+def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
+    limits = bounds_of(around.robot)
+    for motion in plan.motions:
+        step = plan.program.steps[motion.step]
+        assert isinstance(step, Motion)
+        given = step.timing.duration
+        if given is None or given < SHORT:
+            continue
+        bounds = limits if load_profile(motion.profile).has_jerk_limit else limits.without_jerk()
+        # the control points don't depend on the segment time: so short could it be for these very points
+        needed = max(demand.segment for demand in bounds.demands(motion.curve.points))
+        shortest = motion.curve.duration * needed / motion.curve.segment
+        if _NO_TIME < shortest < given / MANY:
+            message = f"this motion takes {given:g} s and could be done in {shortest:.2g} s: {given / shortest:.0f} times as long"
+            yield remark_at(
+                step.origin,
+                message,
+                "check the time and its unit; [MIN] or [50%] let the limits decide, [V 50] the speed of the tool",
+            )
+
+
+RULE = Rule(
+    Finding(
+        "Y0611",
+        "slow-motion",
+        "note",
+        "a motion takes more than 20 times as long as it has to",
+        "A time that is much too long is often one in the wrong unit, or one that was left behind when the way became shorter; it is paid in every cycle. Where it is "
+        "meant, for a weld or a glue line, [V 10] says so better: the time then follows the way.",
+        "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,min)",
+        "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)",
+    ),
+    MotionPlan,
+    _look,
+    valid=(
+        "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)",
+        "P0010 MOVEJ 90 0 0 0 0 0 [20] (deg,s)",
+        "P0010 MOVEJ 1 0 0 0 0 0 [50%] (deg)",
+    ),
+    invalid=("P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,min)", "P0010 MOVEJ_TOPP 1 0 0 0 0 0 [30] (deg,s)"),
+)

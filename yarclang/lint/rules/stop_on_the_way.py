@@ -1,0 +1,81 @@
+"""A stop between two motions that go straight on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.findings import Finding
+from yarclang.hir import Motion, SetOutput, Step
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.units import DEG
+
+STRAIGHT = 5.0 * DEG
+"""Paths that meet at a smaller angle [rad] go straight on."""
+
+
+def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+    steps = plan.program.steps
+    for first, second in zip(plan.motions, plan.motions[1:], strict=False):
+        step, following = steps[first.step], steps[second.step]
+        assert isinstance(step, Motion)
+        assert isinstance(following, Motion)
+        between: tuple[Step, ...] = steps[first.step + 1 : second.step]
+        if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
+            continue
+        angle = _angle(first, second)
+        if angle is not None and angle < STRAIGHT:
+            other = f" {following.origin.label}" if following.origin.label else " the next motion"
+            message = f"the robot stops here, and{other} goes on in the same direction, within {max(angle / DEG, 0.01):.2g} deg"
+            yield remark_at(
+                step.origin,
+                message,
+                "BLEND with a distance, at the end of the line, lets it flow; if it shall stop, all is well",
+            )
+
+
+def _angle(first: PlannedMotion, second: PlannedMotion) -> float | None:
+    """The angle [rad] at which two paths of one moving frame meet; None where that isn't what they are."""
+    one, other = first.path, second.path
+    if not isinstance(one, CartesianPath) or not isinstance(other, CartesianPath):
+        return None
+    if (
+        one.extent[1]
+        or other.extent[1]
+        or not np.array_equal(one.flange_from_moving, other.flange_from_moving)
+    ):
+        return None
+    comes = one.frame.tangents(np.array([1.0]))[0, :3]
+    goes = other.frame.tangents(np.array([0.0]))[0, :3]
+    cosine = float(comes @ goes) / float(np.linalg.norm(comes) * np.linalg.norm(goes))
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+_HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1376 0 0 0\n"
+RULE = Rule(
+    Finding(
+        "Y0612",
+        "stop-on-the-way",
+        "note",
+        "the robot stops between two motions that go straight on",
+        "Without BLEND each motion ends at rest. On a straight way that costs time, and where the tool works, as with glue, it leaves a mark.",
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0\nP0030 MOVEL 0 1174.4 1176 0 0 0",
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 BLEND 10\nP0030 MOVEL 0 1174.4 1176 0 0 0",
+    ),
+    MotionPlan,
+    _look,
+    valid=(
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0\nP0030 MOVEL 100 1174.4 1276 0 0 0",
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0\nP0030 WAIT [1]\nP0040 MOVEL 0 1174.4 1176 0 0 0",
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0\nP0030 MOVEJ HOME",
+    ),
+    invalid=(
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0\nP0030 MOVEL 0 1174.4 1176 0 0 0",
+        "OUTPUT GLUE M1 OFF\n"
+        + _HEAD
+        + "P0020 MOVEL 0 1174.4 1276 0 0 0\nP0030 SET GLUE ON\nP0040 DMOVE 0 0 -100 0 0 0",
+    ),
+)

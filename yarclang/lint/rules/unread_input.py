@@ -1,0 +1,42 @@
+"""An INPUT that nothing reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from yarclang.findings import Finding
+from yarclang.lint.names import names_of
+from yarclang.lint.rule import Remark, Rule, Surroundings
+from yarclang.syntax.ast import Module
+
+
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+    for one in names_of(module).unused("INPUT"):
+        message = f"nothing in this file reads the input {one.name}"
+        yield Remark(
+            message,
+            one.span,
+            f"write WAIT {one.name} ON [30] (s) where the robot has to wait for it, or take the line away",
+        )
+
+
+RULE = Rule(
+    Finding(
+        "Y1011",
+        "unread-input",
+        "warning",
+        "an INPUT is declared that nothing reads",
+        "Whoever declares an input means the robot to wait for it, or to choose a way by it: a door that has to be shut, a part that has to be there. Without a "
+        "WAIT or WHEN the robot goes on whatever the input says.",
+        "INPUT DOOR_SHUT M11\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+        "INPUT DOOR_SHUT M11\nP0010 WAIT DOOR_SHUT ON [30] (s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+    ),
+    Module,
+    _look,
+    valid=(
+        "INPUT DOOR M11\nP0010 WAIT DOOR ON [30] (s)",
+        'INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 HOLD "shut the door"\nEND',
+        "INPUT DOOR M11\nSUB READY WHAT\n  P0010 WAIT WHAT ON [30] (s)\nEND\nP0020 CALL READY DOOR",
+    ),
+    invalid=("INPUT DOOR M11\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",),
+)

@@ -1,0 +1,68 @@
+"""A name that nothing speaks of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from yarclang.diagnostics import Edit, Fix
+from yarclang.findings import Finding
+from yarclang.lint.names import Declared, names_of
+from yarclang.lint.rule import Remark, Rule, Surroundings
+from yarclang.source import Span
+from yarclang.syntax.ast import Module
+
+_KINDS = {"FRAME": "frame", "JOINTS": "joint position", "LET": "number", "SUB": "SUB", "USE": "module"}
+
+
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:
+    names = names_of(module)
+    # of frames that the robot carries another rule speaks
+    on_flange = set(around.robot.flange_from_frame)
+    for one in names.declared:
+        if one.word == "FRAME" and one.statement.base is not None and one.statement.base.name in on_flange:
+            on_flange.add(one.name)
+    for one in names.unused(*_KINDS):
+        if one.word == "FRAME" and one.name in on_flange:
+            continue
+        shown = f"{{{one.name}}}" if one.word == "FRAME" else one.name
+        message = f"no line of this file uses the {_KINDS[one.word]} {shown}"
+        yield Remark(
+            message, one.span, "take the line away, or was another name meant further down?", _without(one)
+        )
+
+
+def _without(one: Declared) -> Fix | None:
+    """Nobody loses work with a USE; what else is declared may be wanted in a minute."""
+    statement = one.statement
+    if one.word != "USE" or statement.comments:
+        return None
+    line = Span(statement.line, 1, statement.line + statement.rows, 1)
+    return Fix(f"take USE {one.name} away", (Edit(line, ""),))
+
+
+RULE = Rule(
+    Finding(
+        "Y0216",
+        "unused-name",
+        "note",
+        "something is declared that nothing uses",
+        "Either the line is left over, or a command further down names something else than was meant: a frame that was measured and "
+        "isn't used is often one whose neighbour is used twice. A file without commands of its own is a module, whose names are for others.",
+        "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nFRAME {RIGHT} 200 1074.4 1126 0 0 0 (mm,deg) {B}\n"
+        "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
+        "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
+    ),
+    Module,
+    _look,
+    valid=(
+        "LET HEIGHT = 1176 (mm)\nP0010 MOVEJ_RPY {TCP} 0 1174.4 $HEIGHT 0 0 0 [5] (mm,deg,s) {B}",
+        "JOINTS PARK 0 -10 -40 0 50 0 (deg)\nSTART PARK\nP0010 MOVEJ HOME [MIN]",
+        "SUB LIFT A (mm)\n  P0010 DMOVE {TCP} 0 0 $A 0 0 0 [MIN] (mm,deg) {B}\nEND\nP0020 MOVEJ 0 0 0 0 -30 0 [MIN] (deg)\nP0030 CALL LIFT -50",
+    ),
+    invalid=(
+        "LET HEIGHT = 1176 (mm)\nP0010 MOVEJ HOME [50%]",
+        "JOINTS PARK 0 -10 -40 0 50 0 (deg)\nP0010 MOVEJ HOME [50%]",
+        "USE PALLET\nP0010 MOVEJ HOME [50%]",
+        "SUB AWAY\n  P0010 MOVEJ HOME [MIN]\nEND\nP0020 MOVEJ 0 0 0 0 20 0 [MIN] (deg)",
+    ),
+)

@@ -1,0 +1,57 @@
+"""A tool that no command uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from yarclang.findings import Finding
+from yarclang.lint.names import names_of
+from yarclang.lint.rule import Remark, Rule, Surroundings
+from yarclang.syntax.ast import Module
+
+
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:
+    names = names_of(module)
+    on_flange = set(around.robot.flange_from_frame)
+    for one in names.declared:
+        if one.word == "FRAME" and one.statement.base is not None and one.statement.base.name in on_flange:
+            on_flange.add(one.name)
+    for one in names.unused("FRAME"):
+        if one.name in on_flange:
+            message = f"no line of this file uses the tool {{{one.name}}}"
+            yield Remark(
+                message,
+                one.span,
+                f"name {{{one.name}}} in DEFAULT or in the commands that move it, or take the line away",
+            )
+
+
+RULE = Rule(
+    Finding(
+        "Y0215",
+        "unused-tool",
+        "warning",
+        "a tool is declared that no command uses",
+        "A tool that is declared is mounted. If no command names it, all of them lead another frame, most likely {TCP}, to where the tool should go, and the "
+        "tool meets what stands there.",
+        "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+    ),
+    Module,
+    _look,
+    valid=(
+        "FRAME {TORCH} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nDEFAULT {TORCH} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0",
+        (
+            "FRAME {MOUNT} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nFRAME {TIP} 0 0 50 0 0 0 (mm,deg) {MOUNT}\n"
+            "P0010 MOVEJ_RPY {TIP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"
+        ),
+        "FRAME {TABLE} 0 900 500 0 0 0 (mm,deg) {B}\nP0010 MOVEJ HOME [50%]",
+    ),
+    invalid=(
+        "FRAME {TORCH} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        (
+            "FRAME {MOUNT} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nFRAME {TIP} 0 0 50 0 0 0 (mm,deg) {MOUNT}\n"
+            "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"
+        ),
+    ),
+)

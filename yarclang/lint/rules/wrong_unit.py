@@ -1,0 +1,121 @@
+"""A magnitude that smells of the wrong unit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.findings import Finding
+from yarclang.hir import (
+    ArcMove,
+    Array,
+    JointMove,
+    LineMove,
+    Motion,
+    PoseGoal,
+    PoseSplineMove,
+    Program,
+    SplineMove,
+)
+from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.robot.kinematics.reach import arm_length
+from yarclang.units import DEG, MM
+
+_NEAR, _FAR = 0.005, 20.0
+"""A pose in {B} nearer to it than this share of the arm's length, or farther than so many lengths, smells."""
+
+_SLOWEST, _FASTEST = 1.0 * MM, 10.0
+"""Speeds of a tool [m/s] beyond these smell."""
+
+_BLEND = 0.1
+"""A smaller corner [mm and deg] smells."""
+
+
+def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
+    arm = arm_length(around.robot.chain, np.eye(4))
+    for step in program.steps:
+        if not isinstance(step, Motion):
+            continue
+        for said in (_place(step, arm), _speed(step), _blend(step)):
+            if said:
+                yield remark_at(step.origin, said[0], said[1])
+
+
+def _place(step: Motion, arm: float) -> tuple[str, str] | None:
+    if step.origin.base is not None and step.origin.base.name != "B":
+        return None
+    for point in _points(step):
+        away = float(np.linalg.norm(point))
+        if 0.0 < away < _NEAR * arm:
+            meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
+            return (
+                f"this pose is {away / MM:.3g} mm from {{B}}, inside of the robot's foot{meant}",
+                "are these metres and not mm?",
+            )
+        if away > _FAR * arm:
+            return (
+                f"this pose is {away:,.0f} m from {{B}}; the arm is {arm:.2g} m long",
+                "are these mm and not metres?",
+            )
+    return None
+
+
+def _points(step: Motion) -> Iterator[Array]:
+    match step:
+        case JointMove(goal=PoseGoal() as goal) | LineMove(goal=PoseGoal() as goal) | ArcMove(goal=goal):
+            yield goal.base_from_moving[:3, 3]
+        case PoseSplineMove(waypoints=waypoints) | SplineMove(waypoints=waypoints):
+            yield from (one.base_from_moving[:3, 3] for one in waypoints if isinstance(one, PoseGoal))
+
+
+def _speed(step: Motion) -> tuple[str, str] | None:
+    speed = step.timing.speed
+    if speed is None or speed.length is None:
+        return None
+    if speed.length < _SLOWEST:
+        return f"the tool goes at {speed.length / MM:.3g} mm/s", "is the speed in m and s, and not in mm?"
+    if speed.length > _FASTEST:
+        return f"the tool goes at {speed.length:,.0f} m/s", "is the speed in mm and s, and not in m?"
+    return None
+
+
+def _blend(step: Motion) -> tuple[str, str] | None:
+    blend = step.blend
+    if blend is None or not blend.length or blend.length >= _BLEND * MM:
+        return None
+    if blend.angle is not None and blend.angle >= _BLEND * DEG:
+        return None
+    return (
+        f"a corner of {blend.length / MM:.3g} mm is next to none",
+        "are these metres and not mm? BLEND 0 follows both paths exactly",
+    )
+
+
+_HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1376 0 0 0\n"
+RULE = Rule(
+    Finding(
+        "Y0417",
+        "wrong-unit",
+        "warning",
+        "a magnitude smells of the wrong unit",
+        "A pose 1.2 mm from the robot's base, or one 1174 m away, a tool that creeps at 0.25 mm/s: numbers that are right in m and stand in a line of mm, or the other way "
+        "round. Where the robot can do it all the same, it does something else than was meant.",
+        "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",
+        "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (m,deg,s) {B}",
+    ),
+    Program,
+    _look,
+    valid=(
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 20] BLEND 5\nP0030 MOVEL 100 1174.4 1276 0 0 0",
+        _HEAD + "P0020 DMOVE 0 0 0.5 0 0 0",
+        "FRAME {TABLE} 0 1174.4 1176 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 0.5 0 0 0 [5] (mm,deg,s) {TABLE}",
+    ),
+    invalid=(
+        "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",
+        "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (m,deg,s) {B}",
+        _HEAD + "P0020 MOVEL 0 1174.4 1366 0 0 0 [V 0.25]",
+        _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 BLEND 0.02\nP0030 MOVEL 100 1174.4 1276 0 0 0",
+    ),
+    explains_errors=True,
+)

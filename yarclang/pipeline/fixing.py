@@ -1,0 +1,175 @@
+"""Fixes applied to a text until none is left; each is tried, and none may break the program."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.hir import Gap, Origin, Program, fingerprint
+from yarclang.pipeline.checking import Checked
+from yarclang.source import SourceFile, Span
+
+MOST_ROUNDS = 20
+"""Fixes that call for each other for ever end here."""
+
+_SAME = 1e-9
+"""Control points that differ by less [rad or m] are the same."""
+
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fixed:
+    """A text with its fixes applied, what is left to say of it, and the titles of the fixes."""
+
+    text: str
+    checked: Checked
+    applied: tuple[str, ...]
+
+
+def fixed(
+    checked: Checked, check: Callable[[SourceFile], Checked], wanted: Callable[[Diagnostic], bool]
+) -> Fixed:
+    """Apply the fixes of the wanted findings.
+
+    A fix stays only if what comes of it is read, has no error that wasn't there, no longer has the finding, and, where the finding was no
+    error, does the same as before: the same curves of all motions, or, of a program that isn't planned, the same steps.
+
+    Args:
+        checked: what was found in the text as it is; its source is there.
+        check: finds what is to be said of another text of the file.
+        wanted: whether a finding's fix is to be applied.
+    """
+    assert checked.source is not None
+    applied: list[str] = []
+    refused: set[tuple[str, str, str]] = set()
+    for _ in range(MOST_ROUNDS):
+        source = checked.source
+        assert source is not None
+        open_ = [one for one in _fixable(checked, wanted) if _key(one, source) not in refused]
+        if not open_:
+            break
+        chosen = apart(open_)
+        together = _tried(checked, chosen, check)
+        if together is not None:
+            checked = together
+            applied += [one.fix.title for one in chosen if one.fix]
+            continue
+        for one in chosen:
+            alone = _tried(checked, [one], check) if len(chosen) > 1 else None
+            if alone is None:
+                refused.add(_key(one, source))
+                continue
+            checked = alone
+            applied += [one.fix.title] if one.fix else []
+            break  # the places of the others have moved
+    assert checked.source is not None
+    return Fixed(checked.source.text, checked, tuple(applied))
+
+
+def _fixable(checked: Checked, wanted: Callable[[Diagnostic], bool]) -> list[Diagnostic]:
+    name = checked.source.name if checked.source else ""
+    return [
+        one
+        for one in checked.diagnostics
+        if one.fix is not None and one.source is not None and one.source.name == name and wanted(one)
+    ]
+
+
+def _key(one: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
+    """What a finding is known by when its line has moved."""
+    line = source.line(one.span.line) if one.span else ""
+    return one.code, line, one.fix.title if one.fix else ""
+
+
+def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Those whose edits touch no edit of one before."""
+    chosen: list[Diagnostic] = []
+    taken: list[Edit] = []
+    for one in findings:
+        edits = one.fix.edits if one.fix else ()
+        if any(_touch(edit, other) for edit in edits for other in taken):
+            continue
+        chosen.append(one)
+        taken += edits
+    return chosen
+
+
+def _touch(one: Edit, other: Edit) -> bool:
+    """Whether two edits share text, or a place."""
+    first, second = sorted((one.span, other.span))
+    return (second.line, second.column) <= (first.end_line, first.end_column)
+
+
+def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
+    """The text after edits that don't touch each other. Lines keep their ends; a last line without one keeps none."""
+    text = source.text
+    starts = [0, *(end.end() for end in _LINE_END.finditer(text))]
+
+    def offset(line: int, column: int) -> int:
+        return min(starts[line - 1] + column - 1, len(text)) if line <= len(starts) else len(source.text)
+
+    edits = sorted((edit for fix in fixes for edit in fix.edits), key=lambda edit: edit.span, reverse=True)
+    for edit in edits:
+        span = edit.span
+        text = (
+            text[: offset(span.line, span.column)]
+            + edit.text
+            + text[offset(span.end_line, span.end_column) :]
+        )
+    return text
+
+
+def _tried(
+    before: Checked, chosen: Sequence[Diagnostic], check: Callable[[SourceFile], Checked]
+) -> Checked | None:
+    """What comes of some fixes; None where they break something, or remove nothing."""
+    assert before.source is not None
+    text = edited(before.source, [one.fix for one in chosen if one.fix])
+    if text == before.source.text:
+        return None
+    after = check(SourceFile(before.source.name, text))
+    had, has = _counted(before), _counted(after)
+    errors = {one.code for one in (*before.diagnostics, *after.diagnostics) if one.is_error}
+    if any(has[code] > had[code] for code in errors):
+        return None
+    gone = Counter(one.code for one in chosen)
+    # edits of one kind may remove several findings, or uncover one of the same kind further down
+    if any(has[code] >= had[code] for code in gone):
+        return None
+    if not any(one.is_error for one in chosen) and not _does_the_same(before, after):
+        return None
+    return after
+
+
+def _counted(checked: Checked) -> Counter[str]:
+    return Counter(one.code for one in checked.diagnostics)
+
+
+def _does_the_same(before: Checked, after: Checked) -> bool:
+    if before.program is None or after.program is None:
+        return before.program is after.program
+    if before.plan is None or after.plan is None:
+        return before.plan is after.plan and _steps(before.program) == _steps(after.program)
+    if _steps(before.program) == _steps(after.program):
+        return True
+    one, other = before.plan.motions, after.plan.motions
+    return len(one) == len(other) and all(
+        first.step == second.step
+        and abs(first.curve.segment - second.curve.segment) < _SAME
+        and first.curve.points.shape == second.curve.points.shape
+        and bool((np.abs(first.curve.points - second.curve.points) < _SAME).all())
+        for first, second in zip(one, other, strict=True)
+    )
+
+
+def _steps(program: Program) -> str:
+    """A hash of what a program does, whatever its commands are called."""
+    nobody = Origin("", "", program.source, Span(1, 1, 1, 1))
+    steps = tuple(step if isinstance(step, Gap) else replace(step, origin=nobody) for step in program.steps)
+    return fingerprint(replace(program, steps=steps))

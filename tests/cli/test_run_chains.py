@@ -3,6 +3,7 @@
 import re
 
 import pytest
+
 from tests.cli.run_processes import run_on
 
 CHAIN = """ROBOT INDUSTRIAL6

@@ -93,10 +93,10 @@ def _draw_corners(axes: Any, corners: Passed) -> None:
     label = "corners passed in motion" if every == 1 else f"corners passed (one of {every})"
     axes.scatter(
         *corners.places[::every].T,
-        s=26 if len(corners) <= 12 else 10,
+        s=26 if len(corners) <= 12 else 10 if len(corners) <= _MOST_BALLS else 2,
         marker="x",
         color=CORNER_COLOUR,
-        linewidths=1.2 if len(corners) <= 12 else 0.8,
+        linewidths=1.2 if len(corners) <= 12 else 0.8 if len(corners) <= _MOST_BALLS else 0.4,
         depthshade=False,
         zorder=7,
         label=label,

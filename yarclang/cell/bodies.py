@@ -13,23 +13,18 @@ from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import (
     Array,
-    Box,
     BoxRegion,
-    Capsule,
     CellFrame,
-    Cylinder,
     HalfSpace,
-    Mesh,
     Mount,
     Obstacle,
     Region,
-    Shape,
-    Sphere,
     Zone,
 )
 from yarclang.cell.schema import CellTable, ObstacleTable, ZoneTable
 from yarclang.cell.windows import joint_window
 from yarclang.robot.model import Robot
+from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.toml.draft import missing_mistake, table_name
 from yarclang.toml.places import Path
 from yarclang.transforms import constant

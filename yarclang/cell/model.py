@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.shapes import Shape
 from yarclang.source import SourceFile, Span
 
 Array = NDArray[np.float64]
@@ -47,48 +47,6 @@ class CellOutput:
 
     variable: str
     safe: float | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Box:
-    """A box around its frame's origin: `size` (3,) are its whole edges along x, y, z [m]."""
-
-    size: Array
-
-
-@dataclass(frozen=True, slots=True)
-class Sphere:
-    """A sphere around its frame's origin [m]."""
-
-    radius: float
-
-
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """A cylinder around its frame's z axis; `length` [m] is halved by the origin."""
-
-    radius: float
-    length: float
-
-
-@dataclass(frozen=True, slots=True)
-class Capsule:
-    """All points within `radius` [m] of a piece of the frame's z axis; its `length` [m], without the caps, is halved by the origin."""
-
-    radius: float
-    length: float
-
-
-@dataclass(frozen=True, slots=True)
-class Mesh:
-    """The triangles of a file, whose coordinates times `unit` are in m; `digest` is the SHA-256 of its bytes."""
-
-    path: Path
-    unit: float
-    digest: str
-
-
-Shape = Box | Sphere | Cylinder | Capsule | Mesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)

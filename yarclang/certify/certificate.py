@@ -114,6 +114,25 @@ class ToolSpeed:
 
 
 @dataclass(frozen=True, slots=True)
+class Clearance:
+    """How far apart the bodies of two kinds stay at least [m], and the two that come nearest.
+
+    Without names, all of them stay farther apart than that.
+    """
+
+    distance: float
+    first: str = ""
+    second: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """In mm."""
+        return {
+            "at_least_mm": _number(self.distance / MM),
+            "bodies": [self.first, self.second] if self.first else None,
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class CommandCertificate:
     """What was proved for one motion command.
 
@@ -123,6 +142,7 @@ class CommandCertificate:
     is the most that a hold in the worst moment asks of a joint, |a| + |v| / hold time, against the
     acceleration of an emergency stop: stated, not judged. `tool_speed` is that of Cartesian motions; `blended` is the blend behind
     the command. The jerk of a time-optimal motion (profile TOPP), and of blends with one, is stated as well, and not judged: `jerk_judged`.
+    `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves; None where there is nothing.
     """
 
     step: int
@@ -145,6 +165,8 @@ class CommandCertificate:
     tool_speed: ToolSpeed | None = None
     blended: Blended | None = None
     jerk_judged: bool = True
+    clearance: Clearance | None = None
+    own_clearance: Clearance | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the unit in each name."""
@@ -170,6 +192,8 @@ class CommandCertificate:
             "tool_speed": self.tool_speed.to_json() if self.tool_speed else None,
             "blend": self.blended.to_json() if self.blended else None,
             "jerk_judged": self.jerk_judged,
+            "clearance": self.clearance.to_json() if self.clearance else None,
+            "own_clearance": self.own_clearance.to_json() if self.own_clearance else None,
         }
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.blend import judge_blends
 from yarclang.certify.certificate import Certificate, Deviation
+from yarclang.certify.clearance import NOTHING_NEAR
 from yarclang.certify.corner import Judged
 from yarclang.certify.deviations import find_deviations
 from yarclang.certify.flow import check_places
@@ -74,6 +75,7 @@ def certify(
         proofs = find_deviations(judged, layout)
         blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)
+    apart = judge.clearances(layout)
     commands = tuple(
         judge.command(
             layout,
@@ -82,6 +84,7 @@ def certify(
             proofs.deviations[place.step],
             proofs.speeds.get(place.step),
             blends.get(place.step),
+            apart.get(place.step, NOTHING_NEAR),
         )
         for place in layout.places
     )

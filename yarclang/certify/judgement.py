@@ -12,6 +12,7 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, ToolSpeed
+from yarclang.certify.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.flow import check_flow
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
@@ -214,6 +215,12 @@ class Judge:
                     place.step,
                 )
 
+    def clearances(self, layout: Layout) -> dict[int, Apart]:
+        """Robot, cell and what the robot carries stay apart."""
+        apart, findings = find_clearances(layout, self.program, self.robot)
+        self.findings.extend(findings)
+        return apart
+
     # the table
 
     def command(
@@ -224,6 +231,7 @@ class Judge:
         deviation: Deviation,
         speed: ToolSpeed | None = None,
         blended: Blended | None = None,
+        apart: Apart = NOTHING_NEAR,
     ) -> CommandCertificate:
         """What was proved for one command."""
         step = place.motion
@@ -248,6 +256,8 @@ class Judge:
             tool_speed=speed,
             blended=blended,
             jerk_judged=step.profile != TIME_OPTIMAL and not any(_beside_time_optimal(layout, place)),
+            clearance=apart.cell,
+            own_clearance=apart.own,
         )
 
 

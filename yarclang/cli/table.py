@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from yarclang.certify.certificate import Certificate, CommandCertificate, Load, bound_text
+from yarclang.certify.certificate import Certificate, Clearance, CommandCertificate, Load, bound_text
 from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -25,12 +26,17 @@ _HEAD = (
     "path mm",
     "path deg",
 )
+_CLEAR = "clear mm"
+"""Of programs in a cell with obstacles: the smallest distance, proved, and the two that come so near."""
 
 
 def certificate_table(certificate: Certificate) -> str:
-    """Duration, the worst joint and its share of each limit, and the proved deviation, for each command."""
+    """Duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance, for each command."""
     rows = [_HEAD, *(tuple(_row(command)) for command in certificate.commands)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
+    if any(command.clearance for command in certificate.commands):
+        clear = [_CLEAR, *(_clearance(command.clearance) for command in certificate.commands)]
+        rows = [(*row, cell) for row, cell in zip(rows, clear, strict=True)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [
         "  ".join(
             cell.ljust(width) if column < 2 else cell.rjust(width)
@@ -55,6 +61,15 @@ def _row(command: CommandCertificate) -> Iterator[str]:
     yield _load(command.hold)
     yield bound_text(command.deviation.position / MM)
     yield bound_text(command.deviation.angle / DEG)
+
+
+def _clearance(clearance: Clearance | None) -> str:
+    if clearance is None:
+        return "-"
+    if not clearance.first:
+        return f"over {clearance.distance / MM:g}"
+    # what is printed is proved as well
+    return f"{math.floor(clearance.distance / MM * 10.0) / 10.0:.1f} {clearance.first}, {clearance.second}"
 
 
 def _load(load: Load) -> str:

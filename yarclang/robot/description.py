@@ -17,8 +17,20 @@ import numpy as np
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.robot.chain import check_bodies, check_chain, find_links, frozen, joints_between, screws
 from yarclang.robot.checks import check_narrower, check_table
+from yarclang.robot.contacts import allowed_pairs
 from yarclang.robot.library import RobotSummary, find_robot, list_robots, stdlib_folder
-from yarclang.robot.model import Actuation, Array, Chain, Controller, JointKind, Limits, Robot, Tolerance
+from yarclang.robot.link_shapes import link_shapes
+from yarclang.robot.model import (
+    Actuation,
+    Array,
+    Chain,
+    Controller,
+    JointKind,
+    Limits,
+    LinkShape,
+    Robot,
+    Tolerance,
+)
 from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
 from yarclang.robot.urdf_shapes import check_shapes
 from yarclang.source import SourceFile
@@ -90,8 +102,12 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     chain = screws(urdf, _given(table.base), _given(table.flange), moving)
     if chain is None:
         return Result(None, in_order([*findings, *urdf.findings]))
-    fingerprint = _fingerprint(table, urdf, shapes)
-    return Result(_assemble(folder, table, moving, chain, fingerprint), in_order(findings))
+    allowed = allowed_pairs(file, folder, table.collision, urdf)
+    if has_errors(file.findings):
+        return Result(None, in_order([*file.findings, *urdf.findings]))
+    fingerprint = _fingerprint(table, urdf, shapes, allowed)
+    bodies = link_shapes(urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving)
+    return Result(_assemble(folder, table, moving, chain, fingerprint, bodies, allowed), in_order(findings))
 
 
 def _open_urdf(file: TomlFile, folder: Path, draft: RobotDraft) -> tuple[Urdf | None, dict[str, list[str]]]:
@@ -151,7 +167,13 @@ def _chain(
 
 
 def _assemble(
-    folder: Path, table: RobotTable, joints: Sequence[Joint], chain: Chain, fingerprint: str
+    folder: Path,
+    table: RobotTable,
+    joints: Sequence[Joint],
+    chain: Chain,
+    fingerprint: str,
+    shapes: tuple[LinkShape, ...],
+    allowed: frozenset[tuple[str, str]],
 ) -> Robot:
     """The robot in SI, of tables without mistakes."""
     actuation, motors, controller = _given(table.actuation), _given(table.motors), _given(table.controller)
@@ -195,6 +217,8 @@ def _assemble(
         ),
         tolerance=Tolerance(table.tolerance.position * MM, table.tolerance.angle * DEG),
         fingerprint=fingerprint,
+        shapes=shapes,
+        allowed=allowed,
     )
 
 
@@ -232,7 +256,9 @@ def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
     return pose
 
 
-def _fingerprint(table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[str]]) -> str:
+def _fingerprint(
+    table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[str]], allowed: frozenset[tuple[str, str]]
+) -> str:
     """SHA-256 of what the files say: values, joints and collision shapes (meshes with their bytes).
 
     Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
@@ -241,8 +267,8 @@ def _fingerprint(table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[st
         joint.name: [joint.kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis]
         for joint in urdf.joints.values()
     }
-    values = table.model_dump(exclude={"urdf", "ignored_joints"})
-    canonical = json.dumps([values, joints, dict(shapes)], sort_keys=True)
+    values = table.model_dump(exclude={"urdf", "ignored_joints", "collision"})
+    canonical = json.dumps([values, joints, dict(shapes), *sorted(allowed)], sort_keys=True)
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.shapes import Shape
 from yarclang.units import DEG, MM
 
 Array = NDArray[np.float64]
@@ -119,12 +120,26 @@ class Tolerance:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LinkShape:
+    """A collision shape of a link: `base_from_shape` (4, 4) [m] is where it is with all joints at zero.
+
+    `joint` is how many of the arm's joints move it, those from the base on: none of a link that stands still.
+    """
+
+    link: str
+    joint: int
+    base_from_shape: Array
+    shape: Shape
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Robot:
     """A robot: geometry, limits, frames, actuation, controller.
 
     `flange_from_frame` has each frame that sits on the flange, by its name in upper case
     without braces; FLANGE itself is the identity. `positions` are the named joint
-    positions, HOME among them. `fingerprint` is the SHA-256 of all that this says.
+    positions, HOME among them. `fingerprint` is the SHA-256 of all that this says. `shapes` are the links' collision
+    shapes; `allowed` the pairs of links, each in alphabetical order, that may touch each other.
     """
 
     name: str
@@ -141,6 +156,8 @@ class Robot:
     controller: Controller
     tolerance: Tolerance
     fingerprint: str
+    shapes: tuple[LinkShape, ...] = ()
+    allowed: frozenset[tuple[str, str]] = frozenset()
 
     @property
     def size(self) -> int:

@@ -72,6 +72,13 @@ class ToleranceTable(Table):
     angle: Annotated[float, Field(ge=LEAST, le=180.0)] = 0.002
 
 
+class CollisionTable(Table):
+    """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more of them."""
+
+    allowed: list[list[str]] = Field(default=[])
+    srdf: str | None = None
+
+
 class RobotTable(Document):
     """The whole file."""
 
@@ -99,6 +106,7 @@ class RobotTable(Document):
     motors: MotorsTable | None = None
     controller: ControllerTable | None = None
     tolerance: ToleranceTable = Field(default_factory=ToleranceTable)
+    collision: CollisionTable = Field(default_factory=CollisionTable)
     tables: ClassVar = {
         "joints": JointTable,
         "frames": FrameTable,
@@ -106,6 +114,7 @@ class RobotTable(Document):
         "motors": MotorsTable,
         "controller": ControllerTable,
         "tolerance": ToleranceTable,
+        "collision": CollisionTable,
     }
     examples: ClassVar = {
         "name": 'for example name = "INDUSTRIAL6".',

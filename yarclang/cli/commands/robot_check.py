@@ -20,9 +20,10 @@ def command(robot: str, format_: str) -> None:
     import os
     from itertools import zip_longest
 
+    from yarclang.collision.checklist import body_items
     from yarclang.robot.checklist import check_robot
 
-    checked = check_robot(robot)
+    checked = check_robot(robot, body_items)
     if format_ == "json":
         import json
 

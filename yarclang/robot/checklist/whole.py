@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from yarclang.diagnostics import Diagnostic
@@ -30,8 +31,13 @@ class Checklist:
         return sum(item.verdict == "to do" for item in self.items)
 
 
-def check_robot(name_or_path: str) -> Checklist:
-    """Goes through all points for a robot of the library, a robot.toml or a folder with one."""
+def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) -> Checklist:
+    """Goes through all points for a robot of the library, a robot.toml or a folder with one.
+
+    Args:
+        name_or_path: which robot.
+        further: points of rooms above this one.
+    """
     loaded = load_robot(name_or_path)
     items = [_finding(finding) for finding in loaded.diagnostics]
     robot = loaded.value
@@ -42,6 +48,8 @@ def check_robot(name_or_path: str) -> Checklist:
     items += limit_items(robot)
     items += geometry_items(robot)
     items += drive_items(robot)
+    for points in further:
+        items += points(robot)
     items += _guesses(name_or_path)
     return Checklist(robot, tuple(items))
 

@@ -1,0 +1,145 @@
+"""Whether the bodies of robot and cell stay apart while the text is executed, and how near they come."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.bounds import Cubics
+from yarclang.certify.certificate import Clearance
+from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.collision.course import Course
+from yarclang.collision.meeting import Contact, contact
+from yarclang.collision.proof import KNOWN, Clearances, Meeting, clearances
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MM
+
+
+@dataclass(frozen=True, slots=True)
+class Apart:
+    """How near a command brings the robot to its cell, and to itself; None where there is nothing to come near to."""
+
+    cell: Clearance | None
+    own: Clearance | None
+
+
+NOTHING_NEAR = Apart(None, None)
+
+
+def find_clearances(
+    layout: Layout, program: hir.Program, robot: Robot
+) -> tuple[dict[int, Apart], list[Diagnostic]]:
+    """The smallest distances of every command by its step, and a finding for each that brings bodies too near to each other.
+
+    Args:
+        layout: the text's segments.
+        program: what it was compiled from; its cell has the obstacles.
+        robot: its links and kinematics.
+    """
+    if not robot.shapes and not (program.cell and program.cell.obstacles):
+        return {}, []
+    made = scene_of(robot, program.cell)
+    if made.value is None:
+        source = program.source
+        return {}, [
+            one if one.source else Diagnostic(one.code, one.message, source) for one in made.diagnostics
+        ]
+    scene = made.value
+    apart: dict[int, Apart] = {}
+    findings: list[Diagnostic] = []
+    for places in chunks([place for place in layout.places if place.size]) if len(scene.first) else ():
+        base = places[0].first
+        course = _course(layout.cubics(base, places[-1].last))
+        spans = np.array([(place.first - base, place.last - base) for place in places])
+        found = clearances(scene, course, spans)
+        for row, place in enumerate(places):
+            apart[place.step] = Apart(_clearance(scene, found, row, 1), _clearance(scene, found, row, 0))
+        for row, meetings in _by_motion(found.meetings):
+            span = (int(spans[row, 0]), int(spans[row, 1]))
+            contacts = [(one, contact(scene, course, span, one)) for one in meetings]
+            findings.append(_finding(scene, course, places[row], span, contacts, robot))
+    return apart, list(grouped(findings))
+
+
+def _course(cubics: Cubics) -> Course:
+    return Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())
+
+
+def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance | None:
+    """What was proved of a motion, of the pairs of one kind."""
+    if not (scene.of_cell == bool(kind)).any():
+        return None
+    near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
+    # beyond what is looked at closely, the bound says little and the names nothing
+    return Clearance(KNOWN) if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
+
+
+def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meeting]]]:
+    for row in sorted({one.motion for one in meetings}):
+        yield row, [one for one in meetings if one.motion == row]
+
+
+def _finding(
+    scene: Scene,
+    course: Course,
+    place: Place,
+    span: tuple[int, int],
+    contacts: list[tuple[Meeting, Contact]],
+    robot: Robot,
+) -> Diagnostic:
+    """The worst pair of a motion with its figures, and the names of the others."""
+    worst = min(contacts, key=lambda one: one[1].distance - scene.margin[one[0].pair])
+    pair, found = worst[0].pair, worst[1]
+    moving, other = scene.names(pair)
+    origin = place.motion.origin
+    start = float(course.begins[span[0]])
+    duration = float(course.begins[span[1]]) - start
+    when = f"from {found.begin:.3f} s to {found.end:.3f} s after its start ({_share(found.begin, duration)} to {_share(found.end, duration)})"
+    q = course.at(np.array([start + found.worst]))[0]
+    margin = float(scene.margin[pair])
+    if found.distance <= 0.0:
+        code = "Y0901" if scene.of_cell[pair] else "Y0902"
+        how = f"{moving} goes {max(-found.distance / MM, 0.01):.3g} mm into {other}"
+    else:
+        code = "Y0903"
+        how = f"{moving} comes within {found.distance / MM:.3g} mm of {other}"
+        how += (
+            f", whose margin is {margin / MM:.4g} mm"
+            if margin > 0.0
+            else ", too near to be told from a touch"
+        )
+    names = dict.fromkeys(" and ".join(scene.names(one.pair)) for one, _ in contacts)
+    names.pop(f"{moving} and {other}")
+    more = f"; as well too near: {', '.join(names)}" if names else ""
+    message = f"{how}, {when}; worst at {found.worst:.3f} s, {_pose(robot, origin, q)}{more}"
+    return Diagnostic(code, message, origin.source, origin.span, _REMEDIES[code], place=origin.place)
+
+
+def _share(time: float, duration: float) -> str:
+    return f"{100.0 * time / duration:.0f} %"
+
+
+def _pose(robot: Robot, origin: hir.Origin, q: Array) -> str:
+    """The joints, and where the tool is."""
+    joints = " ".join(f"{value:.2f}" for value in (q / robot.axis_units).round(2) + 0.0)
+    units = ",".join(dict.fromkeys(robot.axis_unit_names))
+    name = origin.moving.name if origin.moving else "TCP"
+    frame = robot.flange_from_frame.get(name)
+    if frame is None:
+        name, frame = "FLANGE", np.eye(4)
+    point = tool_poses(robot.chain, q[None], frame)[0, :3, 3] / MM
+    tool = " ".join(f"{value:.1f}" for value in point.round(1) + 0.0)
+    return f"with the joints at {joints} {units} and {{{name}}} at {tool} mm in {{B}}"
+
+
+_REMEDIES = {
+    "Y0901": "go round it: a via pose, another order, or NEAR for another configuration; or correct the obstacle in the cell.toml",
+    "Y0902": "choose another configuration (NEAR) or a via pose; where these links always touch, `yarc robot check` says what to write into robot.toml",
+    "Y0903": "keep away by its margin: a via pose or a slower approach elsewhere; or make the margin smaller in the cell.toml",
+}

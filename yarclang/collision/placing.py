@@ -1,0 +1,191 @@
+"""Where bodies are at joint positions, how far pairs of them are apart there, and how far a change of the joints can move them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.collision.geometry import encloses
+from yarclang.collision.scene import Rows, Scene
+from yarclang.robot.kinematics.fk import joint_transform
+from yarclang.shapes import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """The arm at P joint positions: `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) bring what the first joints move from where it
+    is with all joints at zero to where it is; `middle` (M, P, 3) are the middles of the bodies' boxes in {B}.
+    """
+
+    scene: Scene
+    turn: Array
+    shift: Array
+    middle: Array
+
+
+def place(scene: Scene, q: Array) -> Placed:
+    """The arm at joint positions `q` (P, n) [rad or m]."""
+    count, size = q.shape
+    turn, shift = np.empty((size + 1, count, 3, 3)), np.empty((size + 1, count, 3))
+    turn[0], shift[0] = np.eye(3), 0.0
+    for joint in range(size):
+        rotation, moved = joint_transform(scene.chain.screws[joint], q[:, joint])
+        turn[joint + 1] = turn[joint] @ rotation
+        shift[joint + 1] = (turn[joint] @ moved[:, :, None])[:, :, 0] + shift[joint]
+    at = scene.joint
+    middle = np.empty((len(scene.bodies), count, 3))
+    for body, joint in enumerate(at):
+        middle[body] = turn[joint] @ scene.middle[body] + shift[joint]
+    return Placed(scene, turn, shift, middle)
+
+
+def travel(placed: Placed, change: Array) -> Array:
+    """How far a point of a body moves at most when joints change.
+
+    Moving the joints one after the other, that of the base first, each turns the body by a circle around its axis whose radius is
+    what it is now: the joints before it have moved axis and body together. So no posture between counts.
+
+    Args:
+        placed: the arm at P joint positions.
+        change: (P, n) how far each joint moves from there at most [rad or m].
+
+    Returns:
+        (n + 1, M, P) [m]: against what only the first joints move.
+    """
+    scene, chain = placed.scene, placed.scene.chain
+    bodies, count = placed.middle.shape[:2]
+    steps = np.zeros((chain.size + 1, bodies, count))
+    for joint in range(chain.size):
+        linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
+        (moved,) = np.nonzero(scene.joint > joint)
+        if not angular.any():
+            steps[joint, moved] = change[:, joint] * np.linalg.norm(linear)
+            continue
+        turn, shift = placed.turn[joint], placed.shift[joint]
+        rate = float(np.linalg.norm(angular))
+        axis = turn @ (angular / rate)
+        point = turn @ (np.cross(angular, linear) / rate**2) + shift
+        arm = placed.middle[moved] - point
+        away = np.cross(arm, axis)
+        radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.bound[moved, None]
+        # a screw of some pitch slides as well
+        slide = abs(float(angular @ linear)) / rate
+        steps[joint, moved] = change[:, joint] * np.hypot(radius * rate, slide)
+    against: Array = np.cumsum(steps[::-1], axis=0)[::-1]
+    return against
+
+
+def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
+    """A lower bound (R,) of the distance of each pair at the joint position `at` (R,): of spheres around both [m]."""
+    scene = placed.scene
+    one, other = scene.first[pair], scene.second[pair]
+    apart = placed.middle[one, at] - placed.middle[other, at]
+    gaps: Array = np.sqrt(np.einsum("ri,ri->r", apart, apart)) - scene.bound[one] - scene.bound[other]
+    return gaps
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Relative:
+    """The second body of a pair seen from the first: `turn` (R, 3, 3), its box's `middle` seen from the first's (R, 3), and
+    its `origin` seen from the first's (R, 3) [m].
+    """
+
+    turn: Array
+    middle: Array
+    origin: Array
+
+
+def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
+    """How the bodies of pairs stand to each other at joint positions, (R,) each."""
+    scene = placed.scene
+    one, other = scene.first[pair], scene.second[pair]
+    joint, beside = scene.joint[one], scene.joint[other]
+    first = (placed.turn[joint, at] @ scene.rotation[one]).transpose(0, 2, 1)
+    second = placed.turn[beside, at] @ scene.rotation[other]
+    starts = [
+        (placed.turn[moves, at] @ scene.origin[which][:, :, None])[:, :, 0] + placed.shift[moves, at]
+        for moves, which in ((joint, one), (beside, other))
+    ]
+    apart = placed.middle[other, at] - placed.middle[one, at]
+    return Relative(
+        first @ second,
+        (first @ apart[:, :, None])[:, :, 0],
+        (first @ (starts[1] - starts[0])[:, :, None])[:, :, 0],
+    )
+
+
+def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
+    """A sharper lower bound (R,): of the rounded boxes, each against the upright box around the other [m]."""
+    one, other = scene.first[pair], scene.second[pair]
+    reach = np.abs(seen.turn)
+    first, second = scene.half[one], scene.half[other]
+    gap = np.abs(seen.middle) - first - (reach @ second[:, :, None])[:, :, 0]
+    back = np.abs((seen.middle[:, None, :] @ seen.turn)[:, 0]) - second - (first[:, None, :] @ reach)[:, 0]
+    gaps: Array = np.maximum(_outside(gap), _outside(back)) - scene.radius[one] - scene.radius[other]
+    return gaps
+
+
+def _outside(gap: Array) -> Array:
+    """The length of the parts above zero."""
+    positive = np.maximum(gap, 0.0)
+    length: Array = np.sqrt(np.einsum("ri,ri->r", positive, positive))
+    return length
+
+
+def distances(scene: Scene, pair: Rows, seen: Relative) -> Array:
+    """The distances (R,) of pairs [m]; not above zero where the bodies overlap: by how deep, but for meshes only roughly."""
+    import coal
+
+    request, answer = coal.DistanceRequest(), coal.DistanceResult()
+    here = coal.Transform3s()
+    shapes = [body.geometry.of_coal for body in scene.bodies]
+    found = np.empty(len(pair))
+    # one call a pair and position: coal has none for many
+    for row, (one, other) in enumerate(
+        zip(scene.first[pair].tolist(), scene.second[pair].tolist(), strict=True)
+    ):
+        answer.clear()
+        there = coal.Transform3s(seen.turn[row], seen.origin[row])
+        found[row] = coal.distance(shapes[one], here, shapes[other], there, request, answer)
+    for one, other, inside in ((scene.first, scene.second, True), (scene.second, scene.first, False)):
+        closed = np.array([body.geometry.skin is not None for body in scene.bodies], dtype=np.bool_)
+        for row in np.flatnonzero(closed[one[pair]] & (found > 0.0)).tolist():
+            turn, shift = seen.turn[row], seen.origin[row]
+            skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
+            there = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
+            assert skin.skin is not None  # as it is closed
+            if (np.abs(there - skin.middle) <= skin.half).all() and encloses(skin.skin, there):
+                found[row] = -found[row]
+    return found
+
+
+BLOCK = 1024
+"""Joint positions that are looked at together: their arrays stay in the processor's cache."""
+
+
+def too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
+    """Whether some pair of bodies is nearer than its margin, or touches, (P,) at joint positions `q` (P, n) [rad or m]."""
+    found = np.zeros(len(q), dtype=np.bool_)
+    for start in range(0, len(q), BLOCK):
+        placed = place(scene, q[start : start + BLOCK])
+        found[start : start + BLOCK] = _too_near(scene, placed)
+    return found
+
+
+def _too_near(scene: Scene, placed: Placed) -> NDArray[np.bool_]:
+    count = placed.middle.shape[1]
+    near = np.zeros(count, dtype=np.bool_)
+    limit = (scene.bound[scene.first] + scene.bound[scene.second] + scene.margin) ** 2
+    apart = placed.middle[scene.first] - placed.middle[scene.second]
+    pair, at = np.nonzero(np.einsum("kpi,kpi->kp", apart, apart) <= limit[:, None])
+    seen = relative(placed, at, pair)
+    (left,) = np.nonzero(box_gaps(scene, pair, seen) <= scene.margin[pair])
+    # the pairs that most boxes of which meet first: a position that is known isn't looked at again
+    for one in np.unique(pair[left])[np.argsort(-np.bincount(pair[left])[np.unique(pair[left])])]:
+        rows = left[pair[left] == one]
+        rows = rows[~near[at[rows]]]
+        gap = distances(scene, pair[rows], Relative(seen.turn[rows], seen.middle[rows], seen.origin[rows]))
+        near[at[rows[gap <= scene.margin[one]]]] = True
+    return near

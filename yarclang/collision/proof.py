@@ -1,0 +1,210 @@
+"""That bodies stay apart along a whole motion, and how near they come: conservative advancement by halving.
+
+A piece of the motion is looked at in its middle. What the bodies are apart there, less the farthest that they can move against each other
+from there to the ends of the piece, they are apart on all of it. Where that isn't enough, the piece is halved; so nothing is
+missed, however thin. Three bounds are tried, from cheap to exact: spheres and boxes on whole arrays, then coal.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.collision.course import Course
+from yarclang.collision.placing import Relative, box_gaps, distances, place, relative, sphere_gaps, travel
+from yarclang.collision.scene import Rows, Scene
+from yarclang.shapes import Array
+
+SLACK = 1e-5
+"""Bodies that are nearer to their margin than this [m] count as too near: what can't be told apart isn't proved."""
+KNOWN = 0.1
+"""A distance above this [m] isn't looked at more closely."""
+SHARE, COARSE = 0.1, 1e-3
+"""The smallest distance is told to within this share of it and this length [m]."""
+FIRST = 0.08
+"""Pieces begin with joints that move by this much [rad or m]."""
+BLOCK = 2048
+"""Pieces that are looked at together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Meeting:
+    """A pair that comes too near on a motion: where it was seen first among the samples, and how far it is apart there [s, m]."""
+
+    motion: int
+    pair: int
+    time: float
+    distance: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clearances:
+    """What was proved of G motions: `least` (G, 2) is a lower bound of the distance [m] of all pairs, of the robot's bodies among themselves and of
+    pairs with the cell's; `nearest` (G, 2) the pair that comes nearest, -1 where all stay above `KNOWN`. `meetings` come too near.
+    """
+
+    least: Array
+    nearest: Rows
+    meetings: tuple[Meeting, ...]
+
+
+def clearances(scene: Scene, course: Course, spans: NDArray[np.int64]) -> Clearances:
+    """How far all pairs of bodies stay apart.
+
+    Args:
+        scene: bodies and pairs.
+        course: segments, of all motions.
+        spans: (G, 2) the segments, from and up to, of each motion; none is empty.
+    """
+    search = _Search(scene, course, len(spans))
+    pieces = _first_pieces(course, spans)
+    every = np.arange(len(scene.first))
+    count = len(pieces.begin)
+    piece, pair = np.repeat(np.arange(count), len(every)), np.tile(every, count)
+    while len(piece):
+        left = [
+            search.look(pieces, piece[rows], pair[rows]) for rows in _blocks(piece, count=len(pieces.begin))
+        ]
+        piece, pair = (np.concatenate([part[side] for part in left]) for side in (0, 1))
+        halved, at = np.unique(piece, return_inverse=True)
+        pieces = pieces.halves(halved)
+        piece = np.concatenate([2 * at, 2 * at + 1])
+        pair = np.concatenate([pair, pair])
+        order = np.argsort(piece, kind="stable")
+        piece, pair = piece[order], pair[order]
+    return search.answer()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pieces:
+    """Pieces of motions: times `begin` and `end` (P,) [s], and whose they are."""
+
+    begin: Array
+    end: Array
+    motion: Rows
+
+    def halves(self, rows: Rows) -> _Pieces:
+        """Both halves of some of them, next to each other."""
+        begin, end = self.begin[rows], self.end[rows]
+        middle = (begin + end) / 2.0
+        return _Pieces(
+            np.stack([begin, middle], axis=1).ravel(),
+            np.stack([middle, end], axis=1).ravel(),
+            np.repeat(self.motion[rows], 2),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pairs:
+    """Pairs on pieces, (R,) each: `gap` is what they are apart in the middle at least, `apart` how far they move from there at most."""
+
+    piece: Rows
+    pair: Rows
+    motion: Rows
+    kind: Rows
+    apart: Array
+    gap: Array
+
+    def take(self, rows: Rows) -> _Pairs:
+        return _Pairs(*(getattr(self, name)[rows] for name in self.__slots__))
+
+
+def _first_pieces(course: Course, spans: Rows) -> _Pieces:
+    begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
+    way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
+    count = np.maximum(np.ceil(way / FIRST), 1.0).astype(np.int64)
+    motion = np.repeat(np.arange(len(spans)), count)
+    number = np.arange(len(motion)) - np.repeat(np.cumsum(count) - count, count)
+    step = ((end - begin) / count)[motion]
+    return _Pieces(begin[motion] + number * step, begin[motion] + (number + 1) * step, motion)
+
+
+def _blocks(piece: Rows, count: int) -> list[slice]:
+    """Rows of about `BLOCK` pieces at a time; they are in order of their pieces."""
+    cuts = np.searchsorted(piece, np.arange(0, count + BLOCK, BLOCK))
+    return [slice(a, b) for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True) if b > a]
+
+
+class _Search:
+    """What is known so far."""
+
+    def __init__(self, scene: Scene, course: Course, count: int) -> None:
+        self.scene, self.course = scene, course
+        self.kinds = scene.of_cell.astype(np.int64)
+        self.best = np.full((count, 2), np.inf)
+        self.least = np.full((count, 2), np.inf)
+        self.nearest = np.full((count, 2), -1, dtype=np.int64)
+        self.hit = np.zeros((count, len(scene.first)), dtype=np.bool_)
+        self.meetings: list[Meeting] = []
+
+    def answer(self) -> Clearances:
+        return Clearances(self.least, self.nearest, tuple(self.meetings))
+
+    def look(self, pieces: _Pieces, piece: Rows, pair: Rows) -> tuple[Rows, Rows]:
+        """Look at pairs (R,) on pieces (R,); those of them that aren't known yet."""
+        scene, base = self.scene, int(piece[0])
+        chosen = slice(base, int(piece[-1]) + 1)
+        begin, end = pieces.begin[chosen], pieces.end[chosen]
+        middle = (begin + end) / 2.0
+        at = piece - base
+        gone = [self.course.gone(time) for time in (begin, middle, end)]
+        placed = place(scene, self.course.at(middle))
+        moves = travel(placed, np.maximum(gone[1] - gone[0], gone[2] - gone[1]))
+        apart = moves[scene.joint[scene.first[pair]], scene.second[pair], at]
+        motion = pieces.motion[piece]
+        rows = _Pairs(at, pair, motion, self.kinds[pair], apart, sphere_gaps(placed, at, pair))
+        rows = rows.take(np.flatnonzero(~self.hit[motion, pair]))
+        rows = self._open(rows)
+        seen = relative(placed, rows.piece, rows.pair)
+        rows = replace(rows, gap=box_gaps(scene, rows.pair, seen))
+        left: list[_Pairs] = []
+        number = self._still_open(rows)
+        # the most promising of each motion first: what they tell spares others
+        for turn in range(2):
+            now = number if turn else self._promising(rows, number)
+            part = rows.take(now)
+            view = Relative(seen.turn[now], seen.middle[now], seen.origin[now])
+            exact = replace(part, gap=distances(scene, part.pair, view))
+            self._learn(exact, middle)
+            left.append(exact)
+            number = np.setdiff1d(number, now, assume_unique=True)
+            number = number[self._still_open(rows.take(number))] if len(number) else number
+        open_ = [self._open(part) for part in left]
+        open_ = [part.take(np.flatnonzero(~self.hit[part.motion, part.pair])) for part in open_]
+        return (
+            np.concatenate([part.piece for part in open_]) + base,
+            np.concatenate([part.pair for part in open_]),
+        )
+
+    def _still_open(self, rows: _Pairs) -> Rows:
+        """Which rows' gaps don't say enough; of the others it is kept what they say."""
+        surely = rows.gap - rows.apart
+        wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
+        done = (surely >= self.scene.margin[rows.pair]) & (surely >= wanted)
+        np.minimum.at(self.least, (rows.motion[done], rows.kind[done]), surely[done])
+        return np.flatnonzero(~done)
+
+    def _open(self, rows: _Pairs) -> _Pairs:
+        return rows.take(self._still_open(rows))
+
+    def _promising(self, rows: _Pairs, number: Rows) -> Rows:
+        """Of the rows `number`, the nearest pair of each motion and kind."""
+        order = number[np.argsort(rows.gap[number], kind="stable")]
+        _, first = np.unique(2 * rows.motion[order] + rows.kind[order], return_index=True)
+        return np.sort(order[first])
+
+    def _learn(self, rows: _Pairs, time: Array) -> None:
+        """Keep the nearest distances, and the first place where each pair comes too near."""
+        order = np.argsort(-rows.gap, kind="stable")  # the smallest is written last
+        at = rows.motion[order], rows.kind[order]
+        nearer = rows.gap[order] < self.best[at]
+        at = at[0][nearer], at[1][nearer]
+        self.best[at], self.nearest[at] = rows.gap[order][nearer], rows.pair[order][nearer]
+        for row in np.flatnonzero(rows.gap < self.scene.margin[rows.pair] + SLACK):
+            motion, pair = int(rows.motion[row]), int(rows.pair[row])
+            if not self.hit[motion, pair]:
+                self.hit[motion, pair] = True
+                when = float(time[rows.piece[row]])
+                self.meetings.append(Meeting(motion, pair, when, float(rows.gap[row])))

@@ -1,0 +1,77 @@
+"""Which links of a robot may touch each other: pairs of robot.toml, and those that an SRDF disables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.urdf import Urdf
+from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
+from yarclang.toml.file import TomlFile, did_you_mean
+from yarclang.toml.reading import read_text
+
+if TYPE_CHECKING:
+    from yarclang.robot.schema import CollisionTable
+
+Pair = tuple[str, str]
+
+
+def allowed_pairs(file: TomlFile, folder: Path, table: CollisionTable, urdf: Urdf) -> frozenset[Pair]:
+    """The pairs, each in alphabetical order; findings where one names no link."""
+    pairs: set[Pair] = set()
+    for at, names in enumerate(table.allowed):
+        place = ("collision", "allowed", at)
+        if len(names) != 2 or names[0] == names[1]:
+            message = f"allowed has {len(names)} names in a pair, {', '.join(names)[:60]}."
+            file.say("Y1309", place, message, 'Write two links, ["link_2", "link_4"].')
+            continue
+        lost = [name for name in names if name not in urdf.links]
+        for name in lost:
+            message = f"allowed names the link {name[:40]}, which the URDF doesn't have."
+            file.say("Y1347", place, message, did_you_mean(name, urdf.links))
+        if not lost:
+            pairs.add(_ordered(*names))
+    if table.srdf is not None:
+        pairs.update(_of_srdf(file, folder, table.srdf, urdf))
+    return frozenset(pairs)
+
+
+def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pair]:
+    """The pairs that an SRDF disables. What reads an SRDF elsewhere passes over names that it doesn't know."""
+    source = read_text(folder / name, "")
+    if isinstance(source, Diagnostic):
+        if source.source is not None:
+            file.findings.append(source)
+        else:
+            remedy = "Name the SRDF file, seen from the folder of this robot.toml."
+            file.say("Y1302", ("collision", "srdf"), source.message, remedy)
+        return
+    text = UrdfText(source)
+    parse_xml(text)
+    root = text.root
+    for element in root.all("disable_collisions") if root else ():
+        links = [_link(text, element, key, urdf) for key in ("link1", "link2")]
+        if all(links):
+            yield _ordered(*links)
+    file.findings += text.findings
+
+
+def _link(text: UrdfText, element: Element, key: str, urdf: Urdf) -> str:
+    """The link of an attribute; empty with a finding."""
+    name = element.attributes.get(key, "")
+    if not name:
+        text.say(
+            "Y1342", f"<{element.tag}> has no {key}.", f'Write {key}="..." with a link\'s name.', element
+        )
+    elif name not in urdf.links:
+        message = f"{key} is {name[:40]}, a link that the URDF doesn't have."
+        text.say("Y1347", message, did_you_mean(name, urdf.links), element, key)
+        return ""
+    return name
+
+
+def _ordered(*names: str) -> Pair:
+    first, second = sorted(names)
+    return first, second

@@ -1,0 +1,97 @@
+"""The collision shapes of a URDF's links, placed on the arm."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from yarclang.robot.model import Array, LinkShape
+from yarclang.robot.urdf import Joint, Urdf
+from yarclang.robot.urdf_shapes import mesh_path
+from yarclang.robot.urdf_xml import Element
+from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from yarclang.transforms import constant, rpy_rotation
+
+T = TypeVar("T")
+
+
+def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) -> tuple[LinkShape, ...]:
+    """All collision shapes, in the order of the file.
+
+    Joints that aren't the arm's stand at zero.
+
+    Args:
+        urdf: a URDF without errors.
+        folder: where it stands; mesh names are seen from there.
+        base: the link that is {B}.
+        moving: the arm's moving joints, from the base to the flange.
+    """
+    places = _link_places(urdf, moving)
+    base_from_root = np.linalg.inv(places[base][0])
+    found: list[LinkShape] = []
+    for name, link in urdf.links.items():
+        root_from_link, joint = places[name]
+        for body in link.all("collision"):
+            origin = body.first("origin")
+            placed = base_from_root @ root_from_link @ _transform(urdf, origin)
+            shape = _shape(urdf, _given(body.first("geometry")).children[0], folder)
+            found.append(LinkShape(name, joint, constant(placed), shape))
+    return tuple(found)
+
+
+def _link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
+    """Of each link root_from_link (4, 4) with all joints at zero, and how many of the moving joints are above it."""
+    below: dict[str, list[Joint]] = {}
+    for joint in urdf.joints.values():
+        below.setdefault(joint.parent, []).append(joint)
+    children = {joint.child for joint in urdf.joints.values()}
+    number = {joint.name: at + 1 for at, joint in enumerate(moving)}
+    places = {link: (np.eye(4), 0) for link in urdf.links if link not in children}
+    todo = list(places)
+    while todo:
+        here = todo.pop()
+        pose, count = places[here]
+        for joint in below.get(here, []):
+            step = np.eye(4)
+            step[:3, :3], step[:3, 3] = rpy_rotation(np.array(joint.rpy)), joint.xyz
+            places[joint.child] = pose @ step, number.get(joint.name, count)
+            todo.append(joint.child)
+    return places
+
+
+def _transform(urdf: Urdf, origin: Element | None) -> Array:
+    placed = np.eye(4)
+    rpy = urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
+    placed[:3, :3] = rpy_rotation(np.array(_given(rpy)))
+    placed[:3, 3] = _given(urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)))
+    return placed
+
+
+def _shape(urdf: Urdf, shape: Element, folder: Path) -> Shape:
+    """The shape of an element that was checked (urdf_shapes.py)."""
+
+    def size(key: str) -> float:
+        return _given(urdf.numbers(shape, key, 1))[0]
+
+    match shape.tag:
+        case "box":
+            return Box(constant(np.array(_given(urdf.numbers(shape, "size", 3)))))
+        case "sphere":
+            return Sphere(size("radius"))
+        case "cylinder":
+            return Cylinder(size("radius"), size("length"))
+        case "capsule":
+            return Capsule(size("radius"), size("length"))
+    path = _given(mesh_path(shape.attributes["filename"], folder))
+    x, y, z = _given(urdf.numbers(shape, "scale", 3, (1.0, 1.0, 1.0)))
+    return Mesh(path.absolute(), 1.0, hashlib.sha256(path.read_bytes()).hexdigest(), (x, y, z))
+
+
+def _given(value: T | None) -> T:
+    if value is None:
+        raise AssertionError("a URDF with errors has passed its checks")
+    return value

@@ -73,7 +73,7 @@ def compile(  # noqa: A001  (the word that people look for)
 
 
 def format(text: str) -> str:  # noqa: A001  (the word that people look for)
-    """A program in its usual form: names in upper case, one blank between parts.
+    """A program in its usual form, as `yarc fmt` writes it: names in upper case, blocks indented, comments below each other.
 
     Raises:
         ValueError: the program has syntax errors; the message names the first.

@@ -66,7 +66,7 @@ def test_odd_names_compile(call, name):
 
 
 @pytest.mark.parametrize("name", [".", "", "/", "sub"])
-@pytest.mark.parametrize("program", ["yarcc", "plot", "check"])
+@pytest.mark.parametrize("program", ["yarcc", "plot"])
 def test_folders_as_programs_are_findings(call, name, program):
     done = call(name) if program == "yarcc" else call(program, name, program=yarc)
     assert done.exit_code == 1

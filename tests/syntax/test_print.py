@@ -55,13 +55,35 @@ def test_all_of_the_language_is_read():
     assert arrange(result.value).diagnostics == ()
 
 
-def test_the_contract_is_printed_as_it_is_written():
-    """But for the columns of its comments, which come with the formatter."""
-    squeezed = "\n".join(
-        (line[: len(line) - len(line.lstrip())] + " ".join(line.split())) for line in CONTRACT.splitlines()
+def squeezed(text):
+    return "".join(
+        line[: len(line) - len(line.lstrip())] + " ".join(line.split()) + "\n" for line in text.splitlines()
     )
-    squeezed = squeezed.replace("1.5 (s) HOME", "1.5 (s) HOME")
-    assert printed(CONTRACT) == squeezed + "\n"
+
+
+def test_the_contract_is_printed_as_it_is_written():
+    """But for the columns of its comments."""
+    assert squeezed(printed(CONTRACT)) == squeezed(CONTRACT)
+
+
+def test_comments_of_a_paragraph_are_below_each_other():
+    text = "let a = 1 ! one\nlet bcd = 2   ! two\nlet e = 3\n\n\n\nlet f = 4 ! three\n! alone\nlet g = 500!four\n"
+    assert printed(text) == (
+        "LET A = 1    ! one\nLET BCD = 2  ! two\nLET E = 3\n\nLET F = 4    ! three\n! alone\nLET G = 500  !four\n"
+    )
+    far = "let a = 1 ! one\np1 movej 100 0 0 0 0 0 [10] (mm,deg,s) {b} ! a long line\n"
+    assert printed(far) == "LET A = 1  ! one\nP1 MOVEJ 100 0 0 0 0 0 [10] (mm,deg,s) {B}  ! a long line\n"
+
+
+def test_comments_between_way_points_stay_there():
+    text = "p1 movej_spline 1 2; ! first\n! second\n\n3 4; ! third\n! fourth\n5 6 [$t] ! last\n"
+    again = "P1 MOVEJ_SPLINE 1 2;  ! first\n! second\n3 4;                  ! third\n! fourth\n5 6 [$T]              ! last\n"
+    assert printed(text) == again
+    assert printed(again) == again
+
+
+def test_empty_lines_at_the_ends_go():
+    assert printed("\n\n! head\n\n\np1 stop\n\n\n") == "! head\n\nP1 STOP\n"
 
 
 def test_arguments_and_parameters():
@@ -97,13 +119,13 @@ def test_let_and_if_hold_their_expression():
 def test_comments_stay_where_they_are():
     text = "if a ! why\n! first\np1 stop! done\n! last\nelse\n! none\nend ! of it\n! after\n"
     assert printed(text) == (
-        "IF A ! why\n  ! first\n  P1 STOP ! done\n  ! last\nELSE\n  ! none\nEND ! of it\n! after\n"
+        "IF A       ! why\n  ! first\n  P1 STOP  ! done\n  ! last\nELSE\n  ! none\nEND        ! of it\n! after\n"
     )
 
 
 def test_a_list_of_way_points_in_a_block():
     text = "repeat 4\np1 movej_spline 1 $( 2*a );  ! first\n\n 3 4 [ $t ]\nend"
-    assert printed(text) == "REPEAT 4\n  P1 MOVEJ_SPLINE 1 $(2*A); ! first\n  3 4 [$T]\nEND\n"
+    assert printed(text) == "REPEAT 4\n  P1 MOVEJ_SPLINE 1 $(2*A);  ! first\n  3 4 [$T]\nEND\n"
 
 
 def test_lines_that_open_nothing_are_not_indented_to_the_left():

@@ -7,14 +7,13 @@ from difflib import unified_diff
 from pathlib import Path
 
 from yarclang.cli.outputs import STANDARD
+from yarclang.source import SourceFile
 
 
 def difference(path: str, before: str | None, after: str | None) -> str:
     """A unified diff; lines end with LF in it, whatever they end with in the file."""
     name = "<stdin>" if path == STANDARD else path
-    old, new = (
-        (text or "").replace("\r\n", "\n").replace("\r", "\n").split("\n") for text in (before, after)
-    )
+    old, new = (SourceFile(name, text or "").lines for text in (before, after))
     lines = unified_diff(old, new, name, name, lineterm="")
     return "".join(line + "\n" for line in lines)
 

@@ -14,6 +14,7 @@ _COMMANDS = {
     "doc": "Print the reference of a module.",
     "doctor": "Look at a controller before a program is run.",
     "explain": "Explain a finding's code.",
+    "fmt": "Write programs in their usual form.",
     "hold": "Hold a run on its path.",
     "import": "Make a program of a table, a trajectory, or named states.",
     "inspect": "Show all that is known of one command.",

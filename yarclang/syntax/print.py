@@ -1,9 +1,11 @@
-"""Syntax tree to text: names in upper case, one blank between parts, blocks indented by two, digits and comments
-as they were.
+"""Syntax tree to text: names in upper case, one blank between parts, blocks indented by two, digits as they were, comments of
+neighbouring lines below each other.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import groupby
 
 from yarclang.syntax.ast import (
@@ -31,30 +33,72 @@ _TIGHT = {"*", "/", "%", "**"}
 """Operators that have no blanks round them."""
 
 
+_FARTHEST = 40
+"""Longer lines don't push the comments of their neighbours away: theirs stands right behind them."""
+
+
+@dataclass(slots=True)
+class _Row:
+    """A line: its code with its indentation, and its comment. A comment of its own is indented as code."""
+
+    code: str
+    comment: str = ""
+
+
 def print_module(module: Module) -> str:
     """The whole module as text; parsing it again gives the same statements, moved at most.
 
-    Empty lines are dropped; comment lines stay before the statement that they stood before.
+    Of several empty lines one stays; comment lines stay before the statement that they stood before.
     """
+    paragraph: list[_Row] = []
+    lines: list[str] = []
+    for row in _rows(module):
+        if row is not None:
+            paragraph.append(row)
+            continue
+        lines += [*_aligned(paragraph), ""]
+        paragraph = []
+    return "".join(line + "\n" for line in [*lines, *_aligned(paragraph)])
+
+
+def _rows(module: Module) -> Iterator[_Row | None]:
+    """The lines of a module; None between two paragraphs."""
     pieces: list[tuple[int, Statement | str]] = [(one.line, one) for one in module.statements]
     pieces += module.comment_lines
-    lines: list[str] = []
-    depth = 0
-    for _, piece in sorted(pieces, key=lambda entry: entry[0]):
+    depth, behind = 0, 0
+    for line, piece in sorted(pieces, key=lambda entry: entry[0]):
+        if behind and any(not module.source.line(number).strip() for number in range(behind, line)):
+            yield None
         if isinstance(piece, str):
-            lines.append(_INDENT * min(depth, DEEPEST_BLOCK) + piece)
+            yield _Row(_INDENT * min(depth, DEEPEST_BLOCK) + piece)
+            behind = line + 1
             continue
+        behind = line + piece.rows
         word = piece.name.name
         if word == "END":
             depth = max(depth - 1, 0)
         indent = _INDENT * min(max(depth - (word == "ELSE"), 0), DEEPEST_BLOCK)
-        lines += [indent + row for row in print_statement(piece).split("\n")]
+        for row in _rows_of(piece):
+            yield _Row(indent + (row.code or row.comment), row.comment if row.code else "")
         depth += word in BLOCK_HEADS
-    return "".join(line + "\n" for line in lines)
+
+
+def _aligned(paragraph: list[_Row]) -> list[str]:
+    """The lines of a paragraph, their comments in one column."""
+    widths = [len(row.code) for row in paragraph if row.comment and len(row.code) <= _FARTHEST]
+    column = max(widths, default=0)
+    return [f"{row.code:<{column}}  {row.comment}" if row.comment else row.code for row in paragraph]
 
 
 def print_statement(statement: Statement) -> str:
     """One statement, not indented; a way-point list keeps its line breaks."""
+    return "\n".join(
+        " ".join(part for part in (row.code, row.comment) if part) for row in _rows_of(statement)
+    )
+
+
+def _rows_of(statement: Statement) -> list[_Row]:
+    """The lines of a statement; a comment in a line of its own has no code."""
     parts: list[str] = []
     if statement.index:
         parts.append(statement.index.name)
@@ -74,11 +118,15 @@ def print_statement(statement: Statement) -> str:
         parts.append(_item(statement.base))
     for option in statement.options:
         parts += _option(option)
-    rows = " ".join(parts).split("\n")
-    for comment in statement.comments:
-        row = min(comment.place.row, len(rows) - 1)
-        rows[row] = f"{rows[row]} {comment.text}"
-    return "\n".join(rows)
+    written = dict(zip(_code_rows(statement), " ".join(parts).split("\n"), strict=True))
+    said = {comment.place.row: comment.text for comment in statement.comments}
+    return [_Row(written.get(row, ""), said.get(row, "")) for row in sorted({*written, *said})]
+
+
+def _code_rows(statement: Statement) -> list[int]:
+    """The rows of a statement that have code: the first, and those in which way-points begin."""
+    first = statement.waypoints[0].place.row if statement.waypoints else 0
+    return [0, *sorted({waypoint.place.row for waypoint in statement.waypoints} - {first})]
 
 
 def print_expression(expression: Expression) -> str:

@@ -1,0 +1,138 @@
+"""`yarc fmt`: idempotent, keeps comments and meaning; exit statuses; standard input; indices."""
+
+import re
+from pathlib import Path
+
+import independent
+import numpy as np
+import pytest
+import random_programs
+from click.testing import CliRunner
+from conftest import EXAMPLES
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from programs import compiled
+
+import yarclang
+from yarclang.cli.yarc import main
+from yarclang.robot.description import load_robot
+
+ARM = independent.Arm(load_robot("INDUSTRIAL6").value.folder)
+UGLY = "let a=1!x\nif a=1\np1 movej home [5]   (S)\nend\n"
+NEAT = "LET A = 1  !x\nIF A = 1\n  P1 MOVEJ HOME [5] (s)\nEND\n"
+_MAP_LINE = re.compile(r"^(; command \S+ \S+ \S+ )\d+", re.MULTILINE)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def fmt(*arguments, text=None):
+    return CliRunner().invoke(main, ["fmt", *arguments], input=text)
+
+
+def test_standard_input():
+    done = fmt("-", text=UGLY)
+    assert (done.exit_code, done.stdout, done.stderr) == (0, NEAT, "1 file changed\n")
+    done = fmt("-", text=NEAT)
+    assert (done.exit_code, done.stdout, done.stderr) == (0, NEAT, "1 file is in form\n")
+
+
+def test_a_file_is_written(here):
+    Path("a.yarc").write_text(UGLY)
+    assert fmt("a.yarc").exit_code == 0
+    assert Path("a.yarc").read_text() == NEAT
+
+
+@pytest.mark.parametrize("option", ["--check", "--diff"])
+def test_nothing_is_written(here, option):
+    Path("a.yarc").write_text(UGLY)
+    done = fmt(option, "a.yarc")
+    assert done.exit_code == 1
+    assert Path("a.yarc").read_text() == UGLY
+    assert "1 file would be changed" in done.stderr
+    assert ("+LET A = 1  !x\n" in done.stdout) == (option == "--diff")
+    Path("a.yarc").write_text(NEAT)
+    assert fmt(option, "a.yarc").exit_code == 0
+
+
+@pytest.mark.parametrize("text", ["P0010 MOVEJ [\n", "P0010 MOVEJ \x00\n"])
+def test_what_cannot_be_read_stays(here, text):
+    Path("bad.yarc").write_text(text)
+    Path("good.yarc").write_text(UGLY)
+    done = fmt(".")
+    assert done.exit_code == 2
+    assert "error Y01" in done.stderr
+    assert "1 file changed, 1 file left as it is" in done.stderr
+    assert Path("bad.yarc").read_text() == text
+    assert Path("good.yarc").read_text() == NEAT
+
+
+def test_a_file_that_is_not_there_and_an_empty_folder(here):
+    assert fmt("nowhere.yarc").exit_code == 2
+    done = fmt(".")
+    assert done.exit_code == 2
+    assert "no .yarc file" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "indices"),
+    [(["--renumber"], ["P0010", "P0020"]), (["--renumber", "100", "5"], ["P0100", "P0105"])],
+)
+def test_indices(here, words, indices):
+    Path("a.yarc").write_text("P7 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP3 STOP\n")
+    assert fmt(*words, "a.yarc").exit_code == 0
+    assert re.findall(r"^P\d+", Path("a.yarc").read_text(), re.MULTILINE) == indices
+    assert fmt("--renumber", "0", "5", "a.yarc").exit_code == 2
+
+
+def test_line_ends_and_byte_order_mark_stay(here):
+    Path("a.yarc").write_bytes(b"\xef\xbb\xbf" + UGLY.replace("\n", "\r\n").encode())
+    assert fmt("a.yarc").exit_code == 0
+    assert Path("a.yarc").read_bytes() == b"\xef\xbb\xbf" + NEAT.replace("\n", "\r\n").encode()
+    assert "in form" in fmt("a.yarc").stderr
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yarc")), ids=lambda path: path.stem)
+def test_examples_keep_what_they_say(path):
+    text = path.read_text()
+    again = yarclang.format(text)
+    assert yarclang.format(again) == again
+    comments = re.compile(r"!.*")
+    assert [one.rstrip() for one in comments.findall(again)] == [
+        one.rstrip() for one in comments.findall(text)
+    ]
+    assert again.count("\n\n") == text.count("\n\n")
+
+
+def roughened(text, random):
+    """The same program, written carelessly."""
+    lines = []
+    for line in text.splitlines():
+        words = line.split(" ")
+        words = [word.lower() if random.random() < 0.5 else word for word in words]
+        rough = "".join(word + " " * int(random.integers(1, 4)) for word in words)
+        comment = f"! note {len(lines)}" if random.random() < 0.3 else ""
+        lines += [""] * int(random.integers(0, 3)) + [rough + comment]
+    return "\n".join(lines) + "\n"
+
+
+def without_lines(text):
+    """A controller's text without the lines of the source that its map names."""
+    return _MAP_LINE.sub(r"\1-", text)
+
+
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=12)
+def test_random_programs_compile_to_the_same_text(seed):
+    random = np.random.default_rng(seed)
+    text = roughened(random_programs.drawn(ARM, random, most=3).text, random)
+    again = yarclang.format(text)
+    assert yarclang.format(again) == again
+    assert re.findall(r"! note \d+", again) == re.findall(r"! note \d+", text)
+    before, after = (compiled(one)[0] for one in (text, again))
+    assert (before is None) == (after is None)
+    if before is not None:
+        assert without_lines(after.text) == without_lines(before.text)

@@ -1,0 +1,126 @@
+"""`yarc fmt`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from yarclang.cli.outputs import STANDARD
+
+_START, _STEP = 10, 10
+
+
+class _Command(click.Command):
+    """A command whose --renumber takes two numbers, or none."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Numbers behind --renumber belong to it, whatever follows doesn't."""
+        if "--renumber" in args:
+            at = args.index("--renumber") + 1
+            given = args[at : at + 2]
+            numbers = given if len(given) == 2 and all(one.isdecimal() for one in given) else []
+            args = [*args[:at], *(numbers or [str(_START), str(_STEP)]), *args[at + len(numbers) :]]
+        return super().parse_args(ctx, args)
+
+
+@click.command("fmt", cls=_Command)
+@click.argument("paths", nargs=-1, required=True, metavar="PATH...", type=click.Path(allow_dash=True))
+@click.option("--check", "checks", is_flag=True, help="Write nothing; say which files would be changed.")
+@click.option("--diff", is_flag=True, help="Write nothing; show what would be changed.")
+@click.option(
+    "--renumber",
+    nargs=2,
+    type=click.IntRange(1, 1_000_000),
+    metavar="[START STEP]",
+    help="Number the commands anew, in steps: P0010, P0020, ... unless said otherwise.",
+)
+def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[int, int] | None) -> None:
+    """Write programs in their usual form: names in upper case, blocks indented, comments below each other.
+
+    What a program does stays the same, and so do its comments. A folder means all .yarc files in it; - reads standard input and writes to standard
+    output. The exit status is 0, with --check or --diff 1 if a file would be changed, and 2 if one can't be read or has syntax errors.
+    """
+    from yarclang.cli.differences import difference
+    from yarclang.cli.paths import programs
+    from yarclang.cli.show import show_findings
+    from yarclang.cli.work import write_standard_output
+
+    files = programs(paths)
+    failed, changed = 0, 0
+    for file in files:
+        made = _formatted(file, renumber)
+        found = list(made.found)
+        if not found:
+            changed += made.is_changed
+            if diff:
+                found += (
+                    write_standard_output(difference(file, made.before, made.after))
+                    if made.is_changed
+                    else ()
+                )
+            elif checks:
+                if made.is_changed:
+                    click.echo(f"would be changed: {file}", err=True)
+            else:
+                found += _write(file, made)
+        failed += bool(found)
+        show_findings(found)
+    _summarise(len(files), changed, failed, would=checks or diff)
+    raise SystemExit(2 if failed else int(changed > 0 and (checks or diff)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Formatted:
+    """A file's text before and after, or what hinders."""
+
+    before: str = ""
+    after: str = ""
+    found: tuple[Any, ...] = ()
+
+    @property
+    def is_changed(self) -> bool:
+        return self.before != self.after
+
+
+def _formatted(file: str, renumber: tuple[int, int] | None) -> _Formatted:
+    from yarclang.pipeline.sources import read_source
+    from yarclang.syntax.parse import parse
+    from yarclang.syntax.print import print_module
+    from yarclang.syntax.renumber import renumbered
+
+    read = read_source(file)
+    if read.value is None:
+        return _Formatted(found=read.diagnostics)
+    parsed = parse(read.value)
+    if parsed.diagnostics:
+        return _Formatted(found=parsed.diagnostics)
+    assert parsed.value is not None  # parsing always gives a tree
+    module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
+    text, before = print_module(module), read.value.text
+    if before.count("\r\n") > before.count("\n") / 2:  # a file keeps its kind of line ends
+        text = text.replace("\n", "\r\n")
+    return _Formatted(before, text)
+
+
+def _write(file: str, made: _Formatted) -> tuple[Any, ...]:
+    from yarclang.cli.differences import with_mark
+    from yarclang.cli.work import write_standard_output, write_whole
+
+    if file == STANDARD:
+        return write_standard_output(made.after.encode())
+    path = Path(file)
+    return write_whole(path, with_mark(path, made.after)) if made.is_changed else ()
+
+
+def _summarise(files: int, changed: int, failed: int, *, would: bool) -> None:
+    def counted(number: int) -> str:
+        return f"{number} file{'s' * (number != 1)}"
+
+    same = files - changed - failed
+    parts = [f"{counted(changed)} {'would be changed' if would else 'changed'}"] * (changed > 0)
+    parts += [f"{counted(same)} {'is' if same == 1 else 'are'} in form"] * (same > 0)
+    parts += [f"{counted(failed)} left as {'it is' if failed == 1 else 'they are'}"] * (failed > 0)
+    click.echo(", ".join(parts), err=True)

@@ -4,7 +4,6 @@ The judge reads the emitted text with tests/independent.py. Which joint position
 checks that they are solutions.
 """
 
-import re
 from dataclasses import dataclass
 
 import independent
@@ -37,10 +36,7 @@ class Program:
 
 
 def drawn(arm, random, most=5):
-    """A program of a few motions about the arm's middle.
-
-    The pose of an arm with more than six joints doesn't say how it stands: there, blends lead only from joints to joints.
-    """
+    """A program of a few motions about the arm's middle."""
     middle = _middle(arm)
     room = np.minimum(arm.upper - middle, middle - arm.lower)
     (point,), turns = arm.poses(middle[None])
@@ -51,7 +47,6 @@ def drawn(arm, random, most=5):
         lines.append(f"P0001 MOVEJ {_numbers(middle)} [MIN]")
         said[0] = Said("joints", [np.round(middle, 4)])
     step = len(said)
-    before, before_at = None, 0
     can_follow = len(middle) >= 6
 
     def pose(size=1.0):
@@ -107,14 +102,6 @@ def drawn(arm, random, most=5):
             values = "; ".join(_numbers([*shift, *rpy]) for shift, rpy, _ in poses)
             words = f"MOVEL_SPLINE{profile} {values}"
             one = Said("pose_spline", [goal for _, _, goal in poses], **common)
-        if (
-            len(middle) > 6
-            and before is not None
-            and before.blend
-            and not (one.in_joints and before.in_joints)
-        ):
-            lines[before_at] = re.sub(r" BLEND \S+", "", lines[before_at])
-            before.blend = None
         options = ""
         if random.random() < 0.15:
             one.acc = float(random.choice([0.3, 0.6]))
@@ -123,11 +110,9 @@ def drawn(arm, random, most=5):
             one.blend = float(random.choice([0.3, 1, 3, 8, 20]))
             options += f" BLEND {one.blend:g}"
         base = " {TCP}" if kind == "delta" else ""
-        before_at = len(lines)
         lines.append(f"P{(step + 1) * 10:04d} {words} {time}{base}{options}")
         said[step] = one
         step += 1
-        before = one
         if random.random() < 0.15:
             lines.append(f"P{(step + 1) * 10:04d} SET LAMP {random.choice(['ON', 'OFF'])}")
             step += 1

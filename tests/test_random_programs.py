@@ -200,9 +200,6 @@ P0020 DMOVEJ 5 0 0 0 0 5 0 [2]
 """
 
 
-@pytest.mark.xfail(
-    strict=True, reason="how an arm with more than six joints stands in a corner isn't told to the proof"
-)
 def test_a_blend_from_a_frame_to_joints_on_seven_joints(folder):
     _, diagnostics = compiled(SEVEN_JOINTS, folder("talos-7")[0])
     assert [one.code for one in diagnostics if one.is_error] == []

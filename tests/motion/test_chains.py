@@ -123,17 +123,31 @@ def test_between_two_lines_the_frame_stays_in_their_plane():
         assert places[:, 1] == pytest.approx(1.1744, abs=2e-5)
 
 
-def test_lines_in_one_direction_are_passed_at_one_speed():
+def speeds_along_a_line_with_corners():
+    """The frame's speed [mm/s] in the middle ones of four lines in one direction."""
     lines = "".join(f"P{10 * k:04d} MOVEL {50 * k} 1174.4 1176 0 0 0 [V 80] BLEND 15\n" for k in range(1, 5))
     plan, found = chain(lines)
     assert found == ["Y1010"]
     tcp = plan.robot.flange_from_frame["TCP"]
-    inner = [tool_poses(plan.robot.chain, dense(plan, number)[0], tcp)[:, :3, 3] for number in (2, 3)]
-    for number, places in zip((2, 3), inner, strict=True):
-        curve = plan.motions[number].curve
-        speed = np.linalg.norm(np.diff(places, axis=0), axis=1) * (len(places) - 1) / curve.duration * 1e3
-        assert speed.max() <= 80.01
-        assert speed.min() > 0.97 * 80
+    speeds = []
+    for number in (2, 3):
+        places = tool_poses(plan.robot.chain, dense(plan, number)[0], tcp)[:, :3, 3]
+        step = plan.motions[number].curve.duration / (len(places) - 1)
+        speeds.append(np.linalg.norm(np.diff(places, axis=0), axis=1) / step * 1e3)
+    return np.concatenate(speeds)
+
+
+def test_lines_in_one_direction_are_passed_at_about_one_speed():
+    speed = speeds_along_a_line_with_corners()
+    assert speed.max() <= 80.01
+    assert speed.min() > 0.97 * 80
+
+
+@pytest.mark.xfail(
+    strict=True, reason="the ramps of two motions don't quite add up: 2.8 % slower in the corner"
+)
+def test_lines_in_one_direction_are_passed_at_just_one_speed():
+    assert speeds_along_a_line_with_corners().min() > 0.995 * 80
 
 
 def test_blending_is_quicker_than_stopping():

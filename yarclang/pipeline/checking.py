@@ -15,6 +15,7 @@ from yarclang.lint.rule import Surroundings
 from yarclang.lint.suppression import suppress
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import SUFFIX, check_description
+from yarclang.pipeline.followers import without_followers
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
@@ -93,7 +94,7 @@ def _staged(
 def settled(
     diagnostics: Iterable[Diagnostic], source: SourceFile, project: Project, *, is_whole: bool = False
 ) -> tuple[Diagnostic, ...]:
-    """Findings as they are told: without those that the source's comments suppress, as severe as the project says.
+    """Findings as they are told: without those that follow from others or that the source's comments suppress, as severe as the project says.
 
     Args:
         diagnostics: all findings.
@@ -102,7 +103,7 @@ def settled(
         is_whole: whether all was looked for: only then a comment that suppresses nothing is needless.
     """
     told: list[Diagnostic] = []
-    for one in suppress(source, diagnostics, is_whole=is_whole):
+    for one in suppress(source, without_followers(diagnostics, source), is_whole=is_whole):
         level = project.levels.get(one.code, "")
         if one.is_error or not level:
             told.append(one)

@@ -1,0 +1,53 @@
+"""A fault is said once: what only follows from it is left out, and what doesn't stays."""
+
+from pathlib import Path
+
+import pytest
+from conftest import HERE
+from programs import planned
+
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.followers import without_followers
+from yarclang.pipeline.inputs import Options
+from yarclang.source import SourceFile
+
+REJECTED = sorted((HERE / "rejected").glob("*.yarc"))
+
+
+def said(text):
+    found = check_text(
+        SourceFile("a.yarc", text), Path(), Options(robot="INDUSTRIAL6"), plans=False
+    ).diagnostics
+    return [(one.span.line, one.code) for one in found]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            "FRMAE {A} 0 0 5 0 0 0 (mm,deg) {B}\nP0010 MOVEL {TCP} 0 0 0 0 0 0 [5] (mm,deg,s) {A}",
+            [(1, "Y0202")],
+        ),
+        ("DEFUALT [5] (deg,s)\nP0010 MOVEJ 1 0 0 0 0 0\nP0020 MOVEJ 2 0 0 0 0 0", [(1, "Y0202")]),
+        ("RPEAT I 3\nP0010 MOVEJ $I 0 0 0 0 0 [5] (deg,s)\nEND", [(1, "Y0202")]),
+        ("REPEAT 3\nP0010 MOVEJ 1 0 0 0 0 0 [5] (deg,s)\nED", [(3, "Y0202")]),
+        ("P0010 CALL LIFT\nP0020 CALL LIFT\nP0030 CALL DROP", [(1, "Y0210"), (3, "Y0210")]),
+        (
+            "FRAME {A} 0 0 0 0 0 0 (mm,deg) {C}\nFRAME {C} 0 0 0 0 0 0 (mm,deg) {A}\nP0010 STOP",
+            [(1, "Y0301")],
+        ),
+        ("P0010 MOVEK 1\nP0020 MOVEJ 1 2 3 4 5 [5] (deg,s)", [(1, "Y0202"), (2, "Y0401")]),
+        ("DEFAULT [5] (mm,deg)\nP0010 MOVEJ 1 0 0 0 0 0", [(2, "Y0304")]),
+    ],
+)
+def test_one_fault(text, expected):
+    assert said(text) == expected
+
+
+@pytest.mark.parametrize("path", REJECTED, ids=lambda path: path.stem)
+def test_a_program_with_errors_keeps_some_and_gets_none(path):
+    source = SourceFile("test.yarc", path.read_text())
+    found = planned(source.text)[1]
+    left = without_followers(found, source)
+    assert any(one.is_error for one in left) == any(one.is_error for one in found)
+    assert {(one.code, one.span) for one in left} <= {(one.code, one.span) for one in found}

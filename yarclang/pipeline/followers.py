@@ -1,0 +1,134 @@
+"""Findings that only follow from another one: one fault is said once, where it is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from difflib import get_close_matches
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.source import SourceFile
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
+
+_UNKNOWN = frozenset(["Y0205", "Y0210", "Y0301", "Y0303", "Y0411"])
+"""Something isn't known, or isn't what it should be."""
+
+_LEFT_OUT = frozenset(["Y0302", "Y0304", "Y0406"])
+"""Something is left out that DEFAULT may give."""
+
+_UNUSED = frozenset(["Y0215", "Y0216", "Y1011", "Y1012"])
+"""Something isn't used; where names are wrong, it may be meant by one of them."""
+
+_ALIKE = frozenset(["Y0304", "Y0309", "Y0417"])
+"""One DEFAULT line may be the cause of many."""
+
+_MANY = 3
+_WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
+    """The findings without those that follow from an error in another line of the program.
+
+    A line with an error explains why names that stand in it aren't known elsewhere; a DEFAULT that can't be read, why units and frames are missing; a
+    block's first line that can't be read, why its END ends nothing. An error is never left out but for another one that stays.
+    """
+    found = tuple(diagnostics)
+    causes = {
+        one.span.line for one in found if one.is_error and one.span is not None and _is_own(one, source)
+    }
+    causes -= {
+        one.span.line
+        for one in found
+        if one.span is not None and one.code in _UNKNOWN and _is_use(one, source)
+    }
+    if not causes and not any(one.code in _UNKNOWN | _ALIKE for one in found):
+        return found
+    words = {line: _words(source.line(line)) for line in causes}
+    firsts = {line: next(iter(_WORD.findall(code_of(source.line(line)))), "").upper() for line in causes}
+    lost_default = any(_is_like(first, "DEFAULT") for first in firsts.values())
+    lost_heads = [
+        line for line, first in firsts.items() if any(_is_like(first, head) for head in BLOCK_HEADS)
+    ]
+    lost_end = any(first != "END" and _is_like(first, "END") for first in firsts.values())
+    no_command = {one.span.line for one in found if one.code == "Y0202" and one.span is not None}
+    no_module = any(one.code == "Y0213" for one in found)
+    lost_name = any(one.code in _UNKNOWN | {"Y0202", "Y0213"} for one in found)
+
+    def follows(one: Diagnostic) -> bool:
+        line = one.span.line if one.span is not None and _is_own(one, source) else 0
+        match one.code:
+            case "Y0105":
+                return line in no_command
+            case "Y0208":
+                return any(each < line and firsts[each] not in DECLARATIONS for each in no_command & causes)
+            case "Y0113":
+                return lost_end
+            case "Y0114":
+                return any(each < line for each in lost_heads if each in no_command or each != line)
+            case code if code in _LEFT_OUT:
+                return lost_default and not _is_like(firsts.get(line, ""), "DEFAULT")
+            case code if code in _UNUSED:
+                return lost_name
+            case code if code in _UNKNOWN:
+                name = _name(one)
+                told = {word for each, said in words.items() if each < line or not line for word in said}
+                if one.code == "Y0303" and line not in causes and any(each.code == "Y0301" for each in found):
+                    return True
+                return bool(name) and (
+                    name in told or name.partition(".")[0] in told or ("." in name and no_module)
+                )
+        return False
+
+    return _said_once([one for one in found if not follows(one)])
+
+
+def _is_own(one: Diagnostic, source: SourceFile) -> bool:
+    return one.source is not None and one.source.name == source.name
+
+
+def _is_use(one: Diagnostic, source: SourceFile) -> bool:
+    """Whether an unknown name stands in a command: the line declares nothing that others could miss."""
+    if one.span is None or not _is_own(one, source):
+        return False
+    first = next(iter(_WORD.findall(code_of(source.line(one.span.line)))), "").upper()
+    return first not in DECLARATIONS
+
+
+def _words(line: str) -> set[str]:
+    return {word.upper() for word in _WORD.findall(code_of(line))} - DECLARATIONS
+
+
+def _is_like(word: str, meant: str) -> bool:
+    return word == meant or bool(get_close_matches(word, [meant], n=1, cutoff=0.7))
+
+
+def _name(one: Diagnostic) -> str:
+    """What a finding points at, in upper case, without braces."""
+    if one.source is None or one.span is None or one.span.line != one.span.end_line:
+        return ""
+    shown = one.source.line(one.span.line)[one.span.column - 1 : one.span.end_column - 1]
+    return shown.strip("{}$() ").upper()
+
+
+def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Of findings about the same unknown name the first, and of many alike the first; it tells how many more there are."""
+    groups: dict[tuple[str, str], list[Diagnostic]] = {}
+    for one in found:
+        if one.code in _UNKNOWN - {"Y0303"} and (name := _name(one)):
+            key = ("unknown", name)
+        elif one.code in _ALIKE:
+            key = ("alike", f"{one.code} {one.message if one.code == 'Y0304' else ''}")
+        else:
+            key = ("", str(len(groups)))
+        groups.setdefault(key, []).append(one)
+    said: list[Diagnostic] = []
+    for (kind, _), group in groups.items():
+        if kind == "" or len(group) < (2 if kind == "unknown" else _MANY):
+            said += group
+            continue
+        more = len(group) - 1
+        lines = f"{more} more line{'s' * (more != 1)}"
+        said.append(replace(group[0], message=f"{group[0].message}; the same in {lines}"))
+    return tuple(said)

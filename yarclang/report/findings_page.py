@@ -1,0 +1,38 @@
+"""docs/findings.md: every finding, with what it means and what to write instead."""
+
+from __future__ import annotations
+
+from yarclang.findings import FAMILIES, Finding
+from yarclang.lint.registry import everything, rules
+
+_READS = {
+    "Module": "the text",
+    "Program": "the checked program",
+    "MotionPlan": "the plan",
+    "Certificate": "the certificate",
+}
+_FILES = {"11": "text", "13": "toml", "14": "text", "15": "text", "16": "text"}
+"""Families whose examples aren't programs."""
+
+
+def findings_page(introduction: str) -> str:
+    """The page in Markdown: an introduction, and the findings by family."""
+    parts = [introduction.rstrip(), ""]
+    for family, title in FAMILIES.items():
+        entries = [one for one in everything().values() if one.family == family]
+        if entries:
+            parts += [f"## {family}: {title}", ""]
+        for one in entries:
+            parts += _entry(one)
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def _entry(one: Finding) -> list[str]:
+    read = next((_READS[rule.reads.__name__] for rule in rules() if rule.finding is one), None)
+    kind = f"{one.severity}, a rule that reads {read}" if read else one.severity
+    lines = [f"### {one.code} {one.name}", "", f"*{kind}*: {one.title}.", "", one.why, ""]
+    language = _FILES.get(one.family, "yarc")
+    for title, text in (("For example:", one.example), ("Better:", one.better)):
+        if text:
+            lines += [title, "", f"```{language}", text, "```", ""]
+    return lines

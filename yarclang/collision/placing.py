@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang.collision.geometry import encloses
 from yarclang.collision.scene import Rows, Scene
-from yarclang.robot.kinematics.fk import joint_transform
+from yarclang.robot.kinematics.fk import skew
 from yarclang.shapes import Array
 
 
@@ -30,14 +30,23 @@ def place(scene: Scene, q: Array) -> Placed:
     count, size = q.shape
     turn, shift = np.empty((size + 1, count, 3, 3)), np.empty((size + 1, count, 3))
     turn[0], shift[0] = np.eye(3), 0.0
+    sin, versine = np.sin(q), 1.0 - np.cos(q)
     for joint in range(size):
-        rotation, moved = joint_transform(scene.chain.screws[joint], q[:, joint])
-        turn[joint + 1] = turn[joint] @ rotation
-        shift[joint + 1] = (turn[joint] @ moved[:, :, None])[:, :, 0] + shift[joint]
-    at = scene.joint
+        linear, angular = scene.chain.screws[joint, :3], scene.chain.screws[joint, 3:]
+        # exp(screw q) as in `joint_transform`, behind what the joints before do
+        w = skew(angular)
+        s, c = sin[:, joint, None], versine[:, joint, None]
+        local = q[:, joint, None] * linear + c * (w @ linear) + (q[:, joint, None] - s) * (w @ w @ linear)
+        turned = turn[joint].reshape(-1, 3) @ np.hstack([w, w @ w])
+        turned = turned.reshape(count, 3, 6)
+        turn[joint + 1] = turn[joint] + s[:, :, None] * turned[:, :, :3] + c[:, :, None] * turned[:, :, 3:]
+        shift[joint + 1] = np.einsum("pij,pj->pi", turn[joint], local) + shift[joint]
     middle = np.empty((len(scene.bodies), count, 3))
-    for body, joint in enumerate(at):
-        middle[body] = turn[joint] @ scene.middle[body] + shift[joint]
+    for body, joint in enumerate(scene.joint):
+        if joint == 0:
+            middle[body] = scene.middle[body]
+            continue
+        middle[body] = (turn[joint].reshape(-1, 3) @ scene.middle[body]).reshape(count, 3) + shift[joint]
     return Placed(scene, turn, shift, middle)
 
 
@@ -88,32 +97,24 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Relative:
-    """The second body of a pair seen from the first: `turn` (R, 3, 3), its box's `middle` seen from the first's (R, 3), and
-    its `origin` seen from the first's (R, 3) [m].
-    """
+    """The second body of a pair seen from the first: `turn` (R, 3, 3), and its box's `middle` seen from the first's (R, 3) [m]."""
 
     turn: Array
     middle: Array
-    origin: Array
+
+    def take(self, rows: Rows) -> Relative:
+        """Some of the rows."""
+        return Relative(self.turn[rows], self.middle[rows])
 
 
 def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
     """How the bodies of pairs stand to each other at joint positions, (R,) each."""
     scene = placed.scene
     one, other = scene.first[pair], scene.second[pair]
-    joint, beside = scene.joint[one], scene.joint[other]
-    first = (placed.turn[joint, at] @ scene.rotation[one]).transpose(0, 2, 1)
-    second = placed.turn[beside, at] @ scene.rotation[other]
-    starts = [
-        (placed.turn[moves, at] @ scene.origin[which][:, :, None])[:, :, 0] + placed.shift[moves, at]
-        for moves, which in ((joint, one), (beside, other))
-    ]
+    first = (placed.turn[scene.joint[one], at] @ scene.rotation[one]).transpose(0, 2, 1)
+    second = placed.turn[scene.joint[other], at] @ scene.rotation[other]
     apart = placed.middle[other, at] - placed.middle[one, at]
-    return Relative(
-        first @ second,
-        (first @ apart[:, :, None])[:, :, 0],
-        (first @ (starts[1] - starts[0])[:, :, None])[:, :, 0],
-    )
+    return Relative(first @ second, (first @ apart[:, :, None])[:, :, 0])
 
 
 def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
@@ -134,29 +135,34 @@ def _outside(gap: Array) -> Array:
     return length
 
 
-def distances(scene: Scene, pair: Rows, seen: Relative) -> Array:
-    """The distances (R,) of pairs [m]; not above zero where the bodies overlap: by how deep, but for meshes only roughly."""
+def distances(scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True) -> Array:
+    """The distances (R,) of pairs [m]; not above zero where the bodies overlap: by how deep, but for meshes only roughly.
+
+    Without `deep` it isn't said how deep, and takes half the time.
+    """
     import coal
 
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
-    here = coal.Transform3s()
+    request.enable_signed_distance = deep
+    here, there = coal.Transform3s(), coal.Transform3s()
     shapes = [body.geometry.of_coal for body in scene.bodies]
+    own = np.array([body.geometry.middle for body in scene.bodies])
+    origin = seen.middle + own[scene.first[pair]] - (seen.turn @ own[scene.second[pair]][:, :, None])[:, :, 0]
     found = np.empty(len(pair))
     # one call a pair and position: coal has none for many
-    for row, (one, other) in enumerate(
-        zip(scene.first[pair].tolist(), scene.second[pair].tolist(), strict=True)
-    ):
+    pairs = zip(scene.first[pair].tolist(), scene.second[pair].tolist(), strict=True)
+    for row, ((one, other), turn, shift) in enumerate(zip(pairs, seen.turn, origin, strict=True)):
         answer.clear()
-        there = coal.Transform3s(seen.turn[row], seen.origin[row])
+        there.setTransform(turn, shift)
         found[row] = coal.distance(shapes[one], here, shapes[other], there, request, answer)
     for one, other, inside in ((scene.first, scene.second, True), (scene.second, scene.first, False)):
         closed = np.array([body.geometry.skin is not None for body in scene.bodies], dtype=np.bool_)
         for row in np.flatnonzero(closed[one[pair]] & (found > 0.0)).tolist():
-            turn, shift = seen.turn[row], seen.origin[row]
+            turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
-            there = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
+            inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
             assert skin.skin is not None  # as it is closed
-            if (np.abs(there - skin.middle) <= skin.half).all() and encloses(skin.skin, there):
+            if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):
                 found[row] = -found[row]
     return found
 
@@ -175,17 +181,39 @@ def too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
 
 
 def _too_near(scene: Scene, placed: Placed) -> NDArray[np.bool_]:
-    count = placed.middle.shape[1]
-    near = np.zeros(count, dtype=np.bool_)
-    limit = (scene.bound[scene.first] + scene.bound[scene.second] + scene.margin) ** 2
-    apart = placed.middle[scene.first] - placed.middle[scene.second]
-    pair, at = np.nonzero(np.einsum("kpi,kpi->kp", apart, apart) <= limit[:, None])
+    near = np.zeros(placed.middle.shape[1], dtype=np.bool_)
+    at, pair = _near_spheres(placed)
     seen = relative(placed, at, pair)
     (left,) = np.nonzero(box_gaps(scene, pair, seen) <= scene.margin[pair])
-    # the pairs that most boxes of which meet first: a position that is known isn't looked at again
-    for one in np.unique(pair[left])[np.argsort(-np.bincount(pair[left])[np.unique(pair[left])])]:
+    # the pairs that meet most often first: a position that is known isn't looked at again
+    often = np.bincount(pair[left], minlength=len(scene.first))
+    for one in np.argsort(-often, kind="stable")[: np.count_nonzero(often)].tolist():
         rows = left[pair[left] == one]
         rows = rows[~near[at[rows]]]
-        gap = distances(scene, pair[rows], Relative(seen.turn[rows], seen.middle[rows], seen.origin[rows]))
+        gap = distances(scene, pair[rows], seen.take(rows), deep=False)
         near[at[rows[gap <= scene.margin[one]]]] = True
     return near
+
+
+def _near_spheres(placed: Placed) -> tuple[Rows, Rows]:
+    """The positions and pairs (R,) that spheres don't tell apart: of a sphere and the box of a body that stands still, of two spheres else."""
+    scene = placed.scene
+    found_at, found_pair = [], []
+    for body in np.unique(scene.first):
+        (pairs,) = np.nonzero(scene.first == body)
+        others = scene.second[pairs]
+        apart = placed.middle[others] - placed.middle[body]
+        reach = scene.bound[others] + scene.margin[pairs]
+        if scene.joint[body] == 0:
+            apart = np.maximum(np.abs(apart.reshape(-1, 3) @ scene.rotation[body]) - scene.half[body], 0.0)
+            apart = apart.reshape(len(pairs), -1, 3)
+            reach = reach + scene.radius[body]
+        else:
+            reach = reach + scene.bound[body]
+        near = np.einsum("kpi,kpi->kp", apart, apart) <= (reach**2)[:, None]
+        which, where = np.nonzero(near)
+        found_at.append(where)
+        found_pair.append(pairs[which])
+    if not found_at:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    return np.concatenate(found_at), np.concatenate(found_pair)

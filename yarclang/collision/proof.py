@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.collision.course import Course
-from yarclang.collision.placing import Relative, box_gaps, distances, place, relative, sphere_gaps, travel
+from yarclang.collision.placing import box_gaps, distances, place, relative, sphere_gaps, travel
 from yarclang.collision.scene import Rows, Scene
 from yarclang.shapes import Array
 
@@ -165,8 +165,7 @@ class _Search:
         for turn in range(2):
             now = number if turn else self._promising(rows, number)
             part = rows.take(now)
-            view = Relative(seen.turn[now], seen.middle[now], seen.origin[now])
-            exact = replace(part, gap=distances(scene, part.pair, view))
+            exact = replace(part, gap=distances(scene, part.pair, seen.take(now)))
             self._learn(exact, middle)
             left.append(exact)
             number = np.setdiff1d(number, now, assume_unique=True)

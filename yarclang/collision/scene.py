@@ -42,7 +42,7 @@ class Scene:
     one of both stands in the cell (`of_cell`). `at_home` are the pairs of links that touch in the robot's HOME: there it stands, so that it is their
     shapes that are too large, and they aren't among the pairs.
 
-    Per body: `joint` (M,), `origin` and `middle` (M, 3), `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
+    Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
     `bound` (M,) of its box.
     """
 
@@ -54,7 +54,6 @@ class Scene:
     of_cell: NDArray[np.bool_]
     at_home: frozenset[tuple[str, str]]
     joint: Rows
-    origin: Array
     middle: Array
     rotation: Array
     half: Array
@@ -143,7 +142,6 @@ def _with_pairs(
         of_cell[first] | of_cell[second],
         at_home,
         np.array([body.joint for body in bodies], dtype=np.int64),
-        origin,
         origin + (rotation @ middle[:, :, None])[:, :, 0],
         rotation,
         np.array([body.geometry.half for body in bodies]).reshape(-1, 3),

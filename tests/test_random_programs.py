@@ -205,9 +205,6 @@ def test_a_blend_from_a_frame_to_joints_on_seven_joints(folder):
     assert [one.code for one in diagnostics if one.is_error] == []
 
 
-@pytest.mark.xfail(
-    strict=True, reason="beside a blend a slow cruise is 0.13 % too fast: planned, and not certified"
-)
 def test_a_slow_cruise_beside_a_blend():
     text = """DEFAULT {TCP} (mm,deg,s) {B}
 P0010 MOVEL -40 876 654 -95 2 -24 [V 5] BLEND 20

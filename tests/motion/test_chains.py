@@ -143,9 +143,6 @@ def test_lines_in_one_direction_are_passed_at_about_one_speed():
     assert speed.min() > 0.97 * 80
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the ramps of two motions don't quite add up: 2.8 % slower in the corner"
-)
 def test_lines_in_one_direction_are_passed_at_just_one_speed():
     assert speeds_along_a_line_with_corners().min() > 0.995 * 80
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.guard import Watermarks, watermarks
-from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, SetOutput, Stop, WaitInput, When
-from yarclang.motion.plan import MotionPlan
+from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, Motion, SetOutput, Stop, WaitInput, When
+from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pmac.program import (
     Assignment,
     Barrier,
@@ -37,7 +37,8 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    decimals = max((decimals_for(robot, segment, tolerance) for segment in set(segments)), default=4)
+    kept = {(motion.curve.segment, _kept_speed(plan, motion)) for motion in plan.motions}
+    decimals = max((decimals_for(robot, segment, tolerance, speed) for segment, speed in kept), default=4)
     body = tuple(_body(plan, decimals))
     if target == "rotary":
         body = _guarded(body, marks)
@@ -66,6 +67,13 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
             if output.safe is not None
         ),
     )
+
+
+def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
+    """The speed that a motion keeps [m/s]; infinite where none was asked for."""
+    step = plan.program.steps[motion.step]
+    speed = step.timing.speed if isinstance(step, Motion) else None
+    return np.inf if speed is None or speed.length is None else speed.length * motion.kept
 
 
 def _commands(plan: MotionPlan) -> Iterator[Command]:

@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from yarclang.motion.blend import Part
+from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.cruise import cruise_law, fewest, fewest_at_speed
 from yarclang.motion.curve import FEWEST_SEGMENTS
+from yarclang.motion.framespeed import finer_for_speed
 from yarclang.motion.links import Link, Piece
 from yarclang.motion.overlaps import SPEED_KEPT, Overlaps, widest
 from yarclang.motion.trials import Trial, Trials
@@ -62,6 +64,11 @@ class _Maker:
             more = own.segments_for_tolerance(part.trial)
             if more is not None:
                 return self.segment * part.segments / more
+        for link, part in zip(self.links, parts, strict=True):
+            if link.full is not None and isinstance(link.path, CartesianPath):
+                finer = finer_for_speed(link.path, part.trial, self.segment)
+                if finer is not None:
+                    return finer
         return self.corners.cut(parts, overlaps)
 
     def _trials(self, link: Link, share: float) -> Trials:

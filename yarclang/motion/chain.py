@@ -67,7 +67,7 @@ def _steadily(chain: Chain, links: Sequence[Link], grid: Grid) -> list[list[Piec
         made = _made(lambda segment, middles: steady(chain, links, segment, middles), links, shorter)
         if made is not None:
             found.append(made)
-        if (made is not None and all(link.duration is not None for link in links)) or len(found) == 2:
+        if (made is not None and all(link.duration is not None for link in links)) or len(found) == 3:
             break
         longest /= 2.0
     return found

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong, curve_of, refusal_of
+from yarclang.motion.framespeed import finer_for_speed
 from yarclang.motion.limits import Bounds, Grid
 from yarclang.motion.path import Path
 from yarclang.motion.profile import Form, Law
@@ -126,6 +128,10 @@ def _tried(
             segment = grid.nearest(segment * trial.segments / more)
             if segment < grid.smallest:
                 return NotHeld(*trials.deviation(trial), segment)
+            continue
+        steadier = finer_for_speed(path, trial, segment) if isinstance(path, CartesianPath) else None
+        if steadier is not None and grid.nearest(steadier) >= grid.smallest:
+            segment = grid.nearest(steadier)
             continue
         if trial.form[0] >= _FINE or not can_be_finer:
             return curve_of(trial, segment)

@@ -401,13 +401,15 @@ def another_configuration(
         blamed = f": with that, in {label}, {why.message}" if label else f": with that, {why.message}"
     differs = ""
     if nearest is not None:
+        # no negative zeros
+        shown = [np.round(one / robot.axis_units, 1) + 0.0 for one in (taken, nearest)]
         apart = np.abs(taken - nearest) / robot.axis_units
         joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
         differs = (
             " ("
             + ", ".join(
-                f"{robot.joint_names[joint]} {taken[joint] / robot.axis_units[joint]:.1f} instead of "
-                f"{nearest[joint] / robot.axis_units[joint]:.1f} {robot.axis_unit_names[joint]}"
+                f"{robot.joint_names[joint]} {shown[0][joint]:.1f} instead of {shown[1][joint]:.1f} "
+                f"{robot.axis_unit_names[joint]}"
                 for joint in sorted(joints)
             )
             + ")"
@@ -425,7 +427,9 @@ def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
     units = sorted(
         {"mm" if unit == "mm" else "deg" for unit in robot.axis_unit_names}, key=("mm", "deg").index
     )
-    values = " ".join(f"{value:.3f}".rstrip("0").rstrip(".") for value in q / robot.axis_units)
+    values = " ".join(
+        f"{value:.3f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, 3) + 0.0
+    )
     declaration = f"JOINTS {name} {values} ({','.join(units)})\n"
     line = Span.on_line(origin.span.line, 1, 1)
     return Fix(

@@ -11,9 +11,9 @@ from yarclang.hir import Array
 from yarclang.motion.blend import Corner, Part, begins, both, shares, superpose, way_length
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve, knot_values, middle_values
+from yarclang.motion.framespeed import frame_speeds
 from yarclang.motion.limits import Bounds
 from yarclang.motion.links import Link, Piece
-from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Chain, Tolerance
 
 _WITHIN = 0.98
@@ -69,10 +69,7 @@ class Overlaps:
         for link in links:
             if link.speed is None or not isinstance(link.path, CartesianPath):
                 continue
-            jacobians = poses_and_jacobians(self.chain, q, link.path.flange_from_moving)[1]
-            rows = slice(3, 6) if link.path.extent[1] else slice(0, 3)
-            speeds = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, rows], rate), axis=1)
-            most = max(most, float(speeds.max()))
+            most = max(most, float(frame_speeds(link.path, q, rate).max()))
         return most / max(asked)
 
     def _in_ball(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:

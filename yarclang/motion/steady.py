@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from yarclang.hir import Array
 from yarclang.motion.blend import Part
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.framespeed import finer_for_speed
 from yarclang.motion.links import Link, Piece
 from yarclang.motion.overlaps import SPEED_KEPT, Overlaps
 from yarclang.motion.path import Path
-from yarclang.motion.profile import NO_FORM, Form, Law
-from yarclang.motion.trapezoid import FEWEST_IN_BLEND, between_ramps
+from yarclang.motion.profile import NO_FORM, Law
+from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_rest
 from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
@@ -64,13 +66,14 @@ def steady(
 
 @dataclass(frozen=True, slots=True)
 class _Turn:
-    """An overlap: how many segments, and in how many of them the acceleration rises. With motions slower by `asked` the limits
-    would just be kept.
+    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap of `overlap` segments.
+    With motions slower by `asked` the limits would just be kept.
     """
 
     width: int
-    ramp: int
-    asked: float = 1.0
+    rise: int
+    overlap: int
+    asked: float
 
 
 class _Maker:
@@ -80,6 +83,7 @@ class _Maker:
         self, links: Sequence[Link], corners: Overlaps, segment: float, middles: Sequence[int | None]
     ) -> None:
         self.links, self.corners, self.segment, self.middles = links, corners, segment, middles
+        self.on_knots = all(middle is not None for middle in middles)
         self.inside = [self._inside(place) for place in range(len(links) - 1)]
         self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
 
@@ -97,7 +101,7 @@ class _Maker:
             taken = [turn for turn in turns if turn is not None]
             parts: list[Part | None] = []
             if not slow:
-                parts = [self._part(place, cruises[place], taken) for place in range(count)]
+                parts = self._parts(cruises, taken)
                 slow = {place: _SLOWER for place, part in enumerate(parts) if part is None}
             if not slow:
                 slow = self._slow_corners(parts, taken)
@@ -134,10 +138,10 @@ class _Maker:
             first, second = parts[place], parts[place + 1]
             assert first is not None
             assert second is not None
-            if not self.corners.serves(first, second, place, turn.width):
+            if not self.corners.serves(first, second, place, turn.overlap):
                 more = _SLOWER
             else:
-                excess = self.corners.excess(first, second, place, turn.width)
+                excess = self.corners.excess(first, second, place, turn.overlap)
                 more = excess if excess > 1.0 + SPEED_KEPT else 1.0
             if more > 1.0:
                 for side in (place, place + 1):
@@ -146,15 +150,19 @@ class _Maker:
 
     def _finished(self, parts: list[Part], turns: list[_Turn], cruises: list[float]) -> list[Piece] | float:
         for link, part in zip(self.links, parts, strict=True):
-            own = Trials(link.path, _law(1.0), link.own_bounds, link.tolerance)
+            own = Trials(link.path, _law(part.trial.control), link.own_bounds, link.tolerance)
             more = own.segments_for_tolerance(part.trial)
             if more is not None:
                 return self.segment * part.segments / more
+            if link.full is not None and isinstance(link.path, CartesianPath):
+                finer = finer_for_speed(link.path, part.trial, self.segment)
+                if finer is not None:
+                    return finer
         kept = [
             1.0 if link.full is None else link.full / self.segment / cruise
             for link, cruise in zip(self.links, cruises, strict=True)
         ]
-        return self.corners.cut(parts, [turn.width for turn in turns], kept)
+        return self.corners.cut(parts, [turn.overlap for turn in turns], kept)
 
     def _is_too_slow(self, place: int, cruise: float) -> bool:
         """Whether a motion would go so slowly that a stop at both its ends takes less time."""
@@ -206,7 +214,9 @@ class _Maker:
         """The widest overlap that has room at these speeds, with the ramps that suit the limits best."""
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
-        width = 2 * int(min(one * before, other * behind) + 1e-9)
+        overlap = 2 * int(min(one * before, other * behind) + 1e-9)
+        # where the ramps begin between two knots, both of them have to find room in the overlap
+        width = overlap - (0 if self.on_knots else 1)
         if width < FEWEST_IN_BLEND:
             return None
         bounds = self.links[place].own_bounds, self.links[place + 1].own_bounds
@@ -221,29 +231,62 @@ class _Maker:
             for share in _STEEPNESS
         }
         steep = min(_STEEPNESS, key=asked.__getitem__)
-        return _Turn(width, max(1, min(round(steep * width), width // 2)), asked[steep])
+        return _Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
-    def _part(self, place: int, cruise: float, turns: list[_Turn]) -> Part | None:
-        """A motion between its corners, or between one and rest; None where its own limits don't allow it."""
+    def _parts(self, cruises: list[float], turns: list[_Turn]) -> list[Part | None]:
+        """The motions one after the other; None for those that their own limits don't allow."""
+        parts: list[Part | None] = []
+        phase = 0.0
+        for place, cruise in enumerate(cruises):
+            part, phase = self._part(place, cruise, turns, phase)
+            parts.append(part)
+        return parts
+
+    def _part(self, place: int, cruise: float, turns: list[_Turn], phase: float) -> tuple[Part | None, float]:
+        """A motion between its corners, or between one and rest, and how far behind a knot its last ramp begins.
+
+        `phase` is that of the motion before; the first ramp of this one is its mirror image, so that both add up to one speed.
+        """
         link, middle = self.links[place], self.middles[place]
         starts, ends = self._is_outer(place)
-        rise = None if starts else turns[place - 1]
-        fall = None if ends else turns[place]
-        trials = Trials(link.path, _law(cruise), link.own_bounds, link.tolerance)
-        if rise is not None and fall is not None:
-            found = self._tried(trials, cruise, rise, fall, (rise.width, fall.width), middle)
-            return None if found is None else Part(link.path, found)
-        into, out = (turn.width if turn else 0 for turn in (rise, fall))
-        given = middle is not None
-        for blend in [round(2.0 * (middle - cruise))] if middle is not None else self._blends(link, cruise):
-            for share in _STEEPNESS:
-                outer = _Turn(blend, max(1, min(round(share * blend), blend // 2)))
-                found = self._tried(trials, cruise, rise or outer, fall or outer, (into, out), middle)
-                if found is not None:
-                    return Part(link.path, found)
-            if given:
-                break
-        return None
+        blends = [0]
+        if starts or ends:
+            blends = [round(2.0 * (middle - cruise))] if middle is not None else self._blends(link, cruise)
+        for blend in blends:
+            for share in _STEEPNESS if starts or ends else (0.0,):
+                rise = max(1, min(round(share * blend), blend // 2))
+                first = (
+                    Ramp(0.0, blend, rise)
+                    if starts
+                    else Ramp(phase, turns[place - 1].width, turns[place - 1].rise)
+                )
+                into = 0 if starts else turns[place - 1].overlap
+                if ends:
+                    segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
+                    if middle is not None:
+                        segments = middle + into // 2
+                    if not self._has_room(segments, first, cruise):
+                        continue
+                    control, out, behind = to_rest(segments, first, cruise, rise), 0, 0.0
+                else:
+                    turn = turns[place]
+                    last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
+                    knot = int(last.start + 1e-9)
+                    if last.start < 0.0 or knot < into:
+                        continue
+                    segments, out, behind = knot + turn.overlap, turn.overlap, last.start - knot
+                    if first.start + first.width + 1 > segments:
+                        continue
+                    control = between_ramps(segments, first, last)
+                trial = self._tried(link, control, into, out)
+                if trial is not None:
+                    return Part(link.path, trial), behind
+        return None, 0.0
+
+    def _has_room(self, segments: int, first: Ramp, cruise: float) -> bool:
+        """Whether a motion that ends at rest has room for both its ramps."""
+        width = 2.0 * (segments - first.middle - cruise)
+        return FEWEST_IN_BLEND <= width <= segments and first.start + first.width + 1 <= segments
 
     def _blends(self, link: Link, cruise: float) -> list[int]:
         """Lengths of a ramp from or to rest to try, the shortest that might do first."""
@@ -252,24 +295,11 @@ class _Maker:
         most = max(least + 2, int(2.0 * cruise))
         return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
 
-    def _tried(
-        self,
-        trials: Trials,
-        cruise: float,
-        rise: _Turn,
-        fall: _Turn,
-        overlaps: tuple[int, int],
-        middle: int | None,
-    ) -> Trial | None:
-        """The trial with these ramps, if it keeps the limits outside of its overlaps."""
-        into, out = overlaps
-        if middle is not None:
-            segments = middle + (into + out) // 2
-        else:
-            segments = math.ceil(cruise + (rise.width + fall.width) / 2.0 - 1e-9)
-        if segments < max(rise.width, math.ceil(2.0 * (segments - cruise) - rise.width)):
-            return None
-        trial = trials.trial(segments, (rise.width, rise.ramp, fall.ramp))
+    def _tried(self, link: Link, control: Array, into: int, out: int) -> Trial | None:
+        """The trial of a law, if it keeps the limits outside of its overlaps of `into` and `out` segments."""
+        segments = len(control) - 3
+        trials = Trials(link.path, _law(control), link.own_bounds, link.tolerance)
+        trial = trials.trial(segments, ())
         own = trial.points[max(into - 1, 0) : segments + 3 - max(out - 1, 0)]
         if len(own) < 4:
             return trial
@@ -277,18 +307,13 @@ class _Maker:
         return trial if asked <= self.segment * (1.0 + 1e-12) else None
 
 
-def _law(cruise: float) -> Law:
-    """The law whose whole way takes `cruise` segments at full speed; a form is the length of the first ramp, and the segments in which
-    acceleration rises in the first and in the last. The last ramp is as long as the number of segments leaves.
-    """
-
-    def control(segments: int, form: Form) -> Array:
-        return between_ramps(segments, cruise, *form)
+def _law(control: Array) -> Law:
+    """A law with nothing left open: these control values."""
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
         return np.full((len(forms), 3), 1.0 / segments)
 
-    return Law(lambda u: u, control, lambda segments: NO_FORM, strain)  # noqa: ARG005
+    return Law(lambda u: u, lambda segments, form: control, lambda segments: NO_FORM, strain)  # noqa: ARG005
 
 
 def _slope(path: Path, s: float) -> Array:

@@ -5,6 +5,8 @@ A form is (blend, ramp): the segments of speeding up (and of slowing down), and 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,18 +57,61 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
     return _of_accelerations((rise - rise[::-1]) / cruise)
 
 
-def between_ramps(segments: int, cruise: float, blend: int, first_ramp: int, last_ramp: int) -> Array:
-    """The control values (n + 3,) of a law that speeds up and slows down in different times.
+@dataclass(frozen=True, slots=True)
+class Ramp:
+    """Speeding up, or slowing down: it begins at knot `start`, a whole number or not, takes `width` segments, and its acceleration rises in
+    `rise` of them and falls in as many.
+    """
+
+    start: float
+    width: int
+    rise: int
+
+    @property
+    def middle(self) -> float:
+        """Where half of the speed is reached."""
+        return self.start + self.width / 2.0
+
+
+def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
+    """The control values (n + 3,) of a law that speeds up in one ramp and slows down in another one.
+
+    From the middle of one to that of the other the whole way would be gone at full speed.
+
+    Args:
+        segments: n; both ramps lie within.
+        first: speeding up.
+        last: slowing down.
+    """
+    pushes = [_shifted(segments, ramp) for ramp in (first, last)]
+    return _of_accelerations((pushes[0] - pushes[1]) / (last.middle - first.middle))
+
+
+def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
+    """The control values (n + 3,) of a law that speeds up in a ramp, and slows down just to the last of the segments.
 
     Args:
         segments: n.
-        cruise: the segments that the way takes at full speed, a whole number or not.
-        blend: segments of speeding up. Slowing down takes what is left, 2 (n - cruise) - blend.
-        first_ramp: segments in which the acceleration rises and falls while speeding up.
-        last_ramp: the same while slowing down.
+        first: speeding up.
+        cruise: the segments that the whole way would take at full speed, a whole number or not.
+        rise: segments in which the acceleration rises and falls while slowing down.
     """
-    fall = _pulse(segments, 2.0 * (segments - cruise) - blend, last_ramp)
-    return _of_accelerations((_pulse(segments, float(blend), first_ramp) - fall[::-1]) / cruise)
+    width = 2.0 * (segments - first.middle - cruise)
+    return _of_accelerations((_shifted(segments, first) - _pulse(segments, width, rise)[::-1]) / cruise)
+
+
+def _shifted(segments: int, ramp: Ramp) -> Array:
+    """Accelerations (n + 1,) at the knots of one ramp, which add up to 1: a mixture of two that begin at whole knots."""
+    whole = int(ramp.start + _ROUNDING)
+    later = max(ramp.start - whole, 0.0)
+    knot = np.arange(ramp.width + 1)
+    one = np.clip(np.minimum(knot, ramp.width - knot) / max(1, min(ramp.rise, ramp.width // 2)), 0.0, 1.0)
+    one /= one.sum()
+    pushes = np.zeros(segments + 1)
+    pushes[whole : whole + ramp.width + 1] += (1.0 - later) * one
+    if later > _ROUNDING:
+        pushes[whole + 1 : whole + ramp.width + 2] += later * one
+    return pushes
 
 
 def _pulse(segments: int, blend: float, ramp: int) -> Array:

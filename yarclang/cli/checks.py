@@ -72,6 +72,9 @@ def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
 
 def check_one(path: str, task: Task) -> Done:
     """Check one file, and fix it if that is wanted."""
+    gc.set_threshold(
+        200_000, 20, 20
+    )  # the trees of a long program are no garbage, and were looked through again and again
     from yarclang.pipeline.checking import Checked, check_file, check_text
     from yarclang.pipeline.fixing import fixed
 

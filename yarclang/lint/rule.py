@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, TypeVar
 
 from yarclang.diagnostics import Fix
 from yarclang.findings import Finding
 from yarclang.hir import Origin, Step
+from yarclang.lint.names import Names, names_of
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module
@@ -31,7 +33,7 @@ class Remark:
     place: str = ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Surroundings:
     """What every rule may know besides what it reads: the file that is checked, its robot, the steps of the program by their numbers, and
     whether the project is for teaching (reduced speed).
@@ -41,6 +43,11 @@ class Surroundings:
     robot: Robot
     steps: tuple[Step, ...] = ()
     teach: bool = False
+
+    @cached_property
+    def names(self) -> Names:
+        """What the file declares and speaks of."""
+        return names_of(self.module)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -40,12 +40,10 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 def _radian(values: Array) -> float | None:
     """A value that is a multiple of 15 deg in rad, where all are small and none is a round number of degrees."""
+    if np.abs(values).max(initial=0.0) > 2.0 * np.pi + _EXACT:
+        return None
     moving = values[values != 0.0]
-    if (
-        not len(moving)
-        or np.abs(moving).max() > 2.0 * np.pi + _EXACT
-        or (np.abs(moving * 20.0 - np.round(moving * 20.0)) < 1e-9).any()
-    ):
+    if not len(moving) or (np.abs(moving * 20.0 - np.round(moving * 20.0)) < 1e-9).any():
         return None
     multiples = np.round(moving / _STEP)
     hits = moving[(np.abs(moving - multiples * _STEP) < _EXACT) & (multiples != 0)]

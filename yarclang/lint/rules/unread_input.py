@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from yarclang.findings import Finding
-from yarclang.lint.names import names_of
 from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.syntax.ast import Module
 
 
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
-    for one in names_of(module).unused("INPUT"):
+    for one in around.names.unused("INPUT"):
         message = f"nothing in this file reads the input {one.name}"
         yield Remark(
             message,

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from yarclang.findings import Finding
-from yarclang.lint.names import names_of
 from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.syntax.ast import Module
 
 
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
-    for one in names_of(module).unused("OUTPUT"):
+    for one in around.names.unused("OUTPUT"):
         if sum(len(waypoint.values) for waypoint in one.statement.waypoints) > 2:
             continue  # its safe value is set at a stop
         message = f"nothing in this file sets the output {one.name}"

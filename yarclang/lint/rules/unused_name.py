@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from yarclang.diagnostics import Edit, Fix
 from yarclang.findings import Finding
-from yarclang.lint.names import Declared, names_of
+from yarclang.lint.names import Declared
 from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.source import Span
 from yarclang.syntax.ast import Module
@@ -14,8 +14,8 @@ from yarclang.syntax.ast import Module
 _KINDS = {"FRAME": "frame", "JOINTS": "joint position", "LET": "number", "SUB": "SUB", "USE": "module"}
 
 
-def _look(module: Module, around: Surroundings) -> Iterator[Remark]:
-    names = names_of(module)
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+    names = around.names
     # of frames that the robot carries another rule speaks
     on_flange = set(around.robot.flange_from_frame)
     for one in names.declared:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from yarclang.findings import Finding
-from yarclang.lint.names import names_of
 from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.syntax.ast import Module
 
 
-def _look(module: Module, around: Surroundings) -> Iterator[Remark]:
-    names = names_of(module)
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+    names = around.names
     on_flange = set(around.robot.flange_from_frame)
     for one in names.declared:
         if one.word == "FRAME" and one.statement.base is not None and one.statement.base.name in on_flange:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -46,7 +47,7 @@ def _place(step: Motion, arm: float) -> tuple[str, str] | None:
     if step.origin.base is not None and step.origin.base.name != "B":
         return None
     for point in _points(step):
-        away = float(np.linalg.norm(point))
+        away = math.hypot(*point)
         if 0.0 < away < _NEAR * arm:
             meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
             return (

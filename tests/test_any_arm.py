@@ -135,7 +135,8 @@ def test_a_random_chain(joints, seed, tmp_path_factory):
     made_of_it, diagnostics = compiled(text, str(folder / "arm"))
     said = errors(diagnostics)
     assert (made_of_it is None) == bool(said)
-    # a line of a random chain may lead through a singularity or to a limit; nothing else may come of it
+    # a random chain may hit itself, and a line may lead through a singularity or to a limit; nothing else may come of it
+    said = [one for one in said if not one.startswith("Y0902")]
     assert all(one[:3] in {"Y05", "Y06", "Y07", "Y08"} for one in said), said
     if len(joints) < 6:
         assert said == []

@@ -113,7 +113,19 @@ class _Maker:
                 return None
             for place in free:
                 cruises[place] *= slow[place]
+            self._keep_together(cruises)
         return None
+
+    def _keep_together(self, cruises: list[float]) -> None:
+        """Where a corner may not be left, both motions keep one share of their speeds: it is passed without a change."""
+        for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
+            for place in order:
+                corner, pair = self.links[place].corner, self.links[place : place + 2]
+                if corner is None or not corner.is_tangent or any(link.full is None for link in pair):
+                    continue
+                fulls = [(link.full or 0.0) / self.segment for link in pair]
+                share = max(cruises[place] / fulls[0], cruises[place + 1] / fulls[1])
+                cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
         """About the fastest speeds at which the corners can be passed, from the directions there alone."""
@@ -129,6 +141,7 @@ class _Maker:
                 break
             for place in slow:
                 cruises[place] *= asked[place] + 1e-3
+            self._keep_together(cruises)
         return cruises
 
     def _slow_corners(self, parts: list[Part | None], turns: list[_Turn]) -> dict[int, float]:

@@ -16,7 +16,7 @@ SAME_PLACE = 1e-12
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _GAUSS_NODES, _GAUSS_WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
-_PIECES = 64
+_PIECES = 256
 """Into how many pieces each leg is cut where lengths are measured."""
 
 
@@ -63,12 +63,15 @@ class PoseSpline:
         u, lengths = self._fine, self._lengths
         wanted = np.clip(share, 0.0, 1.0) * lengths[-1]
         piece = np.clip(np.searchsorted(lengths, wanted, side="right") - 1, 0, len(u) - 2)
-        left, width = u[piece], (u[piece + 1] - u[piece])
-        s = left + width * (wanted - lengths[piece]) / (lengths[piece + 1] - lengths[piece])
-        for _ in range(4):
-            inside = left[:, None] + (s - left)[:, None] * _GAUSS_NODES
-            behind = lengths[piece] + (s - left) * (self._speeds(inside) @ _GAUSS_WEIGHTS)
-            s = s - (behind - wanted) / self._speeds(s[:, None])[:, 0]
+        width = lengths[piece + 1] - lengths[piece]
+        r = (wanted - lengths[piece]) / width
+        # s over the length, with its slopes at both ends of a piece: the pieces are short, and the cubics as good as exact
+        slopes = self._slopes
+        s = (
+            u[piece] * (1.0 + 2.0 * r) * (1.0 - r) ** 2
+            + u[piece + 1] * r**2 * (3.0 - 2.0 * r)
+            + width * r * (1.0 - r) * (slopes[piece] * (1.0 - r) - slopes[piece + 1] * r)
+        )
         places: Array = np.clip(s, 0.0, 1.0)
         return places
 
@@ -83,6 +86,12 @@ class PoseSpline:
         shares = np.arange(_PIECES) / _PIECES
         inner = knots[:-1, None] + np.diff(knots)[:, None] * shares
         return np.append(inner.ravel(), 1.0)
+
+    @cached_property
+    def _slopes(self) -> Array:
+        """How fast s grows over the length, at the places where lengths are measured [1/m]."""
+        slopes: Array = 1.0 / self._speeds(self._fine[:, None])[:, 0]
+        return slopes
 
     @cached_property
     def _lengths(self) -> Array:

@@ -27,6 +27,9 @@ _SHARES = (1.0, 0.9, 0.8, 0.65, 0.5)
 _FOR_FLOW = 1.1
 """A chain may take so many times as long as the fastest one for the sake of fewer stops: a blend is asked for to flow."""
 
+_ABOUT = 1.005
+"""What is slower by no more than this is as good: then longer segments, which come first, are."""
+
 _EXACT = 1e-7
 """Times that miss whole segments by less [s] don't miss them."""
 
@@ -40,7 +43,7 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
     Each motion can be done by itself, so the chain can, if need be with a stop at a corner.
     """
     found = _steadily(chain, links, grid)
-    if found and all(_is_as_asked(link, piece) for link, piece in zip(links, found[-1], strict=True)):
+    if found and _is_as_asked(links, found[-1]):
         return found[-1]
     ways: list[Way] = [
         lambda segment, middles, share=share: apart(chain, links, segment, middles, share)  # type: ignore[misc]
@@ -50,12 +53,19 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
     if not found:
         return [link.as_alone for link in links]
     fastest = min(_duration(pieces) for pieces in found)
-    return min((pieces for pieces in found if _duration(pieces) <= _FOR_FLOW * fastest), key=_preference)
+    flowing = [pieces for pieces in found if _duration(pieces) <= _FOR_FLOW * fastest]
+    fewest = min(_stops(pieces) for pieces in flowing)
+    flowing = [pieces for pieces in flowing if _stops(pieces) == fewest]
+    enough = _ABOUT * min(_duration(pieces) for pieces in flowing)
+    return next(pieces for pieces in flowing if _duration(pieces) <= enough)
 
 
-def _is_as_asked(link: Link, piece: Piece) -> bool:
-    """Whether a motion that has a time or a speed of its own is done just so: nothing better can be found."""
-    return link.duration is not None or (link.full is not None and piece.kept == 1.0)
+def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
+    """Whether all motions have a time or a speed of their own, and are done just so: nothing better can be found."""
+    return all(
+        link.duration is not None or (link.full is not None and piece.kept > 1.0 - 1e-9)
+        for link, piece in zip(links, pieces, strict=True)
+    )
 
 
 def _steadily(chain: Chain, links: Sequence[Link], grid: Grid) -> list[list[Piece]]:
@@ -67,15 +77,14 @@ def _steadily(chain: Chain, links: Sequence[Link], grid: Grid) -> list[list[Piec
         made = _made(lambda segment, middles: steady(chain, links, segment, middles), links, shorter)
         if made is not None:
             found.append(made)
-        if (made is not None and all(link.duration is not None for link in links)) or len(found) == 3:
-            break
+            if _is_as_asked(links, made) or len(found) == 3:
+                break
         longest /= 2.0
     return found
 
 
-def _preference(pieces: list[Piece]) -> tuple[int, float]:
-    """Fewer stops, and of equals the shorter; what was found first of equals."""
-    return sum(piece.overlap == 0 for piece in pieces), round(_duration(pieces), 6)
+def _stops(pieces: list[Piece]) -> int:
+    return sum(piece.overlap == 0 for piece in pieces)
 
 
 def _duration(pieces: list[Piece]) -> float:

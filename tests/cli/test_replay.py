@@ -10,7 +10,7 @@ import time
 
 import pytest
 from click.testing import CliRunner
-from report.made_up_runs import ANCHOR, made, progress, samples, whole, write
+from report.runs.made_up_runs import ANCHOR, made, progress, samples, whole, write
 
 from yarclang.cli.yarc import main
 from yarclang.runtime.notices import Changed

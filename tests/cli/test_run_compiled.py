@@ -37,7 +37,9 @@ def test_it_runs(workshop, simulator, text):
 def test_one_point_beyond_the_limits(workshop, text):
     line = move_lines(text)[10]
     shown = refused(workshop, text.replace(line, re.sub("^X[^Y]*", "X60", line), 1))
-    assert re.search(r"^p\.pmc:\d+:1: error Y1157: P0010 MOVEJ: J1 has a peak velocity of ", shown, re.MULTILINE)
+    assert re.search(
+        r"^p\.pmc:\d+:1: error Y1157: P0010 MOVEJ: J1 has a peak velocity of ", shown, re.MULTILINE
+    )
     assert "help: it isn't as yarcc wrote it: compile the program again" in shown
 
 

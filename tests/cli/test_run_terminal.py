@@ -54,7 +54,7 @@ def test_enter_goes_on_behind_a_hold(workshop):
 def test_the_line_that_changes(workshop):
     workshop.write(
         "long.yarc",
-        "ROBOT INDUSTRIAL6\nP0010 MOVEJ -110 -20 -100 -100 -110 -100 [3] (deg,s)\n",
+        "ROBOT INDUSTRIAL6\nP0010 MOVEJ -110 -20 -60 -100 -110 -100 [3] (deg,s)\n",
     )
     text = workshop.terminal("run", "long.yarc", "--no-log", "--rate", "3").end(0)
     written = [part for line in text.split("\n") for part in line.split("\r\x1b[K")]

@@ -205,7 +205,9 @@ def test_a_controller_that_answers_too_slowly_or_not_at_all(late):
     job, _ = prepared(tm=5)
     world = world_of(job, prepare=False)
     world.spoil_by(late)
-    with pytest.raises(Trouble, match=r"answers too slowly, or not at all: no reply to .* in time") as trouble:
+    with pytest.raises(
+        Trouble, match=r"answers too slowly, or not at all: no reply to .* in time"
+    ) as trouble:
         world.perform(connect(world.operation))
     assert "PMAC" not in trouble.value.what
     assert trouble.value.remedy

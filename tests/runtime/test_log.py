@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from report.made_up_runs import ANCHOR, made, samples, whole, write
+from report.runs.made_up_runs import ANCHOR, made, samples, whole, write
 from runtime.virtual import World
 
 from yarclang.backend_pmac.settings import settings_text
@@ -273,7 +273,7 @@ def test_a_disk_that_fills_up_is_told_of_once_and_from_another_thread(tmp_path, 
     ((why, thread),) = told
     assert why == log.failure == "no space left on device"
     assert thread is not threading.main_thread()
-    from yarclang.report.run_log import read_run
+    from yarclang.report.runs.log import read_run
 
     run = read_run(str(log.path))
     assert [one.code for one in run.diagnostics] == ["Y1402"]
@@ -347,7 +347,7 @@ def wait_for(condition, longest=5.0):
 KILLED = """
 import os, signal, sys, time
 from pathlib import Path
-from report.made_up_runs import made
+from report.runs.made_up_runs import made
 from yarclang.runtime.log import RunLog
 from yarclang.runtime.notices import Remark
 log = RunLog.open(Path(sys.argv[1]), made()[0], "", version="0")
@@ -371,7 +371,7 @@ def test_a_process_that_is_killed_loses_a_second_at_most(tmp_path):
     process.send_signal(signal.SIGKILL)
     process.wait()
     last = max([last, *map(int, process.stdout.read().split())])
-    from yarclang.report.run_log import read_run
+    from yarclang.report.runs.log import read_run
 
     run = read_run(str(path))
     assert [one.code for one in run.diagnostics] == ["Y1402"]
@@ -395,9 +395,9 @@ def test_a_run_on_the_simulated_controller(tmp_path, job):
         log.take(notice)
     log.close(ended)
     assert log.failure is None
-    from yarclang.report.run_log import read_run
-    from yarclang.report.run_planned import planned_motion
-    from yarclang.report.run_tracking import tracking_of
+    from yarclang.report.runs.log import read_run
+    from yarclang.report.runs.planned import planned_motion
+    from yarclang.report.runs.tracking import tracking_of
 
     run = read_run(str(log.path)).value
     states = [one.state for one in run.told if isinstance(one, Changed)]

@@ -8,8 +8,8 @@ import tomllib
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from yarclang.toml.places import find_places
 from yarclang.source import SourceFile
+from yarclang.toml.places import find_places
 
 
 def test_places_of_keys_and_values() -> None:

@@ -18,7 +18,7 @@ from types import TracebackType
 
 import click
 
-from yarclang.report.run_text import PLAIN_EACH, View, notice_text, over, time_text
+from yarclang.report.runs.text import PLAIN_EACH, View, notice_text, over, time_text
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.log import RunLog

@@ -40,4 +40,13 @@ FINDINGS = (
         "A body without its shape would be passed through in silence, so that a mesh which can't be read, or has no triangles, stops the compiler.",
         'shape = "mesh"\nfile = "press.stl"     # an empty file, or none of STL, OBJ, DAE, PLY',
     ),
+    Finding(
+        "Y0905",
+        "zones-not-watched",
+        "warning",
+        "the zones of a cell aren't watched",
+        "Zones say where the robot may be, and how fast. They are read and checked in form, and no motion is held against them yet: whoever wrote "
+        "them has to know that they don't protect anything.",
+        '[[zones]]\nname = "FLOOR"\nrule = "allowed"',
+    ),
 )

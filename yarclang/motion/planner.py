@@ -9,13 +9,13 @@ from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
-from yarclang.motion.chain import linked
-from yarclang.motion.corners import chained
+from yarclang.motion.chains.chain import linked
+from yarclang.motion.chains.corners import chained
+from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.cruise import CruiseBroken, at_speed
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
 from yarclang.motion.limits import Bounds, Grid, bounds_of
-from yarclang.motion.links import Link, Piece
 from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion

@@ -1,6 +1,6 @@
 """The log of a run: an MCAP file that a thread of its own writes, so that neither a slow nor a full disk delays the robot.
 
-MCAP (mcap.dev) is read by Foxglove and others; `yarclang.report.run_log` reads it back. The program's text, the controller's and the
+MCAP (mcap.dev) is read by Foxglove and others; `yarclang.report.runs.log` reads it back. The program's text, the controller's and the
 certificate are attached, with what is needed of the robot: a log can be read when all of them have changed.
 """
 

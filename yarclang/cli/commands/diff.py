@@ -67,13 +67,13 @@ def command(
         )
         show_findings((Diagnostic("Y1163", message, help="give two programs for one robot"),))
         raise SystemExit(1)
-    from yarclang.report.compared import compare
+    from yarclang.report.comparison.compared import compare
 
     _show(compare(one, other, _tolerance(tolerance, other.robot.tolerance)), all_commands, format_)
 
 
 def _show(comparison: Any, all_commands: bool, format_: str) -> None:
-    from yarclang.report.compared_text import compared_json, compared_lines
+    from yarclang.report.comparison.text import compared_json, compared_lines
 
     if format_ == "json":
         import json

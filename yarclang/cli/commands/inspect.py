@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from yarclang.hir import Program
     from yarclang.pipeline.line_map import LineMap, Stretch
     from yarclang.pipeline.origins import Origins
-    from yarclang.report.inspected import Studied
+    from yarclang.report.inspection.inspected import Studied
 
 _MOST_PLACES = 8
 """Places of a command that are listed."""
@@ -77,7 +77,7 @@ def _of_program(
     from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import has_errors, in_order
     from yarclang.pipeline.inputs import open_program
-    from yarclang.report.inspected import study
+    from yarclang.report.inspection.inspected import study
 
     with Progress() as progress:
         opened = open_program(file, options_from(planning, progress))
@@ -139,7 +139,7 @@ def _show(
     from yarclang.cli.show import count_text, finding_json, show_findings
     from yarclang.diagnostics import grouped
     from yarclang.pipeline.places import labels_of
-    from yarclang.report.inspected import inspect_step
+    from yarclang.report.inspection.inspected import inspect_step
 
     inspected = inspect_step(studied, numbers[0])
     labels = labels_of(studied.program)
@@ -149,7 +149,7 @@ def _show(
     if format_ == "json":
         import json
 
-        from yarclang.report.inspected_json import inspected_json
+        from yarclang.report.inspection.as_json import inspected_json
 
         document = {
             "version": 1,
@@ -171,7 +171,7 @@ def _show(
             click.echo(f"  {one}", err=True)
         if len(places) > _MOST_PLACES:
             click.echo(f"  ... to {places[-1]}", err=True)
-    from yarclang.report.inspected_text import sections_of
+    from yarclang.report.inspection.text import sections_of
 
     _print_sections(sections_of(inspected, all_lines=all_lines))
 
@@ -259,7 +259,7 @@ def _text_sections(
     text: str,
     all_lines: bool,
 ) -> list[Any]:
-    from yarclang.report.inspected_text import Section, stretch_lines
+    from yarclang.report.inspection.text import Section, stretch_lines
 
     lines = tuple(text.splitlines())
     sections = []

@@ -75,7 +75,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
         if plan is None or has_errors(diagnostics):
             click.echo(f"{name}: {count_text(in_order(diagnostics)) or 'no motion'}; nothing drawn", err=True)
             raise SystemExit(1)
-        from yarclang.report.plot import draw
+        from yarclang.report.pictures.plot import draw
 
         return draw(plan, format_), f"{name}: {plan.duration:.3f} s"
 
@@ -83,8 +83,8 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
 def _run_picture(file: str, format_: Any) -> tuple[bytes, str]:
     """A run's picture, and what to say of it."""
     from yarclang.cli.show import show_findings
-    from yarclang.report.run_log import read_run
-    from yarclang.report.run_planned import planned_motion
+    from yarclang.report.runs.log import read_run
+    from yarclang.report.runs.planned import planned_motion
 
     run = read_run(file)
     show_findings(run.diagnostics)
@@ -92,7 +92,7 @@ def _run_picture(file: str, format_: Any) -> tuple[bytes, str]:
         planned = planned_motion(run.value)
         show_findings(planned.diagnostics)
         if planned.value is not None:
-            from yarclang.report.run_plot import draw_run
+            from yarclang.report.runs.plot import draw_run
 
             return draw_run(run.value, planned.value, format_), f"{file}: a run of {run.value.end:.3f} s"
     click.echo(f"{file}: nothing drawn", err=True)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from yarclang.report.run_log import RecordedRun
-    from yarclang.report.run_text import Moment, View
+    from yarclang.report.runs.log import RecordedRun
+    from yarclang.report.runs.text import Moment, View
 
 
 class _Speed(click.ParamType[float]):
@@ -46,7 +46,7 @@ class _Speed(click.ParamType[float]):
 def command(file: str, speed: float) -> None:
     """Show a recorded run as it happened: states, remarks, progress, joint positions (deg, mm)."""
     from yarclang.cli.show import show_findings
-    from yarclang.report.run_log import read_run
+    from yarclang.report.runs.log import read_run
 
     result = read_run(file)
     show_findings(result.diagnostics)
@@ -59,8 +59,8 @@ def command(file: str, speed: float) -> None:
 
 
 def _show(run: RecordedRun, speed: float) -> None:
-    from yarclang.report.plot import printable
-    from yarclang.report.run_text import head_text, moments_of
+    from yarclang.report.pictures.plot import printable
+    from yarclang.report.runs.text import head_text, moments_of
 
     click.echo(head_text(run))
     # what comes all at once is read, not watched
@@ -106,7 +106,7 @@ class _Screen:
     def clear(self) -> None:
         """Take the line that changes away."""
         if self._shown:
-            from yarclang.report.run_text import over
+            from yarclang.report.runs.text import over
 
             click.echo(over("", 0), nl=False)
             self._shown = False
@@ -114,14 +114,14 @@ class _Screen:
     def _change(self, view: View) -> None:
         import shutil
 
-        from yarclang.report.run_text import over
+        from yarclang.report.runs.text import over
 
         click.echo(over(view.line, shutil.get_terminal_size().columns), nl=False)
         self._shown = True
 
     def _is_due(self, moment: Moment) -> bool:
         """Whether the progress is worth a line: another command, or a while is over."""
-        from yarclang.report.run_text import PLAIN_EACH
+        from yarclang.report.runs.text import PLAIN_EACH
 
         progress = moment.view.progress
         if progress is None or progress.time != moment.time:

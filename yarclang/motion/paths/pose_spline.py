@@ -16,7 +16,7 @@ SAME_PLACE = 1e-12
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _GAUSS_NODES, _GAUSS_WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
-_PIECES = 256
+_PIECES = 1024
 """Into how many pieces each leg is cut where lengths are measured."""
 
 

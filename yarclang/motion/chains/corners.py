@@ -1,0 +1,173 @@
+"""Which motions flow into each other, and how far their corners allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.diagnostics import Collector, Diagnostic
+from yarclang.hir import Array, JointMove, Motion, Reading, SetOutput, SplineMove, Step
+from yarclang.motion import messages
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chains.blend import Corner, way_length
+from yarclang.motion.chains.links import Link
+from yarclang.motion.path import Path
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Robot
+
+_TANGENT = 1e-3
+"""Directions that differ by less [rad], and turns that differ by less [rad per m], are one."""
+
+_ROUNDING = 1e-9
+"""A half that is exceeded by less is the half."""
+
+_NO_WAY = 1e-9
+"""A way shorter than this [m or rad] has no half."""
+
+
+def chained(
+    robot: Robot, steps: Sequence[Step], links: Mapping[int, Link], found: list[list[Diagnostic]]
+) -> Iterator[tuple[list[int], list[Link]]]:
+    """The motions in chains, each with its corners; most are chains of one.
+
+    Args:
+        robot: the robot.
+        steps: the program's.
+        links: each motion that can be done by itself, by its number among the steps.
+        found: the findings of each step; those about blends are added.
+
+    Yields:
+        The numbers of the motions of a chain, and the motions.
+    """
+    numbers: list[int] = []
+    chain: list[Link] = []
+    for number in sorted(links):
+        step, link = steps[number], links[number]
+        assert isinstance(step, Motion)
+        findings = Collector(step.origin.source)
+        findings.place = step.origin.place
+        corner = _corner(robot, steps, links, number, findings) if step.blend is not None else None
+        found[number] += findings.found
+        numbers.append(number)
+        chain.append(replace(link, corner=corner))
+        if corner is None:
+            yield numbers, chain
+            numbers, chain = [], []
+
+
+def _corner(
+    robot: Robot, steps: Sequence[Step], links: Mapping[int, Link], number: int, findings: Collector
+) -> Corner | None:
+    """The corner between a motion and the next; None with a finding where there is none."""
+    step = steps[number]
+    assert isinstance(step, Motion)
+    assert step.blend is not None
+    behind = number + 1
+    while behind < len(steps) and isinstance(steps[behind], SetOutput):
+        behind += 1
+    following = steps[behind] if behind < len(steps) else None
+    if not isinstance(following, Motion):
+        findings.add(*messages.nothing_to_flow_into(following, step.origin))
+        return None
+    if behind not in links:
+        return None
+    first, second = links[number].path, links[behind].path
+    if min(way_length(first), way_length(second)) < _NO_WAY:
+        findings.add(*messages.nothing_to_flow_into(following, step.origin))
+        return None
+    if isinstance(step, JointMove | SplineMove) and isinstance(following, JointMove | SplineMove):
+        return _between_joints(robot, step, first, second, step.blend, findings)
+    return _of_frame(robot, step, following, first, second, step.blend, findings)
+
+
+def _between_joints(
+    robot: Robot, step: Motion, first: Path, second: Path, blend: Reading, findings: Collector
+) -> Corner | None:
+    """Each joint stays within an angle (a sliding one within a length) of the corner."""
+    if blend.angle is None:
+        findings.add(*messages.blend_without_unit("an angle", "between two motions of joints", step.origin))
+        return None
+    reach = np.where(robot.chain.is_prismatic, blend.length or 0.0, blend.angle)
+    if robot.chain.is_prismatic.any() and blend.length is None:
+        findings.add(*messages.blend_without_unit("a length", "of a sliding joint", step.origin))
+        return None
+    if not reach.any():
+        return _tangent(step, first, second, None, findings)
+    ranges = [np.ptp(path.joints(np.linspace(0.0, 1.0, 129)), axis=0) for path in (first, second)]
+    # the joint that gets farthest leaves the ball first
+    halves = [float((way / 2.0 / np.maximum(reach, 1e-300)).max()) for way in ranges]
+    if min(halves) < 1.0 - _ROUNDING:
+        findings.add(
+            *messages.blend_too_large(min(halves) * blend.angle, "angle", halves[0] > halves[1], step)
+        )
+        return None
+    return Corner(first.end, 0.0, None, reach)
+
+
+def _of_frame(
+    robot: Robot,
+    step: Motion,
+    following: Motion,
+    first: Path,
+    second: Path,
+    blend: Reading,
+    findings: Collector,
+) -> Corner | None:
+    """The moving frame stays within a distance of the corner."""
+    if blend.length is None:
+        findings.add(*messages.blend_without_unit("a length", "of a moving frame", step.origin))
+        return None
+    frame = next(
+        (path.flange_from_moving for path in (first, second) if isinstance(path, CartesianPath)), None
+    )
+    if frame is None:  # neither goes anywhere
+        findings.add(*messages.nothing_to_flow_into(following, step.origin))
+        return None
+    if blend.length == 0.0:
+        return _tangent(step, first, second, frame, findings)
+    halves = [_frame_way(robot, path, frame) / 2.0 for path in (first, second)]
+    far = [half for half in halves if half > _NO_WAY]
+    if far and min(far) < blend.length * (1.0 - _ROUNDING):
+        findings.add(*messages.blend_too_large(min(far), "length", halves[0] > halves[1], step))
+        return None
+    return Corner(first.end, blend.length, frame)
+
+
+def _frame_way(robot: Robot, path: Path, frame: Array) -> float:
+    """How far a frame on the flange goes along a path [m]."""
+    if isinstance(path, CartesianPath):
+        return path.frame.length
+    places = tool_poses(robot.chain, path.joints(np.linspace(0.0, 1.0, 129)), frame)[:, :3, 3]
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+
+def _tangent(
+    step: Motion, first: Path, second: Path, frame: Array | None, findings: Collector
+) -> Corner | None:
+    """A corner that isn't one: both paths go on in one direction."""
+    if isinstance(first, CartesianPath) != isinstance(second, CartesianPath):
+        findings.add(*messages.not_tangent(None, step.origin))
+        return None
+    ahead, behind = _direction(first, 1.0), _direction(second, 0.0)
+    bend = float(np.arccos(np.clip(ahead[0] @ behind[0], -1.0, 1.0)))
+    twist = float(np.linalg.norm(ahead[1] - behind[1]))
+    if bend > _TANGENT or twist > _TANGENT:
+        findings.add(*messages.not_tangent((bend, twist), step.origin))
+        return None
+    return Corner(first.end, 0.0, frame)
+
+
+def _direction(path: Path, s: float) -> tuple[Array, Array]:
+    """The direction of a path at one of its ends, a unit vector, and how a frame turns on the way [rad per m]."""
+    if isinstance(path, CartesianPath):
+        tangent = path.frame.tangents(np.array([s]))[0]
+        ways = tangent[:3] if np.linalg.norm(tangent[:3]) > _NO_WAY else tangent[3:]
+        size = float(np.linalg.norm(ways))
+        turns = tangent[3:] / size if ways is not tangent[3:] else np.zeros(3)
+        return ways / size, turns
+    step = 1e-6
+    pair = path.joints(np.array([0.0, step]) if s == 0.0 else np.array([1.0 - step, 1.0]))
+    slope = (pair[1] - pair[0]) / step
+    return slope / np.linalg.norm(slope), np.zeros(3)

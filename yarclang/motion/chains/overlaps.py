@@ -1,0 +1,151 @@
+"""Whether two motions may overlap so far, and how far they may."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chains.blend import Corner, Part, begins, both, shares, superpose, way_length
+from yarclang.motion.chains.links import Link, Piece
+from yarclang.motion.curve import Curve, knot_values, middle_values
+from yarclang.motion.framespeed import frame_speeds
+from yarclang.motion.limits import Bounds
+from yarclang.robot.model import Chain, Tolerance
+
+_WITHIN = 0.98
+"""The share of a ball that is used: between the places that are looked at the curve may go a little farther."""
+
+SPEED_KEPT = 2e-4
+"""A speed that is exceeded by less than this share is kept."""
+
+_WIDTHS = 14
+"""How many widths of an overlap are tried, from the widest that has room on."""
+
+_SHARE_OF_TOLERANCE = 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class Overlaps:
+    """The corners of a chain with segments of `segment` [s]."""
+
+    chain: Chain
+    links: Sequence[Link]
+    segment: float
+
+    def serves(self, first: Part, second: Part, place: int, overlap: int) -> bool:
+        """Whether motion number `place` and the next may overlap by so many segments: in the ball, within limits, on the paths."""
+        corner = self.links[place].corner
+        if corner is None or overlap > min(first.segments, second.segments):
+            return False
+        if not corner.is_tangent and not self._in_ball(first, second, corner, overlap):
+            return False
+        points = superpose(self.chain, (first, second), (corner,), (overlap,))
+        begin = first.segments - overlap
+        around = points[max(begin - 2, 0) : begin + overlap + 5]
+        if max(demand.segment for demand in self._loosest(place).demands(around)) > self.segment:
+            return False
+        return not corner.is_tangent or self._on_both(
+            first, second, points, overlap, self.links[place].tolerance
+        )
+
+    def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
+        """How many times as fast as was asked for the moving frame goes in an overlap, at the knots and between; 0 where no speed
+        was asked for. Of two speeds the larger counts.
+        """
+        links = self.links[place : place + 2]
+        asked = [link.speed for link in links if link.speed is not None]
+        corner = self.links[place].corner
+        if not asked or corner is None:
+            return 0.0
+        points = superpose(self.chain, (first, second), (corner,), (overlap,))
+        begin = max(first.segments - overlap - 1, 0)
+        curve = Curve(points[begin : begin + overlap + 5], self.segment, np.empty(0))
+        q, rate, _ = curve.sample(np.arange(2 * curve.segments + 1, dtype=float) * (self.segment / 2.0))
+        most = 0.0
+        for link in links:
+            if link.speed is None or not isinstance(link.path, CartesianPath):
+                continue
+            most = max(most, float(frame_speeds(link.path, q, rate).max()))
+        return most / max(asked)
+
+    def _in_ball(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
+        """Whether an overlap stays in the ball round its corner."""
+        done, begun = shares(first, second, overlap)
+        ends = knot_values(first.trial.control)[[-1 - overlap]], knot_values(second.trial.control)[[overlap]]
+        outer = np.concatenate((first.path.joints(ends[0]), second.path.joints(ends[1])))
+        if corner.farthest(self.chain, outer).max() > _WITHIN:
+            return False
+        inner = both(self.chain, first.path, second.path, corner, done, begun)
+        return bool(corner.farthest(self.chain, inner).max(initial=0.0) <= _WITHIN)
+
+    def _on_both(self, first: Part, second: Part, points: Array, overlap: int, tolerance: Tolerance) -> bool:
+        """Whether the curve is on one of two tangent paths in the middle of each segment of their overlap."""
+        begin = first.segments - overlap
+        q = middle_values(points[begin : begin + overlap + 3])
+        done = middle_values(first.trial.control)[-overlap:]
+        begun = middle_values(second.trial.control)[:overlap]
+        lengths = way_length(first.path), way_length(second.path)
+        gone = done * lengths[0] + begun * lengths[1]
+        for path, here, s in (
+            (first.path, gone <= lengths[0], gone / lengths[0]),
+            (second.path, gone > lengths[0], (gone - lengths[0]) / lengths[1]),
+        ):
+            if here.any():
+                position, angle = path.deviation(q[here], np.clip(s[here], 0.0, 1.0))
+                if (
+                    position > _SHARE_OF_TOLERANCE * tolerance.position
+                    or angle > _SHARE_OF_TOLERANCE * tolerance.angle
+                ):
+                    return False
+        return True
+
+    def _loosest(self, place: int) -> Bounds:
+        """What two motions together may use where they overlap: of each limit the larger share."""
+        one, other = (link.own_bounds for link in self.links[place : place + 2])
+        return replace(
+            one,
+            velocity=np.maximum(one.velocity, other.velocity),
+            acceleration=np.maximum(one.acceleration, other.acceleration),
+            jerk=np.maximum(one.jerk, other.jerk),
+            motor_velocity=np.maximum(one.motor_velocity, other.motor_velocity),
+        )
+
+    def cut(
+        self, parts: Sequence[Part], overlaps: Sequence[int], kept: Sequence[float] | None = None
+    ) -> list[Piece]:
+        """The chain's curve, cut in the middle of its overlaps; `kept` are the shares of the speeds asked for that are reached."""
+        corners = [link.corner for link in self.links if link.corner is not None]
+        points = superpose(self.chain, parts, corners, overlaps)
+        points.setflags(write=False)
+        starts = begins(parts, overlaps)
+        pieces = []
+        for place, (part, begin) in enumerate(zip(parts, starts, strict=True)):
+            before = overlaps[place - 1] // 2 if place else 0
+            behind = overlaps[place] // 2 if place < len(overlaps) else 0
+            first, last = begin + before, begin + part.segments - behind
+            law = part.trial.control[before : part.segments - behind + 3]
+            curve = Curve(points[first : last + 3], self.segment, law)
+            pieces.append(Piece(curve, 2 * behind, part.trial.control, 1.0 if kept is None else kept[place]))
+        return pieces
+
+
+def widest(serves: Callable[[int], bool], most: int) -> int:
+    """The largest even number up to `most` that serves, about; 0 if none is found.
+
+    Sums of two laws don't grow evenly with their overlap: sizes in equal ratios are looked at, then more closely above the best.
+    """
+    if most < 2:
+        return 0
+    widths = np.unique(np.round(np.geomspace(1, most // 2, _WIDTHS)).astype(int))[::-1].tolist()
+    place = next((place for place, pairs in enumerate(widths) if serves(2 * pairs)), None)
+    if place is None:
+        return 0
+    low, high = widths[place], widths[place - 1] if place else widths[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if serves(2 * middle) else (low, middle)
+    return 2 * int(low)

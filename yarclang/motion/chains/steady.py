@@ -1,0 +1,337 @@
+"""Chains that keep their speed through corners: the ramps of both motions there are just as long as their overlap.
+
+What the first loses in its last ramp the second gains in its first one: two lines in one direction are passed at one speed, and a corner is
+the change of one velocity to another over the whole of the overlap. Only laws with a cruise can do that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chains.blend import Part
+from yarclang.motion.chains.links import Link, Piece
+from yarclang.motion.chains.overlaps import SPEED_KEPT, Overlaps
+from yarclang.motion.framespeed import finer_for_speed
+from yarclang.motion.path import Path
+from yarclang.motion.profile import NO_FORM, Law
+from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_rest
+from yarclang.motion.trials import Trial, Trials
+from yarclang.robot.model import Chain
+
+_SLOWER = 1.08
+"""By how much a motion that asks too much is slowed down."""
+
+_MOST_ROUNDS = 40
+"""How often a chain is slowed down before it is given up."""
+
+_TOO_SLOW = 3.0
+"""A motion that would take so many times as long as by itself is better done with stops."""
+
+_STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
+"""The shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
+
+_OUTER = (1 / 3, 0.45, 0.6)
+"""The shares of a given time that speeding up from rest, or slowing down to it, may take."""
+
+_WITHIN = 0.97
+"""The share of a ball that the ways in it may have."""
+
+
+def steady(
+    chain: Chain, links: Sequence[Link], segment: float, middles: Sequence[int | None]
+) -> list[Piece] | float | None:
+    """The pieces of a chain that keeps its speed through its corners.
+
+    Args:
+        chain: the arm.
+        links: the motions, with laws that have a cruise.
+        segment: the segment time [s].
+        middles: the segments of each motion whose duration is given, from middle to middle of its overlaps.
+
+    Returns:
+        The pieces; or a shorter segment time to try; or None where the limits don't allow it.
+    """
+    if not all(link.profile.has_cruise for link in links):
+        return None
+    maker = _Maker(links, Overlaps(chain, links, segment), segment, middles)
+    return next((made for outer in _OUTER if (made := maker.made(outer)) is not None), None)
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap of `overlap` segments.
+    With motions slower by `asked` the limits would just be kept.
+    """
+
+    width: int
+    rise: int
+    overlap: int
+    asked: float
+
+
+class _Maker:
+    """The making of one chain."""
+
+    def __init__(
+        self, links: Sequence[Link], corners: Overlaps, segment: float, middles: Sequence[int | None]
+    ) -> None:
+        self.links, self.corners, self.segment, self.middles = links, corners, segment, middles
+        self.on_knots = all(middle is not None for middle in middles)
+        self.inside = [self._inside(place) for place in range(len(links) - 1)]
+        self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
+
+    def made(self, outer: float) -> list[Piece] | float | None:
+        """The pieces, where given times begin and end with ramps of the share `outer`."""
+        count = len(self.links)
+        cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
+        for _ in range(_MOST_ROUNDS):
+            if any(self._is_too_slow(place, cruise) for place, cruise in enumerate(cruises)):
+                return None
+            turns = [self._turn(place, cruises) for place in range(count - 1)]
+            slow = {
+                place + side: _SLOWER for place, turn in enumerate(turns) if turn is None for side in (0, 1)
+            }
+            taken = [turn for turn in turns if turn is not None]
+            parts: list[Part | None] = []
+            if not slow:
+                parts = self._parts(cruises, taken)
+                slow = {place: _SLOWER for place, part in enumerate(parts) if part is None}
+            if not slow:
+                slow = self._slow_corners(parts, taken)
+            if not slow:
+                return self._finished([part for part in parts if part is not None], taken, cruises)
+            # what is given can't be slowed down, but what it flows into may be
+            free = [place for place in slow if self._is_free(place)]
+            if not free:
+                return None
+            for place in free:
+                cruises[place] *= slow[place]
+            self._keep_together(cruises)
+        return None
+
+    def _keep_together(self, cruises: list[float]) -> None:
+        """Where a corner may not be left, both motions keep one share of their speeds: it is passed without a change."""
+        for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
+            for place in order:
+                corner, pair = self.links[place].corner, self.links[place : place + 2]
+                if corner is None or not corner.is_tangent or any(link.full is None for link in pair):
+                    continue
+                fulls = [(link.full or 0.0) / self.segment for link in pair]
+                share = max(cruises[place] / fulls[0], cruises[place + 1] / fulls[1])
+                cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
+
+    def _foreseen(self, cruises: list[float]) -> list[float]:
+        """About the fastest speeds at which the corners can be passed, from the directions there alone."""
+        for _ in range(_MOST_ROUNDS):
+            asked = [1.0] * len(cruises)
+            for place in range(len(cruises) - 1):
+                turn = self._turn(place, cruises)
+                more = _SLOWER if turn is None else turn.asked
+                for side in (place, place + 1):
+                    asked[side] = max(asked[side], more)
+            slow = [place for place, more in enumerate(asked) if more > 1.0 and self._is_free(place)]
+            if not slow or any(self._is_too_slow(place, cruises[place]) for place in slow):
+                break
+            for place in slow:
+                cruises[place] *= asked[place] + 1e-3
+            self._keep_together(cruises)
+        return cruises
+
+    def _slow_corners(self, parts: list[Part | None], turns: list[_Turn]) -> dict[int, float]:
+        """The motions on both sides of the corners that ask too much, and how much slower they should be."""
+        slow: dict[int, float] = {}
+        for place, turn in enumerate(turns):
+            first, second = parts[place], parts[place + 1]
+            assert first is not None
+            assert second is not None
+            if not self.corners.serves(first, second, place, turn.overlap):
+                more = _SLOWER
+            else:
+                excess = self.corners.excess(first, second, place, turn.overlap)
+                more = excess if excess > 1.0 + SPEED_KEPT else 1.0
+            if more > 1.0:
+                for side in (place, place + 1):
+                    slow[side] = max(slow.get(side, 1.0), more)
+        return slow
+
+    def _finished(self, parts: list[Part], turns: list[_Turn], cruises: list[float]) -> list[Piece] | float:
+        for link, part in zip(self.links, parts, strict=True):
+            own = Trials(link.path, _law(part.trial.control), link.own_bounds, link.tolerance)
+            more = own.segments_for_tolerance(part.trial)
+            if more is not None:
+                return self.segment * part.segments / more
+            if link.full is not None and isinstance(link.path, CartesianPath):
+                finer = finer_for_speed(link.path, part.trial, self.segment)
+                if finer is not None:
+                    return finer
+        kept = [
+            1.0 if link.full is None else link.full / self.segment / cruise
+            for link, cruise in zip(self.links, cruises, strict=True)
+        ]
+        return self.corners.cut(parts, [turn.overlap for turn in turns], kept)
+
+    def _is_too_slow(self, place: int, cruise: float) -> bool:
+        """Whether a motion would go so slowly that a stop at both its ends takes less time."""
+        return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
+
+    def _is_free(self, place: int) -> bool:
+        return self.middles[place] is None
+
+    def _is_outer(self, place: int) -> tuple[bool, bool]:
+        """Whether a motion starts from rest, and ends at rest."""
+        return place == 0, place == len(self.links) - 1
+
+    def _first_cruise(self, place: int, outer: float) -> float:
+        """In how many segments the whole way would go at full speed: as given, or about the fewest."""
+        link, middle = self.links[place], self.middles[place]
+        if link.full is not None:
+            return link.full / self.segment
+        if middle is not None:
+            blend = round(outer * middle)
+            return middle - blend / 2.0 * sum(self._is_outer(place))
+        bounds, slope = link.own_bounds, link.path.slope
+        motors = np.abs(bounds.counts) @ slope / bounds.motor_velocity
+        if link.path.is_straight_in_joints:
+            motors = np.abs(bounds.counts @ (link.path.end - link.path.start)) / bounds.motor_velocity
+        return float(max((slope / bounds.velocity).max(), motors.max()) / self.segment)
+
+    def _inside(self, place: int) -> tuple[float, float]:
+        """The shares of the ways before and behind a corner that lie in its ball; a half at most."""
+        corner = self.links[place].corner
+        assert corner is not None
+        if corner.is_tangent:
+            return 0.5, 0.5
+        back = np.linspace(0.0, 0.5, 65)
+        found = []
+        for path, s in ((self.links[place].path, 1.0 - back), (self.links[place + 1].path, back)):
+            order = np.argsort(s)
+            far = np.empty(len(s))
+            far[order] = corner.farthest(self.corners.chain, path.joints(s[order]))
+            out = np.flatnonzero(far > _WITHIN)
+            if not len(out):
+                found.append(0.5)
+                continue
+            k = int(out[0])
+            share = (_WITHIN - far[k - 1]) / (far[k] - far[k - 1])
+            found.append(float(back[k - 1] + (back[k] - back[k - 1]) * share))
+        return found[0], found[1]
+
+    def _turn(self, place: int, cruises: list[float]) -> _Turn | None:
+        """The widest overlap that has room at these speeds, with the ramps that suit the limits best."""
+        one, other = cruises[place], cruises[place + 1]
+        before, behind = self.inside[place]
+        overlap = 2 * int(min(one * before, other * behind) + 1e-9)
+        # where the ramps begin between two knots, both of them have to find room in the overlap
+        width = overlap - (0 if self.on_knots else 1)
+        if width < FEWEST_IN_BLEND:
+            return None
+        bounds = self.links[place].own_bounds, self.links[place + 1].own_bounds
+        change = np.abs(self.slopes[place][1] / one - self.slopes[place + 1][0] / other)
+        h = self.segment
+        acceleration = np.maximum(bounds[0].acceleration, bounds[1].acceleration)
+        bend = float((change / (width * h**2) / acceleration).max())
+        snap = float((change / (width**2 * h**3) / np.maximum(bounds[0].jerk, bounds[1].jerk)).max())
+        # slower motions have wider overlaps, too
+        asked = {
+            share: max((bend / (1.0 - share)) ** (1 / 2), (snap / ((1.0 - share) * share)) ** (1 / 3))
+            for share in _STEEPNESS
+        }
+        steep = min(_STEEPNESS, key=asked.__getitem__)
+        return _Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
+
+    def _parts(self, cruises: list[float], turns: list[_Turn]) -> list[Part | None]:
+        """The motions one after the other; None for those that their own limits don't allow."""
+        parts: list[Part | None] = []
+        phase = 0.0
+        for place, cruise in enumerate(cruises):
+            part, phase = self._part(place, cruise, turns, phase)
+            parts.append(part)
+        return parts
+
+    def _part(self, place: int, cruise: float, turns: list[_Turn], phase: float) -> tuple[Part | None, float]:
+        """A motion between its corners, or between one and rest, and how far behind a knot its last ramp begins.
+
+        `phase` is that of the motion before; the first ramp of this one is its mirror image, so that both add up to one speed.
+        """
+        link, middle = self.links[place], self.middles[place]
+        starts, ends = self._is_outer(place)
+        blends = [0]
+        if starts or ends:
+            blends = [round(2.0 * (middle - cruise))] if middle is not None else self._blends(link, cruise)
+        for blend in blends:
+            for share in _STEEPNESS if starts or ends else (0.0,):
+                rise = max(1, min(round(share * blend), blend // 2))
+                first = (
+                    Ramp(0.0, blend, rise)
+                    if starts
+                    else Ramp(phase, turns[place - 1].width, turns[place - 1].rise)
+                )
+                into = 0 if starts else turns[place - 1].overlap
+                if ends:
+                    segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
+                    if middle is not None:
+                        segments = middle + into // 2
+                    if not self._has_room(segments, first, cruise):
+                        continue
+                    control, out, behind = to_rest(segments, first, cruise, rise), 0, 0.0
+                else:
+                    turn = turns[place]
+                    last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
+                    knot = int(last.start + 1e-9)
+                    if last.start < 0.0 or knot < into:
+                        continue
+                    segments, out, behind = knot + turn.overlap, turn.overlap, last.start - knot
+                    if first.start + first.width + 1 > segments:
+                        continue
+                    control = between_ramps(segments, first, last)
+                trial = self._tried(link, control, into, out)
+                if trial is not None:
+                    return Part(link.path, trial), behind
+        return None, 0.0
+
+    def _has_room(self, segments: int, first: Ramp, cruise: float) -> bool:
+        """Whether a motion that ends at rest has room for both its ramps."""
+        width = 2.0 * (segments - first.middle - cruise)
+        return FEWEST_IN_BLEND <= width <= segments and first.start + first.width + 1 <= segments
+
+    def _blends(self, link: Link, cruise: float) -> list[int]:
+        """Lengths of a ramp from or to rest to try, the shortest that might do first."""
+        rate = (link.path.slope / cruise / link.own_bounds.acceleration).max() / self.segment**2
+        least = max(FEWEST_IN_BLEND, int(rate))
+        most = max(least + 2, int(2.0 * cruise))
+        return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
+
+    def _tried(self, link: Link, control: Array, into: int, out: int) -> Trial | None:
+        """The trial of a law, if it keeps the limits outside of its overlaps of `into` and `out` segments."""
+        segments = len(control) - 3
+        trials = Trials(link.path, _law(control), link.own_bounds, link.tolerance)
+        trial = trials.trial(segments, ())
+        own = trial.points[max(into - 1, 0) : segments + 3 - max(out - 1, 0)]
+        if len(own) < 4:
+            return trial
+        asked = max(demand.segment for demand in trials.bounds.demands(own))
+        return trial if asked <= self.segment * (1.0 + 1e-12) else None
+
+
+def _law(control: Array) -> Law:
+    """A law with nothing left open: these control values."""
+
+    def strain(segments: int, forms: NDArray[np.int64]) -> Array:
+        return np.full((len(forms), 3), 1.0 / segments)
+
+    return Law(lambda u: u, lambda segments, form: control, lambda segments: NO_FORM, strain)  # noqa: ARG005
+
+
+def _slope(path: Path, s: float) -> Array:
+    """The slope of the joints over s (n,) at one end of a path [rad or m]."""
+    step = 1e-4
+    pair = path.joints(np.array([0.0, step]) if s == 0.0 else np.array([1.0 - step, 1.0]))
+    slope: Array = (pair[1] - pair[0]) / step
+    return slope

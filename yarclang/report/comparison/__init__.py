@@ -1,0 +1,1 @@
+"""Two programs by path and time: `yarc diff`."""

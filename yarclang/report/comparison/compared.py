@@ -1,0 +1,130 @@
+"""Two programs compared by what the robot does: paths, times, configurations, outputs and waits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from yarclang.pipeline.executed import Act, Executed
+from yarclang.report.comparison.paired import pairs_of
+from yarclang.report.comparison.path_difference import PathDifference, path_difference
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot, Tolerance
+
+SAME_TIME = 5e-4
+"""Durations that differ by less [s] are one: the segment time has steps."""
+
+_OTHER_JOINTS = 1.0
+"""The tool stands where it should, but a joint is off by more [deg or mm]: another solution was taken."""
+
+Status = Literal["same", "changed", "added", "removed"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """A command of the first program, one of the second, or both.
+
+    Of two motions, `path` says how far their ways are apart, `differs` whether that is beyond the tolerance. `other_branch` says
+    that the tool ends alike with other joint values. `longer` [s] is by how much the second takes longer (0 within the clock's step),
+    `what` whether what a command does that moves nothing is another thing.
+    """
+
+    first: Act | None
+    second: Act | None
+    path: PathDifference | None = None
+    differs: bool = False
+    other_branch: bool = False
+    longer: float = 0.0
+    what: bool = False
+
+    @property
+    def status(self) -> Status:
+        """Whether and how the programs differ here."""
+        if self.first is None:
+            return "added"
+        if self.second is None:
+            return "removed"
+        different = self.differs or self.other_branch or self.longer != 0.0 or self.what
+        return "changed" if different else "same"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """Two programs side by side; `frame` is the one whose path is compared, `start` (n,) [rad or m] how much further the
+    second starts.
+    """
+
+    first: Executed
+    second: Executed
+    frame: str
+    tolerance: Tolerance
+    start: Array
+    commands: tuple[Compared, ...]
+
+    @property
+    def starts_elsewhere(self) -> bool:
+        """Whether a joint starts further off than the tolerance of an angle or a distance."""
+        return bool((np.abs(self.start) > _allowed(self.first.robot, self.tolerance)).any())
+
+    @property
+    def equal(self) -> bool:
+        """Whether there is no difference beyond the tolerance."""
+        return not self.starts_elsewhere and all(one.status == "same" for one in self.commands)
+
+    def count(self, status: Status) -> int:
+        """How many commands have a status."""
+        return sum(one.status == status for one in self.commands)
+
+    @property
+    def worst(self) -> Compared | None:
+        """The command whose path differs most."""
+        with_path = [one for one in self.commands if one.path is not None]
+        return max(with_path, key=lambda one: one.path.position if one.path else 0.0, default=None)
+
+
+def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparison:
+    """Compare two programs for robots of one kind.
+
+    Args:
+        first: as it is executed.
+        second: likewise, with as many joints.
+        tolerance: how far the tool may be off.
+    """
+    robot = second.robot
+    frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
+    commands = tuple(
+        _compared(robot, frame, tolerance, one, other) for one, other in pairs_of(first.acts, second.acts)
+    )
+    return Comparison(first, second, frame, tolerance, second.start - first.start, commands)
+
+
+def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, other: Act | None) -> Compared:
+    if one is None or other is None:
+        return Compared(one, other)
+    longer = other.duration - one.duration
+    longer = longer if abs(longer) > SAME_TIME else 0.0
+    if one.curve is None or other.curve is None:
+        # how long a dwell is says itself
+        return Compared(one, other, what=one.what != other.what, longer=longer)
+    path = path_difference(robot, frame, one.curve, other.curve)
+    differs = path.position > tolerance.position or path.angle > tolerance.angle
+    ends = np.stack((one.curve.points[-1], other.curve.points[-1]))
+    return Compared(one, other, path, differs, _other_branch(robot, frame, tolerance, ends, path), longer)
+
+
+def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:
+    """Whether two ends (2, n) are one for the tool, and not for the joints."""
+    if path.joint_off <= _OTHER_JOINTS:
+        return False
+    off = np.abs(ends[1] - ends[0]) / robot.axis_units
+    poses = tool_poses(robot.chain, ends, robot.flange_from_frame[frame])
+    position = float(np.linalg.norm(poses[1, :3, 3] - poses[0, :3, 3]))
+    spread = float(np.linalg.norm(poses[1, :3, :3] - poses[0, :3, :3]))
+    alike = position <= tolerance.position and spread / np.sqrt(2.0) <= tolerance.angle
+    return bool(alike and off.max() > _OTHER_JOINTS)
+
+
+def _allowed(robot: Robot, tolerance: Tolerance) -> Array:
+    return np.where(robot.chain.is_prismatic, tolerance.position, tolerance.angle)

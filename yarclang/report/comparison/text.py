@@ -1,0 +1,170 @@
+"""Differences of two programs, as text and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from yarclang.pipeline.executed import Act, Executed
+from yarclang.report.comparison.compared import Compared, Comparison
+from yarclang.report.comparison.path_difference import PathDifference
+from yarclang.robot.model import Robot
+from yarclang.units import DEG, MM
+
+_SIGNS = {"same": " ", "changed": "~", "added": "+", "removed": "-"}
+
+
+def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Iterator[tuple[str, str]]:
+    """Sign and line of each difference: ~ changed, + only in the second, - only in the first program; then totals, without a sign."""
+    robot = comparison.second.robot
+    if comparison.starts_elsewhere:
+        parts = [
+            f"{name} by {value:+.4g} {unit}"
+            for name, value, unit in zip(
+                robot.joint_names, comparison.start / robot.axis_units, robot.axis_unit_names, strict=True
+            )
+            if abs(value) > 1e-9
+        ]
+        yield "~", f"~ the second starts elsewhere: {', '.join(parts)}"
+    shown = [one for one in comparison.commands if all_commands or one.status != "same"]
+    titles = [_title(one) for one in shown]
+    width = max((len(title) for title in titles), default=0)
+    for title, one in zip(titles, shown, strict=True):
+        sign = _SIGNS[one.status]
+        yield sign, f"{sign} {title:{width}}  {difference_text(comparison, one)}"
+    yield "", totals_text(comparison)
+
+
+def _title(one: Compared) -> str:
+    second, first = one.second, one.first
+    if first is None or second is None or first.title == second.title:
+        act = second or first
+        return act.title if act is not None else ""
+    if first.name == second.name:
+        return f"{second.title} (was {first.place})"
+    return f"{second.title} (was {first.title})"
+
+
+def difference_text(comparison: Comparison, one: Compared) -> str:
+    """What is different at a command, in words."""
+    robot = comparison.second.robot
+    match one.status, one.first, one.second:
+        case "added", _, Act() as act:
+            return f"added: {_act_text(act)}"
+        case "removed", Act() as act, _:
+            return f"removed: {_act_text(act)}"
+        case "same", _, _:
+            return "same"
+        case _, Act() as first, Act() as second:
+            parts: list[str] = []
+            if one.differs and one.path is not None:
+                parts.append(f"path differs by at most {path_text(robot, one.path)}")
+            if one.other_branch and one.path is not None:
+                joint = robot.joint_names[one.path.joint]
+                unit = robot.axis_unit_names[one.path.joint]
+                parts.append(
+                    f"ends in another configuration: {joint} by up to {one.path.joint_off:.4g} {unit}"
+                )
+            if one.what:
+                parts.append(f"{first.what} -> {second.what}")
+            elif one.longer:
+                parts.append(f"{first.duration:.3f} s -> {second.duration:.3f} s ({one.longer:+.3f} s)")
+            return "; ".join(parts)
+        case _:
+            return ""
+
+
+def path_text(robot: Robot, path: PathDifference) -> str:
+    """`5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`."""
+    joint = f"{robot.joint_names[path.joint]} by {path.joint_off:.4g} {robot.axis_unit_names[path.joint]}"
+    return f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % of the way"
+
+
+def _act_text(act: Act) -> str:
+    return f"a motion of {act.duration:.3f} s" if act.curve is not None else act.what
+
+
+def totals_text(comparison: Comparison) -> str:
+    """How many commands are the same, and how long both programs take."""
+    counts = ", ".join(
+        f"{comparison.count(status)} {status}"
+        for status in ("same", "changed", "added", "removed")
+        if status == "same" or comparison.count(status)
+    )
+    longer = comparison.second.duration - comparison.first.duration
+    times = f"{comparison.first.duration:.3f} s -> {comparison.second.duration:.3f} s ({longer:+.3f} s)"
+    tolerance = comparison.tolerance
+    allowed = (
+        f"tolerance {tolerance.position / MM:g} mm, {tolerance.angle / DEG:.4g} deg at {{{comparison.frame}}}"
+    )
+    return f"{counts}; {times}; {allowed}"
+
+
+def compared_json(comparison: Comparison) -> dict[str, Any]:
+    """Plain data, the unit in each name; a command that only one program has is null on the other's side."""
+    robot = comparison.second.robot
+    return {
+        "version": 1,
+        "equal": comparison.equal,
+        "first": _program(comparison.first),
+        "second": _program(comparison.second),
+        "tolerance": {
+            "position_mm": comparison.tolerance.position / MM,
+            "angle_deg": comparison.tolerance.angle / DEG,
+            "frame": comparison.frame,
+        },
+        "start_differs": {
+            f"{name}_{unit}": float(np.round(value, 9))
+            for name, value, unit in zip(
+                robot.joint_names, comparison.start / robot.axis_units, robot.axis_unit_names, strict=True
+            )
+        },
+        "totals": {status: comparison.count(status) for status in ("same", "changed", "added", "removed")},
+        "commands": [_pair(comparison, one) for one in comparison.commands],
+    }
+
+
+def _program(executed: Executed) -> dict[str, Any]:
+    return {
+        "file": executed.name,
+        "robot": executed.robot.name,
+        "duration_s": executed.duration,
+        "commands": len(executed.acts),
+    }
+
+
+def _pair(comparison: Comparison, one: Compared) -> dict[str, Any]:
+    path, robot = one.path, comparison.second.robot
+    return {
+        "status": one.status,
+        "first": _act(one.first),
+        "second": _act(one.second),
+        "path": None
+        if path is None
+        else {
+            "position_mm": path.position / MM,
+            "angle_deg": path.angle / DEG,
+            "joint": robot.joint_names[path.joint],
+            f"joint_off_{robot.axis_unit_names[path.joint]}": path.joint_off,
+            "at_share_of_way": path.at,
+            "differs": one.differs,
+        },
+        "other_configuration": one.other_branch,
+        "longer_s": one.longer,
+        "text": difference_text(comparison, one),
+    }
+
+
+def _act(act: Act | None) -> dict[str, Any] | None:
+    if act is None:
+        return None
+    return {
+        "place": act.place,
+        "name": act.name,
+        "line": act.source_line,
+        "kind": act.kind,
+        "what": act.what or None,
+        "duration_s": act.duration,
+    }

@@ -1,0 +1,266 @@
+"""Everything that is known of one command of a program: frames, target, joints, solutions, time, proofs, and its lines for the controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.certify.certificate import CommandCertificate
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.hir import (
+    Array,
+    FrameLink,
+    Gap,
+    JointGoal,
+    JointMove,
+    Motion,
+    Origin,
+    PoseDelta,
+    PoseGoal,
+    Program,
+    SplineMove,
+    Step,
+)
+from yarclang.motion.plan import PlannedMotion
+from yarclang.pipeline.line_map import Stretch, map_lines
+from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_program
+from yarclang.report.inspection.branches import Solution, solutions_of
+from yarclang.report.inspection.flow import NO_FLOWS, Flows, flows_of
+from yarclang.report.inspection.limits import Pace, pace_of
+from yarclang.report.inspection.way import Way, stands_before, trouble_behind, way_to
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.kinematics.nearest import Unreachable, nearest_solutions
+from yarclang.robot.model import Robot
+from yarclang.syntax.ast import Module
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Studied:
+    """A program as far as it can be understood: checked; planned and certified only if it has no errors."""
+
+    program: Program
+    request: Request
+    compiled: Compiled | None
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WayPoint:
+    """A pose that a motion goes to: `pose` (4, 4) is base_from_moving, with the frame at `flange_from_moving`. `reference` (n,)
+    [rad or m] is from where the nearest solution counts (`near`: NEAR says so).
+    """
+
+    pose: Array
+    flange_from_moving: Array
+    reference: Array
+    near: bool
+    solutions: tuple[Solution, ...]
+    unreachable: Unreachable | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inspected:
+    """A command.
+
+    Attributes:
+        robot: whose.
+        step: what it is.
+        number: its number in the program.
+        start: (n,) the joint positions before it [rad or m]; None where errors hide them.
+        end: (n,) those behind it.
+        motion: as it is planned; None for what doesn't move, or can't be planned.
+        begins: when it begins in the program [s]; None where that isn't known.
+        total: the program's duration [s]; None likewise.
+        waypoints: the poses that it goes to.
+        pace: what limits its time.
+        certificate: what was proved.
+        stretches: its lines in the controller's text, and `text`, the lines of that; empty where the program has errors.
+        findings: what is wrong with this command.
+        flows: the corners in motion that it has to do with.
+    """
+
+    robot: Robot
+    step: Step
+    number: int
+    start: Array | None
+    end: Array | None
+    motion: PlannedMotion | None
+    begins: float | None
+    total: float | None
+    waypoints: tuple[WayPoint, ...]
+    pace: Pace | None
+    certificate: CommandCertificate | None
+    stretches: tuple[Stretch, ...]
+    text: tuple[str, ...]
+    findings: tuple[Diagnostic, ...]
+    flows: Flows = NO_FLOWS
+
+    @property
+    def origin(self) -> Origin:
+        """Where it comes from."""
+        assert not isinstance(self.step, Gap)
+        return self.step.origin
+
+
+def study(module: Module, request: Request) -> Studied:
+    """Check a program, and compile it if that can be done."""
+    checked = check_program(module, request)
+    assert checked.value is not None  # a check always gives a program
+    program = checked.value
+    if has_errors(checked.diagnostics) or any(isinstance(step, Gap) for step in program.steps):
+        return Studied(program, request, None, checked.diagnostics)
+    planned = plan_program(program, request)
+    found = (*checked.diagnostics, *planned.diagnostics)
+    if planned.value is None:
+        return Studied(program, request, None, found)
+    made: Result[Compiled] = certified(planned.value, request)
+    return Studied(program, request, made.value, (*found, *made.diagnostics))
+
+
+def inspect_step(studied: Studied, number: int) -> Inspected:
+    """Look at step `number` of a program, which isn't a Gap."""
+    program, request, compiled = studied.program, studied.request, studied.compiled
+    step = program.steps[number]
+    way = _way(studied, number)
+    motion = way.motion
+    begins = total = None
+    certificate: CommandCertificate | None = None
+    stretches: tuple[Stretch, ...] = ()
+    text: tuple[str, ...] = ()
+    if compiled is not None:
+        total = compiled.plan.duration
+        at = next((n for n, one in enumerate(compiled.plan.motions) if one.step >= number), None)
+        begins = float(compiled.plan.starts[at if at is not None else -1])
+        certificate = next((one for one in compiled.certificate.commands if one.step == number), None)
+        stretches = map_lines(compiled.text).of(number)
+        text = tuple(compiled.text.splitlines())
+    end = way.start if not isinstance(step, Motion) else None
+    if motion is not None:
+        end = motion.waypoints[-1]
+    elif isinstance(step, JointMove) and isinstance(step.goal, JointGoal):
+        end = step.goal.q
+    pace = None
+    if motion is not None and way.start is not None and isinstance(step, Motion):
+        pace = pace_of(program, step, way.start, motion, request)
+    return Inspected(
+        robot=request.robot,
+        step=step,
+        number=number,
+        start=way.start,
+        end=end,
+        motion=motion,
+        begins=begins,
+        total=total,
+        waypoints=_waypoints(studied, number, way) if isinstance(step, Motion) else (),
+        pace=pace,
+        certificate=certificate,
+        stretches=stretches,
+        text=text,
+        findings=_own(studied, step, way),
+        flows=NO_FLOWS if compiled is None else flows_of(compiled.plan, number),
+    )
+
+
+def _way(studied: Studied, number: int) -> Way:
+    program, step = studied.program, studied.program.steps[number]
+    if studied.compiled is not None:
+        for motion in studied.compiled.plan.motions:
+            if motion.step == number:
+                return Way(motion.path.start, motion)
+    if not isinstance(step, Motion):
+        return Way(stands_before(program, number, studied.request), None)
+    return way_to(program, number, studied.request)
+
+
+def _own(studied: Studied, step: Step, way: Way) -> tuple[Diagnostic, ...]:
+    """The findings about this command."""
+    assert not isinstance(step, Gap)
+    origin = step.origin
+    of_line = [
+        one
+        for one in studied.findings
+        if one.source is origin.source
+        and one.span is not None
+        and one.span.line == origin.span.line
+        and one.place in ("", origin.place)
+    ]
+    return in_order((*of_line, *way.findings))
+
+
+def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
+    """The poses of a motion, each with its solutions; of a Cartesian motion the last one."""
+    step = studied.program.steps[number]
+    robot = studied.request.robot
+    in_joints = isinstance(step, JointMove | SplineMove)
+    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
+    found: list[WayPoint] = []
+    stands = way.start
+    chosen_ones = way.motion.waypoints if way.motion is not None else None
+    for place, goal in enumerate(goals):
+        last = place == len(goals) - 1
+        chosen = None
+        if chosen_ones is not None and (len(chosen_ones) == len(goals) or last):
+            chosen = chosen_ones[place if len(chosen_ones) == len(goals) else -1]
+        if isinstance(goal, PoseGoal | PoseDelta) and (in_joints or last):
+            pose = goal.base_from_moving if isinstance(goal, PoseGoal) else None
+            if pose is None and chosen is not None:
+                pose = tool_poses(robot.chain, chosen[None], goal.flange_from_moving)[0]
+            if pose is not None:
+                near = goal.near if isinstance(goal, PoseGoal) else None
+                found.append(
+                    _waypoint(
+                        studied, number, pose, goal.flange_from_moving, near, stands, chosen, in_joints, last
+                    )
+                )
+        stands = goal.q if isinstance(goal, JointGoal) else chosen if chosen is not None else stands
+    return tuple(found)
+
+
+def _waypoint(
+    studied: Studied,
+    number: int,
+    pose: Array,
+    flange_from_moving: Array,
+    near: Array | None,
+    stands: Array | None,
+    chosen: Array | None,
+    in_joints: bool,
+    last: bool,
+) -> WayPoint:
+    robot = studied.request.robot
+    reference = near if near is not None else stands if stands is not None else robot.home
+    flange = pose @ np.linalg.inv(flange_from_moving)
+    known: dict[bytes, str] = {}
+
+    def follow(q: Array) -> str:
+        if not (last and in_joints):
+            return ""
+        key = q.tobytes()
+        if key not in known:
+            known[key] = trouble_behind(studied.program, number, q, studied.request)
+        return known[key]
+
+    solutions = solutions_of(robot, flange, reference, chosen, follow, along_path=not in_joints)
+    unreachable = None
+    if not any(one.verdict != "out of limits" for one in solutions):
+        solved = nearest_solutions(robot.chain, robot.limits, flange, reference)
+        unreachable = solved if isinstance(solved, Unreachable) else None
+    return WayPoint(pose, flange_from_moving, reference, near is not None, solutions, unreachable)
+
+
+def chain_of(link: FrameLink | None) -> tuple[FrameLink, ...]:
+    """A frame and those that it hangs on, up to {B} or {FLANGE}."""
+    chain: list[FrameLink] = []
+    while link is not None:
+        chain.append(link)
+        link = link.parent
+    return tuple(chain)
+
+
+def chain_pose(link: FrameLink) -> Array:
+    """Where a frame sits in {B} or on {FLANGE}: (4, 4)."""
+    pose = np.eye(4)
+    for one in chain_of(link):
+        pose = one.parent_from_frame @ pose
+    return pose

@@ -1,0 +1,320 @@
+"""A command's inspection as text: sections with a title and lines each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.certify.certificate import CommandCertificate, Load, bound_text
+from yarclang.hir import (
+    Dwell,
+    FrameLink,
+    Hold,
+    JointGoal,
+    Motion,
+    PoseDelta,
+    SetOutput,
+    Timing,
+    WaitInput,
+    When,
+)
+from yarclang.pipeline.line_map import MOVE, Stretch
+from yarclang.report.inspection.branches import Solution
+from yarclang.report.inspection.flow import flow_lines, when_set
+from yarclang.report.inspection.inspected import Inspected, WayPoint, chain_of, chain_pose
+from yarclang.report.inspection.limits import Limit, Pace
+from yarclang.report.pictures.plot import printable
+from yarclang.report.pose_text import pose_text
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.units import DEG, MM, MS
+
+FEW = 3
+"""Lines of controller text that are shown of each end."""
+
+_NO_SHORTER = 2e-3
+"""The shortest time is rounded up when it is told [s]."""
+
+_MOST_SOLUTIONS = 12
+"""More are counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A title and the lines below it."""
+
+    title: str
+    lines: tuple[str, ...]
+
+
+def sections_of(inspected: Inspected, *, all_lines: bool = False) -> tuple[Section, ...]:
+    """What is known of a command, in the order in which it comes to be.
+
+    Args:
+        inspected: the command.
+        all_lines: show its controller text whole.
+    """
+    motion = isinstance(inspected.step, Motion)
+    found = [
+        ("command", _command(inspected)),
+        ("frames", _frames(inspected) if motion else iter(())),
+        ("target", _target(inspected) if motion else iter(())),
+        ("joints", _joints(inspected)),
+        *(_solutions(inspected, number) for number in range(len(inspected.waypoints))),
+        ("time", _time(inspected)),
+        ("certificate", _certificate(inspected.certificate)),
+        ("controller text", stretch_lines(inspected.stretches, inspected.text, all_lines=all_lines)),
+    ]
+    sections = (Section(title, tuple(lines)) for title, lines in found)
+    return tuple(one for one in sections if one.lines)
+
+
+def _command(inspected: Inspected) -> Iterator[str]:
+    origin = inspected.origin
+    yield f"{origin.source.name}:{origin.span.line}: {origin.label} {origin.name}".rstrip()
+    if line := origin.source.line(origin.span.line).strip():
+        yield printable(line)
+    if origin.place and origin.place != origin.index:
+        yield f"place {origin.place}, step {inspected.number} of the program"
+    if (told := _told(inspected)) is not None:
+        yield told
+
+
+def _told(inspected: Inspected) -> str | None:
+    """What a command does that moves nothing."""
+    match inspected.step:
+        case Dwell(duration=duration):
+            return f"the robot stands for {duration:g} s"
+        case SetOutput(output=output, value=value):
+            return f"{when_set(inspected.flows)} {output.name} ({output.variable}) becomes {_state(value)}"
+        case WaitInput(input=signal, value=value, timeout=timeout):
+            until = f", at most {timeout:g} s" if timeout is not None else ", however long"
+            return f"the robot stands until {signal.name} ({signal.variable}) is {_state(value)}{until}"
+        case Hold(text=text):
+            return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
+        case When(input=signal, value=value):
+            return f"the way parts: is {signal.name} ({signal.variable}) {_state(value)}?"
+        case _:
+            return None
+
+
+def _state(value: float) -> str:
+    return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:g}")
+
+
+def _frames(inspected: Inspected) -> Iterator[str]:
+    origin = inspected.origin
+    if origin.moving is None and origin.base is None:
+        yield "joint values need none"
+        return
+    for what, link in (("moves", origin.moving), ("values in", origin.base)):
+        if link is None:
+            continue
+        chain = chain_of(link)
+        for number, one in enumerate(chain):
+            yield _link(what if number == 0 else "", one)
+        if len(chain) > 2:
+            yield f"{'':9}  {{{link.name}}} in {{{chain[-1].name}}}: {pose_text(chain_pose(link))}"
+
+
+def _link(what: str, link: FrameLink) -> str:
+    name = f"{{{link.name}}}"
+    if link.parent is None:
+        return f"{what:9}  {name:12}  {'the robot ends there' if link.name == 'FLANGE' else 'the robot stands there'}"
+    where = (
+        "the robot's" if link.source is None or link.span is None else f"{link.source.name}:{link.span.line}"
+    )
+    return f"{what:9}  {name:12}  {pose_text(link.parent_from_frame)} in {{{link.parent.name}}}  ({where})"
+
+
+def _target(inspected: Inspected) -> Iterator[str]:
+    origin, robot = inspected.origin, inspected.robot
+    goals = getattr(inspected.step, "waypoints", None) or (inspected.step.goal,)  # type: ignore[union-attr]
+    if isinstance(goals[-1], PoseDelta):
+        delta = goals[-1]
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = delta.turn, delta.shift
+        yield f"increment  {pose_text(pose)}"
+    name = f"{{{origin.moving.name}}}" if origin.moving is not None else "the frame"
+    for number, waypoint in enumerate(inspected.waypoints, 1):
+        which = f"way-point {number}: " if len(inspected.waypoints) > 1 else ""
+        if origin.base is not None and origin.base.name != "B" and chain_of(origin.base)[-1].name == "B":
+            in_base = np.linalg.inv(chain_pose(origin.base)) @ waypoint.pose
+            yield f"{which}{name} at {pose_text(in_base)} in {{{origin.base.name}}}"
+        yield f"{which}{name} at {pose_text(waypoint.pose)} in {{B}}"
+    if not inspected.waypoints and inspected.end is not None:
+        frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
+        pose = tool_poses(robot.chain, inspected.end[None], robot.flange_from_frame[frame])[0]
+        if isinstance(goals[-1], JointGoal):
+            yield "joint values; they bring"
+        yield f"{{{frame}}} to {pose_text(pose)} in {{B}}"
+
+
+def _joints(inspected: Inspected) -> Iterator[str]:
+    robot = inspected.robot
+    start, end = inspected.start, inspected.end
+    if start is None:
+        yield "where the robot stands isn't known: errors before this command hide it"
+        if end is None:
+            return
+    moves = isinstance(inspected.step, Motion)
+    rows = [("", *robot.joint_names)]
+    if start is not None:
+        stands = "stands at" if inspected.flows.inside is None else "corner"
+        rows.append(("start" if moves else stands, *joint_cells(robot, start)))
+    if end is not None and moves:
+        rows.append(("end", *joint_cells(robot, end)))
+        if start is not None:
+            rows.append(("way", *joint_cells(robot, end - start, sign="+")))
+    lower = (_limit_cell(value) for value in robot.limits.lower / robot.axis_units)
+    upper = (_limit_cell(value) for value in robot.limits.upper / robot.axis_units)
+    rows += [("lower limit", *lower), ("upper limit", *upper), ("", *robot.axis_unit_names)]
+    yield from table(rows)
+
+
+def _limit_cell(value: float) -> str:
+    return f"{value:g}" if np.isfinite(value) else "none"
+
+
+def joint_cells(robot: Robot, q: Array, sign: str = "") -> tuple[str, ...]:
+    """Joint values (n,) [rad or m] in axis units, as cells of a table."""
+    return tuple(f"{value:{sign}.3f}" for value in (q / robot.axis_units).round(3) + 0.0)
+
+
+def table(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
+    """Rows as lines with columns: the first to the left, the others to the right."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    for row in rows:
+        cells = (
+            cell.ljust(width) if column == 0 else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()
+
+
+def _solutions(inspected: Inspected, number: int) -> tuple[str, Iterator[str]]:
+    waypoint, robot = inspected.waypoints[number], inspected.robot
+    many = len(inspected.waypoints) > 1
+    title = f"solutions of way-point {number + 1}" if many else "solutions"
+    return title, _solution_lines(waypoint, robot, inspected.start is not None)
+
+
+def _solution_lines(waypoint: WayPoint, robot: Robot, known: bool) -> Iterator[str]:
+    if waypoint.near:
+        yield "the distance counts from what NEAR names"
+    elif not known:
+        yield "the distance counts from HOME, since the start isn't known"
+    if (missed := waypoint.unreachable) is not None and missed.kind == "reach":
+        turn = f" and {missed.miss_angle / DEG:.3g} deg" if missed.miss_angle > 1e-3 else ""
+        yield f"none: the pose is out of reach by {missed.miss / MM:.4g} mm{turn}"
+    if not waypoint.solutions:
+        return
+    shown = waypoint.solutions[:_MOST_SOLUTIONS]
+    within = [one for one in shown if one.verdict != "out of limits"]
+    rows = [("", *robot.joint_names, "distance"), *(_row(robot, one, n) for n, one in enumerate(shown, 1))]
+    reasons = ["", *(_reason(one) for one in shown)]
+    for line, reason in zip(table(rows), reasons, strict=True):
+        yield f"{line}  {reason}".rstrip()
+    if (more := len(waypoint.solutions) - len(shown)) > 0:
+        yield f"and {more} more (--format json has all)"
+    if within:
+        yield "distance: sum of squared joint differences (rad, m)"
+
+
+def _row(robot: Robot, one: Solution, number: int) -> tuple[str, ...]:
+    return f"{number}", *joint_cells(robot, one.q), f"{one.distance:.3f}"
+
+
+def _reason(one: Solution) -> str:
+    return f"CHOSEN: {one.reason}" if one.verdict == "chosen" else one.reason
+
+
+def _time(inspected: Inspected) -> Iterator[str]:
+    if inspected.begins is not None and inspected.total is not None:
+        duration = inspected.certificate.duration if inspected.certificate is not None else 0.0
+        ends = f" to {inspected.begins + duration:.3f} s" if duration else ""
+        yield f"{inspected.begins:.3f}{ends or ' s'} of the {inspected.total:.3f} s that all motions take"
+    if inspected.motion is not None and isinstance(inspected.step, Motion):
+        curve, timing = inspected.motion.curve, inspected.step.timing
+        asked = _asked(timing)
+        law = f"{inspected.motion.profile}, " if inspected.motion.profile else ""
+        if any(one.is_error for one in inspected.findings):
+            yield f"the time that is asked for, {asked}, can't be held; below, the shortest is looked at"
+            asked = "the shortest"
+        yield f"{law}asked for {asked}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
+    yield from flow_lines(inspected.flows)
+    if inspected.pace is not None and inspected.motion is not None:
+        yield from _pace(inspected.pace, inspected.motion.curve.duration)
+
+
+def _asked(timing: Timing) -> str:
+    """The motion time as the command gives it."""
+    if timing.duration is not None:
+        return f"[{timing.duration:g} s]"
+    if timing.speed is not None:
+        length, angle = timing.speed.length, timing.speed.angle
+        return f"[V {length / MM:g} mm/s]" if length is not None else f"[V {(angle or 0.0) / DEG:g} deg/s]"
+    return "[MIN]" if timing.share == 1.0 else f"[{timing.share * 100:g}%]"
+
+
+def _pace(pace: Pace, duration: float) -> Iterator[str]:
+    first, *others = pace.limits
+    if first.share <= 0.0:
+        yield "nothing moves"
+        return
+    word = "limited by" if pace.is_shortest else "nearest to a limit:"
+    yield f"{word} the {_limit_text(first)}"
+    rest = ", ".join(f"{one.kind} {one.whose} {one.share * 100:.0f} %" for one in others)
+    yield f"others at most: {rest}"
+    if pace.shortest is not None and duration - pace.shortest < _NO_SHORTER:
+        yield "no shorter time works"
+    elif pace.shortest is not None:
+        yield f"the shortest time that works is {pace.shortest:.3f} s"
+
+
+def _limit_text(limit: Limit) -> str:
+    return (
+        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of what may be used, {limit.time:.3f} s after its start "
+        f"({limit.s * 100:.0f} % of the way)"
+    )
+
+
+def _certificate(one: CommandCertificate | None) -> Iterator[str]:
+    if one is None:
+        return
+    deviation = one.deviation
+    path = f"{bound_text(deviation.position / MM)} mm, {bound_text(deviation.angle / DEG)} deg"
+    left = f"{bound_text(deviation.remainder_position / MM)} mm, {bound_text(deviation.remainder_angle / DEG)} deg"
+    end = f"{bound_text(deviation.end_position / MM)} mm, {bound_text(deviation.end_angle / DEG)} deg"
+    yield f"path within {path} of the programmed one (of that {left} for what lies between the places looked at)"
+    yield f"end within {end} of the target"
+    loads = (
+        ("position", one.position),
+        ("velocity", one.velocity),
+        ("acceleration", one.acceleration),
+        ("jerk", one.jerk),
+        ("motor speed", one.motor_velocity),
+        ("a hold", one.hold),
+    )
+    yield "of the limits: " + ", ".join(_load(name, load) for name, load in loads if load.name)
+
+
+def _load(name: str, load: Load) -> str:
+    return f"{name} {load.name} {load.share * 100:.0f} %"
+
+
+def stretch_lines(
+    stretches: Sequence[Stretch], text: Sequence[str], *, all_lines: bool = False
+) -> Iterator[str]:
+    """Lines of controller text with their numbers, the first and the last of each stretch or all, and what they are for."""
+    for stretch in stretches:
+        size = stretch.last - stretch.first + 1
+        lines = f"line {stretch.first}" if size == 1 else f"lines {stretch.first} to {stretch.last}"
+        what = "moves" if stretch.what == MOVE and size > 1 else stretch.what
+        yield f"{lines}: {what}"
+        numbers = list(range(stretch.first, stretch.last + 1))
+        shown = numbers if all_lines or size <= 2 * FEW + 1 else [*numbers[:FEW], 0, *numbers[-FEW:]]
+        for number in shown:
+            yield f"{number:>8}  {text[number - 1]}" if number else f"{'...':>8}"

@@ -1,0 +1,75 @@
+"""The corners that a plan passes in motion: when, where, and how far it may leave the programmed path there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array, Motion
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.plan import MotionPlan
+from yarclang.report.pictures.drawn_frame import DrawnFrame, moving_frame
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.units import MM
+
+_SAME = 1e-9
+"""Frames whose places differ by less [m] are one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passed:
+    """The corners, in order of time: c of them.
+
+    `motions` (c,) are the numbers of the motions that end in them. `begins`, `middles` and `ends` (c,) [s] are when both motions
+    together begin, when the one gives way to the other, and when only the other is left. `places` (c, 3) are where the
+    drawn frame would be in the corner itself [mm in {B}], and `radii` (c,) [mm] how far it may be from there: 0 where the path
+    may not be left, NaN where the blend isn't of that frame (it is of joints, or of another tool).
+    """
+
+    motions: NDArray[np.intp]
+    begins: Array
+    middles: Array
+    ends: Array
+    places: Array
+    radii: Array
+
+    def __len__(self) -> int:
+        return len(self.motions)
+
+
+def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
+    """Where the motions of a plan flow into each other, seen from a frame on the flange."""
+    flowing = [number for number, motion in enumerate(plan.motions) if motion.overlap]
+    halves = np.array([plan.motions[n].overlap * plan.motions[n].curve.segment / 2.0 for n in flowing])
+    middles = plan.starts[1:][flowing] if flowing else np.zeros(0)
+    corners = np.array([plan.motions[n].path.end for n in flowing]).reshape(-1, plan.robot.size)
+    places = tool_poses(plan.robot.chain, corners, frame.flange_from_frame)[:, :3, 3] / MM
+    return Passed(
+        np.array(flowing, dtype=np.intp),
+        middles - halves,
+        middles,
+        middles + halves,
+        places,
+        np.array([_radius(plan, number, frame) for number in flowing], dtype=np.float64),
+    )
+
+
+def _radius(plan: MotionPlan, number: int, frame: DrawnFrame) -> float:
+    """How far the drawn frame may be from a corner [mm]; NaN where nothing is said about that frame."""
+    step = plan.program.steps[plan.motions[number].step]
+    assert isinstance(step, Motion)
+    moving = moving_frame(step)
+    if moving is None:  # a motion to joint positions that flows into one of a frame
+        moving = moving_frame(plan.program.steps[plan.motions[number + 1].step])
+    blend = step.blend.length if step.blend is not None else None
+    if blend is None or moving is None or _joints_only(plan, number):
+        return float("nan")
+    same = np.abs(moving[:3, 3] - frame.flange_from_frame[:3, 3]).max() < _SAME
+    return blend / MM if same else float("nan")
+
+
+def _joints_only(plan: MotionPlan, number: int) -> bool:
+    """Whether both motions at a corner are of joints: then the blend counts joint by joint."""
+    return not any(isinstance(plan.motions[n].path, CartesianPath) for n in (number, number + 1))

@@ -1,0 +1,122 @@
+"""The motion of a program as a picture: joints against their limits and the tool's speed over time, and its path in space.
+
+Nothing here opens a window: the figure is drawn in memory, so that it works without a screen,
+and equal programs give equal bytes.
+"""
+
+from __future__ import annotations
+
+import io
+import warnings
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, Literal
+
+from yarclang.motion.plan import MotionPlan
+from yarclang.report.pictures.drawn_frame import drawn_frame
+from yarclang.report.pictures.palette import bars_of
+from yarclang.report.pictures.panels import draw_panels
+from yarclang.report.pictures.passed import passed_corners
+from yarclang.report.pictures.scene import draw_scene
+from yarclang.report.pictures.tool_trace import tool_trace_of
+from yarclang.report.pictures.toolpath import tool_path_of
+from yarclang.report.pictures.trace import trace_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Format = Literal["png", "svg", "pdf"]
+
+SIZE = (1600, 1000)
+"""The width and height of a PNG [pixels]."""
+
+_DPI = 100
+
+_LONGEST_NAME = 60
+"""Characters of a program's name in the title."""
+
+# What a metadata dictionary has to unset, so that no date gets into the file.
+_UNDATED: dict[Format, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
+
+def draw(plan: MotionPlan, format_: Format) -> bytes:
+    """Draw a plan.
+
+    Args:
+        plan: what is executed.
+        format_: of the picture. A PNG has `SIZE`.
+
+    Returns:
+        The file's bytes, the same for the same plan.
+    """
+    import matplotlib as mpl
+
+    with mpl.rc_context():
+        # a user's own matplotlibrc shall not change the picture
+        mpl.rcdefaults()
+        mpl.rcParams.update(
+            {
+                "svg.hashsalt": "yarclang",
+                "text.parse_math": False,  # a name with dollars is no formula
+                "font.size": 9.0,
+                "axes.linewidth": 0.6,
+                "axes.edgecolor": "0.35",
+                "xtick.major.width": 0.6,
+                "ytick.major.width": 0.6,
+                "grid.color": "0.85",
+                "grid.linewidth": 0.6,
+            }
+        )
+        return saved(_figure(plan), format_)
+
+
+def _figure(plan: MotionPlan) -> Figure:
+    """The whole figure, for `SIZE` pixels."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(SIZE[0] / _DPI, SIZE[1] / _DPI), dpi=_DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    bars, frame = bars_of(plan), drawn_frame(plan)
+    corners = passed_corners(plan, frame)
+    _title(figure, plan)
+    draw_panels(figure, plan, trace_of(plan), tool_trace_of(plan, frame), bars, corners)
+    draw_scene(figure, tool_path_of(plan, frame), bars, corners)
+    return figure
+
+
+def _title(figure: Figure, plan: MotionPlan) -> None:
+    name = printable(PurePath(plan.program.source.name).name)
+    if len(name) > _LONGEST_NAME:
+        name = name[: _LONGEST_NAME - 1] + "…"
+    count = len(plan.motions)
+    motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion: the robot stands still"
+    facts = f"{plan.robot.name}   ·   {duration_text(plan.duration)}   ·   {motions}"
+    figure.text(0.045, 0.963, name, fontsize=17, fontweight="bold", color="0.1")
+    figure.text(0.045, 0.938, facts, fontsize=11, color="0.3")
+
+
+def duration_text(seconds: float) -> str:
+    """A duration as people say it: 12.345 s, 3 min 05.2 s, 2 h 03 min 05 s."""
+    if round(seconds, 3) < 60:
+        return f"{seconds:.3f} s"
+    if round(seconds, 1) < 3600:
+        tenths = round(seconds * 10)
+        return f"{tenths // 600} min {tenths % 600 / 10:04.1f} s"
+    whole = round(seconds)
+    return f"{whole // 3600} h {whole // 60 % 60:02} min {whole % 60:02} s"
+
+
+def printable(text: str) -> str:
+    """The text with a dot for each character that can't be drawn."""
+    return "".join(character if character.isprintable() else "·" for character in text)
+
+
+def saved(figure: Figure, format_: Format) -> bytes:
+    """A picture as the bytes of a file, the same each time."""
+    buffer = io.BytesIO()
+    metadata: dict[str, Any] = dict(_UNDATED[format_])
+    with warnings.catch_warnings():
+        # a name in a script that the font lacks is drawn as boxes, and nobody is told twice
+        warnings.filterwarnings("ignore", message="Glyph")
+        figure.savefig(buffer, format=format_, dpi=_DPI, metadata=metadata)
+    return buffer.getvalue()

@@ -1,0 +1,108 @@
+"""Two rows below the joints' shares: how fast the tool is, and how near to a singularity the arm comes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.report.pictures.tool_trace import ToolTrace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HEIGHT = 0.6
+"""Of each of the rows, against that of a joint quantity."""
+
+_TOOL_COLOUR = "#3B3B6D"
+_WANTED_COLOUR = "#B2182B"
+
+_LEAST_TOP = 0.1
+"""The scale of the singular value goes at least up to this."""
+
+_ZOOMED_BELOW = 0.4
+"""Speeds that are asked for below this share of the largest speed get `_ZOOMED_HEIGHT` of the height."""
+
+_ZOOMED_HEIGHT = 0.75
+
+_STILL = 1e-6
+"""Slower than this [mm/s] is rounding."""
+
+
+def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: float) -> tuple[str, str]:
+    """Draw the speed of the tool, and what commands ask for; times in units of `factor` [s].
+
+    Returns:
+        A remark on what is drawn, and the largest in words.
+    """
+    top = float(max(trace.speed.max(), trace.wanted[:, 2].max(initial=0.0)))
+    _curve(axes, trace.times / factor, trace.speed, width)
+    for begin, end, speed in trace.wanted:
+        axes.plot(
+            (begin / factor, end / factor),
+            (speed, speed),
+            color=_WANTED_COLOUR,
+            linewidth=1.0,
+            linestyle=(0, (6, 2)),
+            zorder=4,
+        )
+    note = _scale(axes, float(trace.wanted[:, 2].max(initial=0.0)), top)
+    row = int(np.argmax(trace.speed))
+    if trace.speed[row] < _STILL:
+        return note, "none"
+    return note, f"most: {trace.speed[row]:.4g} mm/s, at {trace.times[row] / factor:.4g} {unit}"
+
+
+def _scale(axes: Axes, wanted: float, top: float) -> str:
+    """Choose the scale of the speeds up to `top`: where those `wanted` are far below, they get most of the height.
+
+    Returns:
+        What has to be said about it.
+    """
+    axes.set_ylim(0.0, max(1.12 * top, _STILL))
+    if not wanted:
+        return ""
+    inner = 1.25 * wanted
+    if inner > _ZOOMED_BELOW * top:
+        return "dashes: [V ..]"
+    data, drawn = np.array([0.0, inner, 1.12 * top]), np.array([0.0, _ZOOMED_HEIGHT, 1.0])
+    slope = (1.0 - _ZOOMED_HEIGHT) / (1.12 * top - inner)
+
+    def forward(value: Array) -> Array:
+        # on with the last slope, or what lies beyond couldn't be told apart
+        drawn_at: Array = np.where(
+            value > data[-1], 1.0 + (value - data[-1]) * slope, np.interp(value, data, drawn)
+        )
+        return drawn_at
+
+    def back(value: Array) -> Array:
+        speeds: Array = np.where(value > 1.0, data[-1] + (value - 1.0) / slope, np.interp(value, drawn, data))
+        return speeds
+
+    axes.set_yscale("function", functions=(forward, back))
+    axes.set_yticks([0.0, wanted, top], ["0", f"{wanted:.4g}", f"{top:.4g}"])
+    axes.minorticks_off()
+    axes.axhspan(inner, 1.12 * top, color="0.95", zorder=0)
+    return f"dashes: [V ..] · scale squeezed beyond {inner:.3g} mm/s"
+
+
+def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: float) -> str:
+    """Draw the smallest singular value; times in units of `factor` [s].
+
+    Returns:
+        The least in words.
+    """
+    _curve(axes, trace.times / factor, trace.singular, width)
+    axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)
+    axes.set_ylim(0.0, max(1.15 * float(trace.singular.max()), _LEAST_TOP))
+    row = int(np.argmin(trace.singular))
+    return f"least: {trace.singular[row]:.2g}, at {trace.times[row] / factor:.4g} {unit}"
+
+
+def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:
+    axes.plot(times, values, color=_TOOL_COLOUR, linewidth=width, zorder=3)
+    axes.fill_between(times, values, 0.0, color=_TOOL_COLOUR, alpha=0.10, linewidth=0.0, zorder=1)
+    axes.locator_params(axis="y", nbins=4)
+    axes.grid(axis="y", color="0.88", linewidth=0.6)
+    axes.margins(x=0)

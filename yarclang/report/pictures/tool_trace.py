@@ -1,0 +1,93 @@
+"""How fast a plan moves the tool, and how near to a singularity it comes, in a bounded number of samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import Array, Motion
+from yarclang.motion.plan import MotionPlan
+from yarclang.report.pictures.drawn_frame import DrawnFrame, moving_frame
+from yarclang.report.pictures.trace import MOST_SAMPLES, STANDING, extremes
+from yarclang.robot.kinematics.fk import poses_and_jacobians
+from yarclang.robot.kinematics.singularity import smallest_singular_values
+from yarclang.units import MM
+
+_FEWEST = 12
+"""A motion has at least so many samples: its law has one hill, which they don't miss by more than a few percent."""
+
+_AT_ONCE = 20_000
+"""So many samples are worked on together, for the sake of memory."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ToolTrace:
+    """The motion of `frame` on the flange over time.
+
+    `times` (N,) [s] never fall. `speed` (N,) [mm/s] is that of its origin in {B}, `singular` (N,) the smallest singular value of
+    the weighted Jacobian: 0 at a singularity, 0.1 to 0.5 far from one. A thinned trace has two rows for each short interval: the
+    least and the largest values in it. `wanted` (k, 3) are the speeds that commands ask for: from when [s], to when [s], and
+    how fast [mm/s].
+    """
+
+    frame: str
+    times: Array
+    speed: Array
+    singular: Array
+    wanted: Array
+
+
+def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
+    """Follow a frame through a plan."""
+    if not plan.motions:
+        times = np.array([0.0, STANDING])
+        rows = _followed(plan, frame, times)
+        return ToolTrace(frame.name, times, rows[:, 0], rows[:, 1], np.zeros((0, 3)))
+    durations = np.diff(plan.starts)
+    shares = durations / plan.duration
+    counts = np.maximum((shares * (MOST_SAMPLES / 2)).astype(np.intp), _FEWEST)
+    ends = np.cumsum(counts + 1)
+    begins = ends - counts - 1
+    number = np.repeat(np.arange(len(counts)), counts + 1)
+    along = (np.arange(ends[-1]) - begins[number]) / counts[number]
+    times = plan.starts[number] + along * durations[number]
+    parts = []
+    for first in range(0, len(times), _AT_ONCE):
+        here = slice(first, first + _AT_ONCE)
+        rows = _followed(plan, frame, times[here])
+        if len(times) > MOST_SAMPLES:
+            parts.append(extremes(times[here], times[here], rows, rows, plan.duration))
+        else:
+            parts.append((times[here], times[here], rows, rows))
+    first_, last, least, most = (np.concatenate(part) for part in zip(*parts, strict=True))
+    if len(times) > MOST_SAMPLES:
+        first_, last, least, most = extremes(first_, last, least, most, plan.duration)
+        times = np.column_stack((first_, last)).ravel()
+        rows = np.stack((least, most), axis=1).reshape(len(times), -1)
+    else:
+        rows = least
+    return ToolTrace(frame.name, times, rows[:, 0], rows[:, 1], _wanted(plan, frame))
+
+
+def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
+    """Speed [mm/s] and smallest singular value (N, 2) at some times (N,) [s]."""
+    q, v, _ = plan.sample(times)
+    chain, tool = plan.robot.chain, frame.flange_from_frame
+    jacobians = poses_and_jacobians(chain, q, tool)[1]
+    speed = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, :3], v), axis=1) / MM
+    return np.column_stack((speed, smallest_singular_values(chain, q, tool)))
+
+
+def _wanted(plan: MotionPlan, frame: DrawnFrame) -> Array:
+    """The speeds that commands ask of the frame: (k, 3), from when [s], to when [s], and how fast [mm/s]."""
+    rows = []
+    for number, motion in enumerate(plan.motions):
+        step = plan.program.steps[motion.step]
+        assert isinstance(step, Motion)
+        speed, moving = step.timing.speed, moving_frame(step)
+        if speed is None or speed.length is None or moving is None:
+            continue
+        if np.array_equal(moving[:3, 3], frame.flange_from_frame[:3, 3]):
+            rows.append((plan.starts[number], plan.starts[number + 1], speed.length / MM))
+    return np.array(rows, dtype=np.float64).reshape(-1, 3)

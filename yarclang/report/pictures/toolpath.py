@@ -1,0 +1,74 @@
+"""The way of a frame on the flange through space, in a bounded number of points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.plan import MotionPlan
+from yarclang.report.pictures.drawn_frame import DrawnFrame
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Robot
+from yarclang.units import MM
+
+MOST_POINTS = 20_000
+"""The points of all motions together, besides one start for each."""
+
+_MOST_EACH = 1_000
+"""The points of one motion."""
+
+MOST_DOTS = 400
+"""Way-points that a picture still shows apart."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ToolPath:
+    """The path of the origin of `frame` on the flange, in mm in {B}.
+
+    `points` (N, 3) has the motions one behind the other: motion k is `points[bounds[k] : bounds[k + 1]]`,
+    from its start to its end. `waypoints` (w, 3) are the positions that the commands name, their ends among them:
+    one of `every`, where there are too many to be seen apart.
+    """
+
+    frame: str
+    points: Array
+    bounds: NDArray[np.intp]
+    waypoints: Array
+    every: int
+
+
+def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
+    """Where a frame on the flange goes. The points are dealt out by how far the joints move, so that a short
+    program is drawn finely and a long one stays bounded.
+    """
+    start = plan.program.start[None]
+    if not plan.motions:
+        standing = _places(plan.robot, start, frame)
+        return ToolPath(frame.name, standing, np.array([0, 1]), standing[:0], 1)
+    curves = [motion.curve for motion in plan.motions]
+    ways = np.array([np.abs(np.diff(curve.points, axis=0)).sum() for curve in curves])
+    shares = ways / max(float(ways.sum()), 1e-12)
+    # a motion of k parts has k + 1 points: its start stands in it, though it ends the motion before
+    parts = np.clip((shares * (MOST_POINTS - len(curves))).astype(np.intp), 1, _MOST_EACH)
+    q = [
+        curve.sample(np.linspace(0.0, curve.duration, part + 1))[0]
+        for curve, part in zip(curves, parts, strict=True)
+    ]
+    named = np.concatenate([motion.waypoints for motion in plan.motions])
+    every = -(-len(named) // MOST_DOTS)
+    return ToolPath(
+        frame.name,
+        _places(plan.robot, np.concatenate(q), frame),
+        np.concatenate(([0], np.cumsum(parts + 1))),
+        _places(plan.robot, named[every - 1 :: every], frame),
+        every,
+    )
+
+
+def _places(robot: Robot, q: Array, frame: DrawnFrame) -> Array:
+    """The origin of a frame on the flange in {B} (N, 3) [mm], for joint positions `q` (N, n)."""
+    places: Array = tool_poses(robot.chain, q, frame.flange_from_frame)[:, :3, 3] / MM
+    return places

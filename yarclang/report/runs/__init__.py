@@ -1,0 +1,1 @@
+"""Runs: their logs, what they told, and pictures of them."""

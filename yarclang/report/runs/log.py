@@ -1,0 +1,165 @@
+"""The log of a run, read back: what was to be done, what was told, and where the robot was."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.report.runs.messages import Outcome, RecordedRobot, Told, read_messages, read_only, read_robot
+from yarclang.report.runs.records import Records, read_records
+from yarclang.robot.model import Array
+from yarclang.runtime.job import JobCommand
+from yarclang.runtime.log_record import CERTIFICATE, FORMAT, JOB, METADATA, PROGRAM, TEXT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedRun:
+    """A run as its log has it. Times are in s from the log's start, in the controller's pace.
+
+    Attributes:
+        file: that was read.
+        program: its name, for people.
+        controller: its address.
+        version: of yarclang that wrote the log.
+        started: date and time in UTC, ISO 8601.
+        pace: seconds of the controller in a second of the clock: 1, but for a simulator.
+        robot: as it was.
+        commands: of the program, with their times in it.
+        duration: of the program [s].
+        text: for the controller.
+        source: the program, or empty.
+        certificate: as JSON, or empty.
+        told: all that was told, in order.
+        times: (N,) of the samples [s].
+        program_times: (N,) how far the program was, to a segment or two [s].
+        passes: (N,) by how many `Pass` of the program a sample is preceded, from 0; -1 on the way to its start.
+        actual: (N, n) joint positions [rad or m].
+        commanded: (N, n), likewise.
+        following: (N, n) following errors of the motors [counts].
+        unread: how many messages are damaged.
+    """
+
+    file: str
+    program: str
+    controller: str
+    version: str
+    started: str
+    pace: float
+    robot: RecordedRobot
+    commands: tuple[JobCommand, ...]
+    duration: float
+    text: str
+    source: str
+    certificate: str
+    told: tuple[Told, ...]
+    times: Array
+    program_times: Array
+    passes: NDArray[np.int64]
+    actual: Array
+    commanded: Array
+    following: Array
+    unread: int
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How it has ended; None where the log doesn't say."""
+        return next((one for one in reversed(self.told) if isinstance(one, Outcome)), None)
+
+    @property
+    def end(self) -> float:
+        """The time of the last thing that is known [s]."""
+        last = self.told[-1].time if self.told else 0.0
+        return max(last, float(self.times[-1])) if len(self.times) else last
+
+
+def read_run(file: str) -> Result[RecordedRun]:
+    """Read the log of a run; of an unfinished one, what is there.
+
+    Returns:
+        None, with a finding, where the file can't be read or is no log that this version can read.
+    """
+    try:
+        content = Path(file).read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        return _refused("Y0107", f"{file} can't be read: {reason}", "check the path and its rights")
+    logs = "logs are the .mcap files that `yarc run` writes, in yarc-runs/ if nobody says where"
+    records = read_records(content)
+    if records is None:
+        return _refused("Y1401", f"{file} {'is no MCAP file' if content else 'is empty'}", logs)
+    facts, job = records.metadata.get(METADATA), records.attachments.get(JOB)
+    if facts is None and not records.trouble:
+        return _refused("Y1401", f"{file} is an MCAP file of something else", logs)
+    if facts is not None and facts.get("format") != FORMAT:
+        version, wrote = facts.get("yarclang", "?"), facts.get("format", "?")
+        message = (
+            f"{file} was written by yarclang {version} in format {wrote}; this version reads format {FORMAT}"
+        )
+        return _refused("Y1403", message, f"read it with yarclang {version}")
+    if facts is None or job is None or TEXT not in records.attachments:
+        return _refused(
+            "Y1401", f"{file} {records.trouble or 'has no program'}: it is cut off before the program", logs
+        )
+    try:
+        run = _run(file, facts, json.loads(job), records)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return _refused("Y1401", f"{file} is damaged where it describes the program and the robot", logs)
+    return Result(run, _doubts(file, records, run))
+
+
+def _refused(code: str, message: str, help_: str) -> Result[RecordedRun]:
+    return Result(None, (Diagnostic(code, message, help=help_),))
+
+
+def _doubts(file: str, records: Records, run: RecordedRun) -> tuple[Diagnostic, ...]:
+    """What can't be relied on."""
+    if records.trouble:
+        message = f"{file} {records.trouble}; it is read up to {run.end:.3f} s"
+    elif run.unread:
+        message = f"{file} is damaged: {run.unread} of its messages can't be read"
+    else:
+        return ()
+    return (Diagnostic("Y1402", message),)
+
+
+def _run(file: str, facts: Mapping[str, str], job: Mapping[str, Any], records: Records) -> RecordedRun:
+    robot = read_robot(facts, job)
+    n = len(robot.joint_names)
+    messages = read_messages(robot, records.messages)
+    table = np.array(messages.rows, dtype=np.float64).reshape(len(messages.rows), 2 + 3 * n)
+    text = {name: content.decode("utf-8", "replace") for name, content in records.attachments.items()}
+    return RecordedRun(
+        file=file,
+        program=facts["program"],
+        controller=facts["controller"],
+        version=facts["yarclang"],
+        started=facts["started"],
+        pace=float(facts["pace"]),
+        robot=robot,
+        commands=tuple(_command(one) for one in job["commands"]),
+        duration=float(job["duration_s"]),
+        text=text[TEXT],
+        source=text.get(PROGRAM, ""),
+        certificate=text.get(CERTIFICATE, ""),
+        told=tuple(messages.told),
+        times=read_only(table[:, 0]),
+        program_times=read_only(table[:, 1]),
+        passes=np.array(messages.passes, dtype=np.int64),
+        actual=read_only(table[:, 2 : 2 + n] * robot.axis_units),
+        commanded=read_only(table[:, 2 + n : 2 + 2 * n] * robot.axis_units),
+        following=read_only(table[:, 2 + 2 * n :]),
+        unread=records.unread + messages.unread,
+    )
+
+
+def _command(one: Mapping[str, Any]) -> JobCommand:
+    return JobCommand(
+        one["index"], one["name"], one["source_line"], float(one["begins_s"]), float(one["ends_s"])
+    )

@@ -1,0 +1,298 @@
+"""The panels of a run's picture: joints over the time of the program, errors, and how the program went by the clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.report.pictures.palette import MOST_BARS, Bar, joint_style
+from yarclang.report.pictures.panels import draw_ribbon, time_unit
+from yarclang.report.runs.course import Mark, Span
+from yarclang.report.runs.log import RecordedRun
+from yarclang.report.runs.planned import Planned
+from yarclang.report.runs.tracking import Tracking
+from yarclang.robot.model import Array
+from yarclang.runtime.state import State
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLOURS = {
+    State.DISCONNECTED: ("#6A51A3", 0.22),
+    State.INIT: ("0.6", 0.25),
+    State.HOLD: ("#E6A700", 0.30),
+    State.FAULT: ("#D7301F", 0.25),
+}
+"""How a state is shaded; the others aren't."""
+
+NOT_RUN = "0.93"
+PLANNED = "0.70"
+LIMIT = "#B2182B"
+
+_COLUMNS = 4_000
+"""Intervals of a line in all; a picture has fewer columns of pixels."""
+
+_FEWEST = 50
+"""Intervals of one pass of many."""
+
+_NARROWEST = 0.003
+"""The width of a shade, as a share of the axis: a hold takes no time of the program."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """All that the panels show of a run."""
+
+    run: RecordedRun
+    planned: Planned
+    tracking: Tracking
+    spans: tuple[Span, ...]
+    marks: tuple[Mark, ...]
+
+    @property
+    def reached(self) -> float:
+        """How far the program came [s]."""
+        return float(self.tracking.times.max()) if len(self.tracking.times) else 0.0
+
+    @property
+    def unit(self) -> tuple[float, str]:
+        """Seconds in the unit of the program's time, and its name."""
+        return time_unit(self.planned.duration)
+
+
+def draw_commands(axes: Axes, shown: Shown) -> None:
+    """A ribbon of the program's commands."""
+    from matplotlib import colormaps
+
+    commands = shown.run.commands
+    count = min(len(commands), MOST_BARS)
+    bars = []
+    for bar in range(count):
+        first, behind = bar * len(commands) // count, (bar + 1) * len(commands) // count
+        command = commands[first]
+        red, green, blue, _ = colormaps["Greys"](0.2 + 0.17 * (bar % 2))
+        index = "" if command.index == "-" else command.index
+        bars.append(
+            Bar(
+                first,
+                behind,
+                command.begins,
+                commands[behind - 1].ends,
+                index,
+                command.name,
+                (red, green, blue),
+                "0.1",
+            )
+        )
+    axes.set_xlim(0.0, max(shown.planned.duration, 1e-3) / shown.unit[0])
+    draw_ribbon(axes, tuple(bars), shown.unit[0])
+
+
+def draw_joint(axes: Axes, shown: Shown, joint: int) -> None:
+    """One joint's planned and actual positions, with the limits if they are near."""
+    run = shown.run
+    unit, factor = run.robot.axis_units[joint], shown.unit[0]
+    colour, _ = joint_style(joint)
+    times, planned = _planned_line(shown.planned)
+    values = planned[:, joint] / unit
+    axes.plot(times / factor, values, color=PLANNED, linewidth=3.2, zorder=2, solid_capstyle="round")
+    actual = run.actual[shown.tracking.rows, joint : joint + 1] / unit
+    for when, what in passes_of(shown, actual):
+        axes.plot(when / factor, what[:, 0], color=colour, linewidth=1.1, zorder=3)
+    everything = np.concatenate((values, actual[:, 0]))
+    low, high = float(everything.min()), float(everything.max())
+    room = max(high - low, 1.0)
+    view = [low - 0.15 * room, high + 0.15 * room]
+    limits = np.array([run.robot.lower[joint], run.robot.upper[joint]]) / unit
+    for side, limit in enumerate(limits):
+        if abs(limit - view[side]) < 0.35 * room or (limit - view[side]) * (1 - 2 * side) > 0.0:
+            axes.axhline(limit, color=LIMIT, linewidth=1.1, linestyle=(0, (6, 2)), zorder=2)
+            view[side] = limit + (0.06 if side else -0.06) * room
+    axes.set_ylim(*view)
+    shade_program(axes, shown)
+    name, unit_name = run.robot.joint_names[joint], run.robot.axis_unit_names[joint]
+    axes.set_title(f"{name} [{unit_name}]", loc="left", fontsize=9.5, pad=3, color=colour, fontweight="bold")
+    axes.set_title(_limits_text(limits), loc="right", fontsize=8.5, pad=3, color="0.4")
+
+
+def draw_lines(
+    axes: Axes, shown: Shown, values: Array, names: tuple[str, ...], units: tuple[str, ...]
+) -> None:
+    """One line a column of `values` (M, n) over the program's time; the largest is named above."""
+    factor = shown.unit[0]
+    # those that swing most go below, or they would cover the others
+    for column in np.argsort(-np.abs(values).mean(axis=0), kind="stable") if len(values) else ():
+        colour, style = joint_style(int(column))
+        for when, what in passes_of(shown, values[:, column : column + 1]):
+            axes.plot(when / factor, what[:, 0], color=colour, linestyle=style, linewidth=0.9, zorder=3)
+    axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=1)
+    shade_program(axes, shown)
+    if not_run(shown) and len(values):
+        axes.set_xlim(0.0, max(shown.reached, 1e-3) / factor)
+    axes.set_title(
+        most_text(values, names, units, shown.tracking.times / factor, shown.unit[1]),
+        loc="right",
+        fontsize=9,
+        pad=4,
+        color="0.2",
+    )
+
+
+def most_text(values: Array, names: tuple[str, ...], units: tuple[str, ...], times: Array, unit: str) -> str:
+    """The largest size in `values` (M, n) of each unit, whose it is, and at which of the times (M,)."""
+    if not len(values):
+        return "no samples"
+    return "most: " + "; ".join(
+        f"{_size(size)} {of}, {name}, at {times[row]:.4g} {unit}"
+        for of, size, name, row in _largest(values, names, units)
+    )
+
+
+def off_path_text(shown: Shown) -> str:
+    """How far what was commanded is from the planned path."""
+    robot = shown.run.robot
+    values = shown.tracking.off_path / robot.axis_units
+    if not len(values):
+        return "no positions were recorded"
+    parts = [
+        f"{_size(size)} {of} ({name})"
+        for of, size, name, _ in _largest(values, robot.joint_names, robot.axis_unit_names)
+    ]
+    return f"commanded at most {', '.join(parts)} off the planned path"
+
+
+def _largest(
+    values: Array, names: tuple[str, ...], units: tuple[str, ...]
+) -> Iterator[tuple[str, float, str, int]]:
+    """Of the columns of each unit: the unit, the largest size, its column's name, its row."""
+    for unit in dict.fromkeys(units):
+        columns = [column for column, one in enumerate(units) if one == unit]
+        row, place = divmod(int(np.argmax(np.abs(values[:, columns]))), len(columns))
+        yield unit, abs(float(values[row, columns[place]])), names[columns[place]], row
+
+
+def _size(size: float) -> str:
+    """Two digits that count, without an exponent, and not beyond the fifth decimal; what is less is rounded up."""
+    if size < 1e-5:
+        return "0.00001" if size > 0.0 else "0"
+    return f"{size:.{min(5, max(0, 1 - math.floor(math.log10(size))))}f}"
+
+
+def draw_clock(axes: Axes, shown: Shown) -> None:
+    """How far the program was at each time of the clock, with the states and what happened."""
+    run, tracking = shown.run, shown.tracking
+    factor, unit = time_unit(run.end)
+    end = 1.03 * max(run.end, 1e-3)
+    for span in shown.spans:
+        if is_shaded(span, end):
+            colour, alpha = COLOURS[span.state]
+            # the last state stays
+            until = end if span is shown.spans[-1] else max(span.end, span.start + _NARROWEST * end)
+            axes.axvspan(span.start / factor, until / factor, color=colour, alpha=alpha, lw=0, zorder=0)
+    values = tracking.times[:, None] / shown.unit[0]
+    for when, what in _by_pass(shown, run.times[tracking.rows], values):
+        axes.plot(when / factor, what[:, 0], color="#0072B2", linewidth=1.5, zorder=3)
+    axes.set_xlim(0.0, end / factor)
+    top = max(shown.planned.duration, 1e-3) / shown.unit[0]
+    axes.set_ylim(-0.03 * top, 1.16 * top)
+    axes.axhline(top, color=PLANNED, linewidth=1.0, zorder=1)
+    free = -1.0
+    for number, mark in enumerate(shown.marks, 1):
+        axes.axvline(mark.time / factor, color="0.35", linewidth=0.7, linestyle=":", zorder=2)
+        if mark.time - free > 0.022 * end:
+            axes.text(
+                mark.time / factor,
+                1.09 * top,
+                str(number),
+                fontsize=7.5,
+                color="0.2",
+                ha="center",
+                va="center",
+            )
+            free = mark.time
+    axes.set_xlabel(f"time since the log was opened [{unit}]", labelpad=2)
+    axes.set_ylabel(f"program time [{shown.unit[1]}]", labelpad=2)
+
+
+def is_shaded(span: Span, end: float) -> bool:
+    """Whether a state is seen on an axis that goes to `end` [s]; loading that takes no time isn't worth it."""
+    is_brief = span.end - span.start < _NARROWEST * end
+    return span.state in COLOURS and not (span.state is State.INIT and is_brief)
+
+
+def shade_program(axes: Axes, shown: Shown) -> None:
+    """Shade on an axis of the program's time what wasn't run, and where it was held or failed."""
+    factor, duration = shown.unit[0], max(shown.planned.duration, 1e-3)
+    axes.set_xlim(0.0, duration / factor)
+    axes.grid(axis="y", color="0.9", linewidth=0.6)
+    axes.tick_params(length=2.5, labelsize=8.5)
+    if not_run(shown):
+        axes.axvspan(shown.reached / factor, duration / factor, color=NOT_RUN, lw=0, zorder=0)
+    for span in shown.spans:
+        if span.state in COLOURS and span.state is not State.INIT and span.begins is not None:
+            colour, alpha = COLOURS[span.state]
+            begins = min(span.begins, (1.0 - _NARROWEST) * duration)
+            width = max((span.ends or span.begins) - span.begins, _NARROWEST * duration)
+            axes.axvspan(
+                begins / factor,
+                (begins + width) / factor,
+                color=colour,
+                alpha=min(1.0, 2 * alpha),
+                lw=0,
+                zorder=1,
+            )
+    for mark in shown.marks:
+        if mark.at is not None:
+            axes.axvline(mark.at / factor, color="0.35", linewidth=0.6, linestyle=":", zorder=1)
+
+
+def not_run(shown: Shown) -> bool:
+    """Whether a part of the program was never run."""
+    return shown.planned.duration - shown.reached > max(
+        0.2, 2.0 * float(shown.planned.cubics.h.max(initial=0.0))
+    )
+
+
+def passes_of(shown: Shown, values: Array) -> list[tuple[Array, Array]]:
+    """The lines of each pass over the program's time: times (k,) [s] and `values` (M, m) at them, thinned."""
+    return _by_pass(shown, shown.tracking.times, values)
+
+
+def _by_pass(shown: Shown, times: Array, values: Array) -> list[tuple[Array, Array]]:
+    if not len(times):
+        return []
+    cuts = np.flatnonzero(np.diff(shown.run.passes[shown.tracking.rows])) + 1
+    bounds = [0, *cuts.tolist(), len(times)]
+    columns = max(_FEWEST, _COLUMNS // (len(bounds) - 1))
+    return [_thinned(times[a:b], values[a:b], columns) for a, b in pairwise(bounds)]
+
+
+def _planned_line(planned: Planned) -> tuple[Array, Array]:
+    """Times [s] and positions (k, n) [rad or m] of the whole plan."""
+    middles = (planned.begins[1:] + planned.begins[:-1]) / 2.0
+    times = np.sort(np.concatenate((planned.begins, middles)))
+    if len(times) == 1:
+        times = np.array([0.0, 1.0])
+    return _thinned(times, planned.at(times)[0], _COLUMNS)
+
+
+def _thinned(times: Array, values: Array, columns: int) -> tuple[Array, Array]:
+    """Lines of rising times (k,) and values (k, m): the least and the largest values of intervals, where there are more."""
+    if len(times) <= 2 * columns:
+        return times, values
+    column = ((times - times[0]) * (columns / max(float(times[-1] - times[0]), 1e-9))).astype(np.intp)
+    begin = np.flatnonzero(np.diff(column, prepend=-1))
+    end = np.append(begin[1:], len(times)) - 1
+    extremes = np.stack((np.minimum.reduceat(values, begin), np.maximum.reduceat(values, begin)), axis=1)
+    return np.column_stack((times[begin], times[end])).ravel(), extremes.reshape(-1, values.shape[1])
+
+
+def _limits_text(limits: Array) -> str:
+    if not np.isfinite(limits).all():
+        return "no limits"
+    return f"limits {limits[0]:g} … {limits[1]:g}".replace("-", "−")

@@ -1,0 +1,218 @@
+"""A run as a picture: what was planned and what became of it."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from yarclang.report.pictures.palette import joint_style
+from yarclang.report.pictures.plot import SIZE, Format, duration_text, printable, saved
+from yarclang.report.runs.course import marks_of, outcome_text, spans_of
+from yarclang.report.runs.log import RecordedRun
+from yarclang.report.runs.panels import (
+    COLOURS,
+    LIMIT,
+    NOT_RUN,
+    PLANNED,
+    Shown,
+    draw_clock,
+    draw_commands,
+    draw_joint,
+    draw_lines,
+    is_shaded,
+    not_run,
+    off_path_text,
+)
+from yarclang.report.runs.planned import Planned
+from yarclang.report.runs.tracking import tracking_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_DPI = 100
+
+_LEFT, _MIDDLE, _GAP, _RIGHT = 0.045, 0.565, 0.065, 0.985
+"""Where the panels of the joints begin and end, what is between them and the others, and where those end."""
+
+_TOP, _BOTTOM = 0.865, 0.055
+
+_MOST_MARKS = 6
+"""More of what happened isn't listed."""
+
+_LONGEST = 95
+"""Characters of a line of that list."""
+
+_STYLE: Any = {
+    "svg.hashsalt": "yarclang",
+    "text.parse_math": False,  # a name with dollars is no formula
+    "font.size": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": "0.35",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+}
+
+
+def draw_run(run: RecordedRun, planned: Planned, format_: Format) -> bytes:
+    """Draw a run against its plan.
+
+    Args:
+        run: that was logged.
+        planned: its plan.
+        format_: of the picture. A PNG has `SIZE`.
+
+    Returns:
+        The file's bytes, the same for the same log.
+    """
+    import matplotlib as mpl
+
+    tracking = tracking_of(run, planned)
+    shown = Shown(run, planned, tracking, spans_of(run, tracking), marks_of(run, tracking))
+    with mpl.rc_context():
+        # a user's own matplotlibrc shall not change the picture
+        mpl.rcdefaults()
+        mpl.rcParams.update(_STYLE)
+        return saved(_figure(shown), format_)
+
+
+def _figure(shown: Shown) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(SIZE[0] / _DPI, SIZE[1] / _DPI), dpi=_DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    _draw_title(figure, shown)
+    _draw_joints(figure, shown)
+    _draw_errors(figure, shown)
+    _draw_marks(figure, shown)
+    return figure
+
+
+def _draw_title(figure: Figure, shown: Shown) -> None:
+    run = shown.run
+    text, well = outcome_text(run)
+    colour = {True: "#1A7F37", False: LIMIT, None: "#9A6700"}[well]
+    name = _cut(PurePath(run.program).name, 60)
+    title = figure.text(_LEFT, 0.962, name, fontsize=17, fontweight="bold", color="0.1")
+    canvas: Any = figure.canvas
+    width = title.get_window_extent(canvas.get_renderer()).width / SIZE[0]
+    figure.text(_LEFT + width + 0.012, 0.962, _cut(text, 120), fontsize=12.5, color=colour)
+    robot = run.robot
+    facts = [
+        robot.name,
+        f"{duration_text(shown.planned.duration)} planned",
+        f"{run.started[:19].replace('T', ' ')} UTC",
+        f"at {_cut(run.controller, 40)}",
+        off_path_text(shown),
+    ]
+    figure.text(_LEFT, 0.937, "   ·   ".join(facts), fontsize=10.5, color="0.3")
+
+
+def _draw_joints(figure: Figure, shown: Shown) -> None:
+    """A panel a joint, over one axis of the program's time."""
+    count = len(shown.run.robot.joint_names)
+    grid = figure.add_gridspec(
+        count,
+        1,
+        left=_LEFT,
+        right=_MIDDLE,
+        top=_TOP - 0.035,
+        bottom=_BOTTOM,
+        hspace=0.42 if count < 8 else 0.6,
+    )
+    draw_commands(figure.add_axes((_LEFT, _TOP - 0.012, _MIDDLE - _LEFT, 0.015)), shown)
+    for joint in range(count):
+        axes = figure.add_subplot(grid[joint])
+        draw_joint(axes, shown, joint)
+        is_last = joint == count - 1
+        axes.tick_params(labelbottom=is_last)
+        if is_last:
+            axes.set_xlabel(f"program time [{shown.unit[1]}]", labelpad=2)
+    _draw_legend(figure, shown)
+
+
+def _draw_errors(figure: Figure, shown: Shown) -> None:
+    """How far the joints and the motors were off, and how it went by the clock."""
+    run, tracking = shown.run, shown.tracking
+    robot = run.robot
+    bottom = _BOTTOM + 0.135
+    grid = figure.add_gridspec(
+        3,
+        1,
+        left=_MIDDLE + _GAP,
+        right=_RIGHT,
+        top=_TOP,
+        bottom=bottom,
+        hspace=0.34,
+        height_ratios=[1, 1, 0.85],
+    )
+    motors = tuple(f"motor {number}" for number in robot.controller.motors)
+    units = " or ".join(dict.fromkeys(robot.axis_unit_names))
+    for row, (title, values, names, unit_names) in enumerate(
+        (
+            (
+                f"actual − planned [{units}]",
+                tracking.error / robot.axis_units,
+                robot.joint_names,
+                robot.axis_unit_names,
+            ),
+            ("following error [counts]", run.following[tracking.rows], motors, ("counts",) * len(motors)),
+        )
+    ):
+        axes = figure.add_subplot(grid[row])
+        draw_lines(axes, shown, values, names, unit_names)
+        axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
+        axes.set_xlabel(f"program time [{shown.unit[1]}]", labelpad=1)
+    axes = figure.add_subplot(grid[2])
+    draw_clock(axes, shown)
+    axes.tick_params(length=2.5, labelsize=8.5)
+    axes.set_title("course of the run", loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
+
+
+def _draw_marks(figure: Figure, shown: Shown) -> None:
+    """What happened, by its number."""
+    marks = shown.marks
+    listed = marks if len(marks) <= _MOST_MARKS else marks[: _MOST_MARKS - 1]
+    lines = [f"{number}  {mark.time:.2f} s  {mark.text}" for number, mark in enumerate(listed, 1)]
+    if len(listed) < len(marks):
+        lines.append(f"…  and {len(marks) - len(listed)} more: yarc replay shows them")
+    for row, line in enumerate(lines or ["no remarks, no orders"]):
+        figure.text(
+            _MIDDLE + _GAP, 0.125 - 0.0185 * row, _cut(line, _LONGEST), fontsize=8.5, color="0.25", va="top"
+        )
+
+
+def _draw_legend(figure: Figure, shown: Shown) -> None:
+    """Joints, lines and shades, in one row above the panels."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [Line2D([], [], color=PLANNED, linewidth=3.2, label="planned")]
+    for joint, name in enumerate(shown.run.robot.joint_names):
+        colour, style = joint_style(joint)
+        handles.append(Line2D([], [], color=colour, linestyle=style, linewidth=1.6, label=name))
+    handles.append(Line2D([], [], color=LIMIT, linewidth=1.1, linestyle=(0, (6, 2)), label="limit"))
+    states = dict.fromkeys(span.state for span in shown.spans if is_shaded(span, shown.run.end))
+    for state in states:
+        colour, alpha = COLOURS[state]
+        handles.append(Patch(color=colour, alpha=min(1.0, 1.5 * alpha), lw=0, label=state.value))
+    if not_run(shown):
+        handles.append(Patch(color=NOT_RUN, lw=0, label="not run"))
+    figure.legend(
+        handles=handles,
+        loc="center left",
+        bbox_to_anchor=(_LEFT, 0.909),
+        ncols=len(handles),
+        borderpad=0.0,
+        borderaxespad=0.0,
+        frameon=False,
+        fontsize=9,
+        handlelength=1.6,
+        columnspacing=1.4,
+    )
+
+
+def _cut(text: str, most: int) -> str:
+    """Text that can be drawn, and isn't too long."""
+    text = printable(text)
+    return text if len(text) <= most else text[: most - 1] + "…"

@@ -153,7 +153,7 @@ def test_no_sample_is_faster(seed, size, h):
     found = judge(Job(motion, points, str(h * 1e3))).value.commands[0].tool_speed
     true = true_speeds(np.round(points / DEG, 9) * DEG, h)[0].max()
     assert true * (1 - 1e-9) <= found.largest
-    if size < -4:
+    if size < -5:  # with more noise the speed changes too much within a segment for bounds to be sharp
         assert found.largest <= true * 1.01
 
 

@@ -18,8 +18,12 @@ from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
 from yarclang.motion.profile import NO_FORM, Form, Law, Profile
 
-_PLACES = 400
+_PLACES = 350
 """At how many places of the path the limits are looked at, at least: the denser the sharper it bends."""
+
+_MOST_PLACES = 1000
+_AROUND = 12
+"""... but so many for each place that shows the path's bends: near a singularity, and on splines, there are more."""
 
 _FINE = 400
 """At how many the bends are looked for."""
@@ -114,7 +118,7 @@ def _places(path: Path, bounds: Bounds) -> tuple[Array, Array]:
     density = np.concatenate((sharpness[:1], sharpness, sharpness[-1:]))
     density += density.mean() + 1e-9
     count = np.concatenate(([0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(fine))))
-    wanted = max(_PLACES, len(path.places)) + 1
+    wanted = max(_PLACES, min(_MOST_PLACES, _AROUND * len(path.places))) + 1
     places = np.interp(np.linspace(0.0, count[-1], wanted), count, fine)
     places[0], places[-1] = 0.0, 1.0
     return places, path.joints(places)

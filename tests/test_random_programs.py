@@ -1,6 +1,6 @@
 """Whatever compiles keeps every limit and the tolerance, as an independent reading of the text finds.
 
-Usually 150 programs are drawn, about a minute of one core (500 would be three); YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so
+Usually 500 programs are drawn, about three minutes of one core; YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so
 many, for a night: `YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is told with its program and its seed.
 """
 
@@ -21,7 +21,7 @@ from yarclang.backend_pmac.lower import lower
 from yarclang.pipeline.stages import Request, certified
 from yarclang.robot.description import load_robot
 
-COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "150"))
+COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "500"))
 """How many programs are drawn for all arms together."""
 
 EASY = 1000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from yarclang.report.pictures.tool_trace import ToolTrace
 from yarclang.report.pictures.trace import Peak, Trace, has_limits, peak_of
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -268,10 +270,15 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
     if 0 < len(corners) <= _MOST_BOUNDARIES:
         label = "corner passed in motion"
         handles.append(Patch(color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, label=label))
+    legend_row(figure, handles, _LEFT, 0.917)
+
+
+def legend_row(figure: Figure, handles: Sequence[Artist], left: float, height: float) -> None:
+    """A legend in one row, its left end at a place of the figure (shares of its width and height)."""
     figure.legend(
-        handles=handles,
+        handles=list(handles),
         loc="center left",
-        bbox_to_anchor=(_LEFT, 0.917),
+        bbox_to_anchor=(left, height),
         ncols=len(handles),
         borderpad=0.0,
         borderaxespad=0.0,

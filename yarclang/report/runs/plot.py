@@ -6,6 +6,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from yarclang.report.pictures.palette import joint_style
+from yarclang.report.pictures.panels import legend_row
 from yarclang.report.pictures.plot import SIZE, Format, duration_text, printable, saved
 from yarclang.report.runs.course import marks_of, outcome_text, spans_of
 from yarclang.report.runs.log import RecordedRun
@@ -198,18 +199,7 @@ def _draw_legend(figure: Figure, shown: Shown) -> None:
         handles.append(Patch(color=colour, alpha=min(1.0, 1.5 * alpha), lw=0, label=state.value))
     if not_run(shown):
         handles.append(Patch(color=NOT_RUN, lw=0, label="not run"))
-    figure.legend(
-        handles=handles,
-        loc="center left",
-        bbox_to_anchor=(_LEFT, 0.909),
-        ncols=len(handles),
-        borderpad=0.0,
-        borderaxespad=0.0,
-        frameon=False,
-        fontsize=9,
-        handlelength=1.6,
-        columnspacing=1.4,
-    )
+    legend_row(figure, handles, _LEFT, 0.909)
 
 
 def _cut(text: str, most: int) -> str:

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.certify.certify_bench import everything, industrial6
-from yarclang.certify.read import ControllerText, Unreadable, read
+from yarclang.certify.read import read
+from yarclang.certify.text import ControllerText, Unreadable
 
 CONTROLLER = industrial6().controller
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.robot.model import Array
 from yarclang.units import MS
 

@@ -17,7 +17,8 @@ from yarclang.certify.deviations import find_deviations
 from yarclang.certify.flow import check_places
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, lay_out
-from yarclang.certify.read import ControllerText, Unreadable, read
+from yarclang.certify.read import read
+from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot, Tolerance

@@ -17,8 +17,8 @@ from yarclang.certify.flow import check_flow
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, RELATIVE, Loads, check_limits
-from yarclang.certify.read import TM_STEPS_PER_MS, ControllerText
 from yarclang.certify.speed import KEPT
+from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
 from yarclang.diagnostics import Diagnostic
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from yarclang import hir
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.robot.model import Array
 from yarclang.units import MS
 

@@ -10,7 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable, read
+from yarclang.certify.read import read
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines

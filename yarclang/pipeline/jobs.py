@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.certify.read import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable, read
+from yarclang.certify.read import read
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.hir import Array
 from yarclang.pmac.variables import ARMED

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.read import ControllerText, Unreadable, read
+from yarclang.certify.read import read
+from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.report.runs.log import RecordedRun
 from yarclang.robot.model import Array

@@ -1,0 +1,134 @@
+"""What a controller text says, as the judge reads it: commands of its header, sequences of moves, and what stands between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.model import Array
+
+Target = Literal["rotary", "prog"]
+
+TM_STEPS_PER_MS = 4096
+"""TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unreadable:
+    """The first place of the text that isn't what yarcc emits: its line (from 1), the reason, the code."""
+
+    line: int
+    reason: str
+    code: str = "Y1151"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A line `; command` of the header: which move lines belong to which step of the program.
+
+    `first` and `last` are lines of the text, from 1; None for a step without move lines. `blend` is the number of segments, half
+    of them before and half behind the command's end, in which it flows into the next one; None where it ends at rest.
+    """
+
+    at: int
+    step: int
+    index: str
+    name: str
+    source_line: int
+    first: int | None
+    last: int | None
+    blend: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Put:
+    """A variable gets a value: at rest, or, where it is `synchronous`, when the move of the next line begins."""
+
+    line: int
+    variable: str
+    value: float
+    synchronous: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """One spline sequence: the move lines between two values of TM.
+
+    `segment_ms` is TM [ms], exact; `points` (M, n) are the printed numbers [deg or mm];
+    `lines` (M,) are their lines in the text. `puts` are the outputs set between them, while the robot moves.
+    """
+
+    segment_ms: float
+    tm_line: int
+    points: Array
+    lines: NDArray[np.int64]
+    puts: tuple[Put, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Dwelt:
+    """DWELL: the sequence ends, and the robot stands for `milliseconds` more."""
+
+    line: int
+    milliseconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Barred:
+    """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
+    (`condition`, such as M11=1, or -), how long [s] (None: for ever), and the input's name or the operator's text.
+    """
+
+    line: int
+    kind: str
+    step: int
+    condition: str
+    timeout: float | None
+    name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stood:
+    """A slow RAPID to where the robot stands: `point` (n,) [deg or mm]."""
+
+    line: int
+    point: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where the motion starts.
+
+    `rapid` (n,) [deg or mm] is the target of the RAPID move. A fixed program has no such
+    move: it waits until each motor is within `guard_width` of `guard` (n,), both in
+    1/(Ixx08 * 32) count as the register of the commanded position is; `guard_step` (n,) is
+    the last printed digit of `guard`.
+    """
+
+    line: int
+    rapid: Array | None = None
+    guard: Array | None = None
+    guard_width: Array | None = None
+    guard_step: Array | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ControllerText:
+    """What the text makes the controller do, in order (`course`). `outputs` are variables and the values that they take when the
+    guard has held the motion; `decimals` is the most that a move line prints.
+    """
+
+    target: Target
+    entries: tuple[Entry, ...]
+    start: Start
+    course: tuple[Run | Dwelt | Put | Barred | Stood, ...]
+    outputs: tuple[tuple[str, float], ...]
+    decimals: int
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """The sequences of moves."""
+        return tuple(item for item in self.course if isinstance(item, Run))

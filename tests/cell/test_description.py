@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from programs import checked, codes, source
 
 from yarclang.cell.description import Names, load_cell, read_cell
-from yarclang.cell.model import BoxRegion, HalfSpace, JointWindow
+from yarclang.cell.model import HalfSpace, JointWindow, ShapeRegion
 from yarclang.findings.y13_cell import FINDINGS
 from yarclang.robot.description import load_robot, stdlib_folder
 from yarclang.semantics.naming import is_word
@@ -82,9 +82,9 @@ def test_shapes(tmp_path):
 def test_regions():
     head = '[[zones]]\nname = "Z"\nrule = "forbidden"\n'
     box = body(f'{head}shape = "box"\nframe = "A"\nsize = [10, 20, 30]\nrpy = [0, 0, 90]').zones[0].region
-    assert isinstance(box, BoxRegion)
-    assert box.base_from_box[:3, 0] == pytest.approx([0, 1, 0])
-    assert box.size == pytest.approx([0.01, 0.02, 0.03])
+    assert isinstance(box, ShapeRegion)
+    assert box.base_from_shape[:3, 0] == pytest.approx([0, 1, 0])
+    assert box.shape.size == pytest.approx([0.01, 0.02, 0.03])
     half = (
         body(f'{head}shape = "half-space"\nframe = "A"\nxyz = [0, 0, 4]\nnormal = [0, 0, -5]').zones[0].region
     )
@@ -95,6 +95,37 @@ def test_regions():
     assert isinstance(window, JointWindow)
     assert np.degrees(window.lower) == pytest.approx([-np.inf, -90, *[-np.inf] * 4])
     assert np.degrees(window.upper) == pytest.approx([np.inf, 45, *[np.inf] * 4])
+
+
+@pytest.mark.parametrize(
+    ("text", "shape"),
+    [
+        ('shape = "sphere"\nradius = 2', Sphere(0.002)),
+        ('shape = "cylinder"\nradius = 2\nlength = 5', Cylinder(0.002, 0.005)),
+        ('shape = "capsule"\nradius = 2\nlength = 5', Capsule(0.002, 0.005)),
+    ],
+)
+def test_zones_have_the_simple_shapes_of_obstacles(text, shape):
+    zone = body(f'[[zones]]\nname = "Z"\nrule = "allowed"\nframe = "A"\nxyz = [0, 0, 3]\n{text}').zones[0]
+    assert zone.region.shape == shape
+    assert zone.region.base_from_shape[:3, 3] == pytest.approx([0, 0, 0.004])
+
+
+def test_what_a_zone_watches():
+    head = (
+        '[[zones]]\nname = "Z"\nrule = "forbidden"\nshape = "half-space"\nframe = "A"\nnormal = [0, 0, 1]\n'
+    )
+    assert body(head).zones[0].watch == ("tool",)
+    zone = body(head + 'watch = ["TCP", "elbow", "link_4"]\nmargin = 20').zones[0]
+    assert (zone.watch, zone.margin) == (("tcp", "elbow", "link_4"), pytest.approx(0.02))
+
+
+def test_a_posture_for_a_place():
+    head = '[[zones]]\nname = "Z"\nrule = "posture"\nshape = "sphere"\nframe = "A"\nradius = 100\n'
+    zone = body(head + "joints = { J3 = [-90, 0] }").zones[0]
+    assert np.degrees(zone.posture.lower[2]) == pytest.approx(-90)
+    assert zone.region.shape == Sphere(0.1)
+    assert codes(read('units = "mm"\n' + head.replace('"A"', '"B"')).diagnostics) == ["Y1304"]
 
 
 numbers = st.floats(-200, 200).map(lambda value: round(value, 3))

@@ -1,4 +1,4 @@
-"""Obstacles and zones of a cell: which keys belong to a shape, and what they are in SI."""
+"""Obstacles of a cell, and what they share with its zones: which keys belong to a shape, and what shapes and places are in SI."""
 
 from __future__ import annotations
 
@@ -11,18 +11,8 @@ import numpy as np
 
 from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.measures import Measures
-from yarclang.cell.model import (
-    Array,
-    BoxRegion,
-    CellFrame,
-    HalfSpace,
-    Mount,
-    Obstacle,
-    Region,
-    Zone,
-)
+from yarclang.cell.model import CellFrame, Mount, Obstacle
 from yarclang.cell.schema import CellTable, ObstacleTable, ZoneTable
-from yarclang.cell.windows import joint_window
 from yarclang.robot.model import Robot
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.toml.draft import missing_mistake, table_name
@@ -31,24 +21,18 @@ from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
 
 Units = Mapping[Kind, Unit] | None
+SimpleShape = Box | Sphere | Cylinder | Capsule
 
 _MESHES = (".stl", ".obj", ".dae", ".ply")
 
-_SIZES: Mapping[str, tuple[str, ...]] = {
+SIZES: Mapping[str, tuple[str, ...]] = {
     "box": ("size",),
     "sphere": ("radius",),
     "cylinder": ("radius", "length"),
     "capsule": ("radius", "length"),
     "mesh": ("file",),
 }
-"""The keys that each shape of an obstacle needs."""
-
-_PARTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "box": (("frame", "size"), ("xyz", "rpy", "quat")),
-    "half-space": (("frame", "normal"), ("xyz",)),
-    "joints": (("joints",), ()),
-}
-"""The keys that each shape of a zone needs, and those that it may have."""
+"""The keys that each shape needs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,45 +53,20 @@ def read_obstacle(table: ObstacleTable, path: Path, around: Surroundings) -> Obs
     """An obstacle; None with findings."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
-    needed = _SIZES[table.shape] if table.shape else ()
-    every = tuple(dict.fromkeys(key for keys in _SIZES.values() for key in keys))
-    sound = table.shape is None or _belong(table, path, table.shape, needed, every, around)
-    mount = _mount(table, path, units, around)
+    needed = SIZES[table.shape] if table.shape else ()
+    every = tuple(dict.fromkeys(key for keys in SIZES.values() for key in keys))
+    sound = table.shape is None or belong(table, path, table.shape, needed, every, around)
+    mount = mounted(table, path, units, around)
     margin = measures.factor(units, "length", (*path, "margin")) if table.margin else 1.0
     if not sound or table.shape is None:
         return None
-    shape = _shape(table, path, units, around)
+    shape = sized_shape(table, path, units, around)
     if table.name is None or shape is None or mount is None or margin is None:
         return None
     return Obstacle(table.name.upper(), shape, mount, table.margin * margin)
 
 
-def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None:
-    """A zone; None with findings, or where it depends on a robot that isn't known."""
-    measures = around.measures
-    units = measures.of_entry(table.units, path)
-    sound = table.shape is not None
-    if table.shape is not None:
-        needed, optional = _PARTS[table.shape]
-        every = ("frame", "size", "normal", "joints", "xyz", "rpy", "quat")
-        sound = _belong(table, path, table.shape, needed, every, around, optional)
-    region = _region(table, path, units, around) if sound else None
-    if table.rule is not None:
-        slow = table.rule == "slow"
-        sound &= _belong(table, path, table.rule, ("speed",) if slow else (), ("speed",), around)
-    speed: float | None = None
-    if table.speed is not None:
-        length = measures.factor(units, "length", (*path, "speed"))
-        time = measures.factor(units, "time", (*path, "speed"))
-        if length is None or time is None:
-            return None
-        speed = table.speed * length / time
-    if not sound or table.name is None or table.rule is None or region is None:
-        return None
-    return Zone(table.name.upper(), table.rule, region, speed)
-
-
-def _belong(
+def belong(
     table: ObstacleTable | ZoneTable,
     path: Path,
     what: str,
@@ -143,11 +102,12 @@ def _a(what: str) -> str:
         "allowed": "an allowed zone",
         "forbidden": "a forbidden zone",
         "slow": "a slow zone",
+        "posture": "a zone for a posture",
     }
     return spoken.get(what, f"a {what}")
 
 
-def _mount(table: ObstacleTable | ZoneTable, path: Path, units: Units, around: Surroundings) -> Mount | None:
+def mounted(table: ObstacleTable | ZoneTable, path: Path, units: Units, around: Surroundings) -> Mount | None:
     """Where the origin of a body is."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
@@ -160,13 +120,21 @@ def _mount(table: ObstacleTable | ZoneTable, path: Path, units: Units, around: S
     return Mount(constant(under.transform @ pose), under.on_flange)
 
 
-def _shape(table: ObstacleTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
-    """The shape [m]; the keys that it needs are there."""
-    measures = around.measures
-    first = _SIZES[str(table.shape)][0]
-    unit = measures.factor(units, "length", (*path, first))
+def sized_shape(table: ObstacleTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
+    """The shape of an obstacle [m]; the keys that it needs are there."""
     if table.shape == "mesh":
+        unit = around.measures.factor(units, "length", (*path, "file"))
         return _mesh(str(table.file), path, unit, around)
+    return simple_shape(table, path, units, around)
+
+
+def simple_shape(
+    table: ObstacleTable | ZoneTable, path: Path, units: Units, around: Surroundings
+) -> SimpleShape | None:
+    """A shape without a file [m]; the keys that it needs are there."""
+    measures = around.measures
+    first = SIZES[str(table.shape)][0]
+    unit = measures.factor(units, "length", (*path, first))
     if unit is None or not measures.sized(table.size, 3, (*path, "size")):
         return None
     if table.shape == "box":
@@ -200,39 +168,3 @@ def _mesh(name: str, path: Path, unit: float | None, around: Surroundings) -> Me
     if unit is None:
         return None
     return Mesh((around.folder / name).absolute(), unit, hashlib.sha256(content).hexdigest())
-
-
-def _region(table: ZoneTable, path: Path, units: Units, around: Surroundings) -> Region | None:
-    """The region of a zone in {B}, or in joint space."""
-    measures = around.measures
-    if table.joints is not None:
-        return joint_window(table.joints, (*path, "joints"), units, measures, around.robot)
-    mount = _mount(table, path, units, around)
-    if mount is not None and mount.on_flange:
-        message = f"{table_name(path)} hangs on {table.frame}, which the robot carries."
-        measures.file.say(
-            "Y1371", (*path, "frame"), message, "A zone stands still: name B, or a frame under it."
-        )
-        return None
-    if table.normal is not None:
-        return _half_space(table.normal, (*path, "normal"), mount, measures)
-    unit = measures.factor(units, "length", (*path, "size"))
-    if not measures.sized(table.size, 3, (*path, "size")) or mount is None or unit is None:
-        return None
-    return BoxRegion(mount.transform, constant(np.array(table.size) * unit))
-
-
-def _half_space(
-    values: Sequence[float], path: Path, mount: Mount | None, measures: Measures
-) -> HalfSpace | None:
-    if not measures.sized(values, 3, path):
-        return None
-    given: Array = np.array(values)
-    norm = float(np.linalg.norm(given))
-    if norm < 1e-9:
-        measures.file.say("Y1308", path, "The normal has no direction: its length is 0.", "Write [0, 0, 1].")
-        return None
-    if mount is None:
-        return None
-    normal = mount.transform[:3, :3] @ (given / norm)
-    return HalfSpace(constant(normal), float(normal @ mount.transform[:3, 3]))

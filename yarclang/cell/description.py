@@ -71,10 +71,11 @@ def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell
 
 
 def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, Any]) -> Result[Cell]:
-    from yarclang.cell.bodies import Surroundings, read_obstacle, read_zone
+    from yarclang.cell.bodies import Surroundings, read_obstacle
     from yarclang.cell.frames import resolve_frames
     from yarclang.cell.measures import Measures
     from yarclang.cell.schema import CellTable, spelled_out
+    from yarclang.cell.zones import read_zone
     from yarclang.toml.draft import read_draft
 
     file = TomlFile(source, find_places(source))

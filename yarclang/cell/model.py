@@ -13,11 +13,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.shapes import Shape
+from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from yarclang.source import SourceFile, Span
 
 Array = NDArray[np.float64]
-Rule = Literal["allowed", "forbidden", "slow"]
+Rule = Literal["allowed", "forbidden", "slow", "posture"]
+
+PARTS = ("tool", "tcp", "elbow", "arm")
+"""What a zone may watch besides links by their names."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,11 +66,11 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BoxRegion:
-    """The points in a box that stands still: `size` (3,) whole edges [m] around the origin of `base_from_box` (4, 4)."""
+class ShapeRegion:
+    """The points in a shape that stands still, around the origin of `base_from_shape` (4, 4) [m]."""
 
-    base_from_box: Array
-    size: Array
+    base_from_shape: Array
+    shape: Box | Sphere | Cylinder | Capsule
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,20 +89,29 @@ class JointWindow:
     upper: Array
 
 
-Region = BoxRegion | HalfSpace | JointWindow
+Region = ShapeRegion | HalfSpace | JointWindow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Zone:
-    """A region with a rule: to stay inside (`allowed`), to stay outside (`forbidden`), or to go at most at `speed` [m/s] inside (`slow`).
+    """A region with a rule for what it watches.
 
-    `speed` is None for the other rules. Points are those of the moving frame.
+    `allowed`: to stay inside; `forbidden`: to stay outside; `slow`: inside, no faster than `speed` [m/s]; `posture`: while it reaches inside,
+    the joints stay in the window `posture`. `speed` and `posture` are None for the other rules.
+
+    `watch` names what is watched, each of `PARTS` or a link of the URDF: `tcp` is the origin of the frame that a command moves, `tool` that and all
+    bodies that the robot carries, `elbow` a point (`yarclang.robot.kinematics.elbow`), `arm` all links that the joints move. All of it stays `margin` [m]
+    away from the border of a zone to stay in or out of, and the others begin so far before their border. A joint window that is allowed or forbidden watches
+    nothing but the joints.
     """
 
     name: str
     rule: Rule
     region: Region
-    speed: float | None
+    speed: float | None = None
+    watch: tuple[str, ...] = ("tool",)
+    margin: float = 0.0
+    posture: JointWindow | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -73,13 +73,17 @@ class ZoneTable(Placed):
 
     required = ("name", "rule", "shape")
     name: str | None = None
-    rule: Literal["allowed", "forbidden", "slow"] | None = None
-    shape: Literal["box", "half-space", "joints"] | None = None
+    rule: Literal["allowed", "forbidden", "slow", "posture"] | None = None
+    shape: Literal["box", "sphere", "cylinder", "capsule", "half-space", "joints"] | None = None
     frame: str | None = None
     size: list[Positive] | None = None
+    radius: Positive | None = None
+    length: Positive | None = None
     normal: list[Number] | None = None
     joints: dict[str, list[Number]] | None = None
     speed: Positive | None = None
+    watch: list[str] | None = None
+    margin: Margin | None = None
 
 
 class CellTable(Document):
@@ -112,7 +116,7 @@ class CellTable(Document):
         "name": 'for example name = "TABLE": findings speak of it by its name.',
         "shape": 'for example shape = "box".',
         "frame": 'frame = "B", or the name of the frame in which x y z count.',
-        "rule": 'rule = "allowed", "forbidden" or "slow".',
+        "rule": 'rule = "allowed", "forbidden", "slow" or "posture".',
         "size": "size = [x, y, z], the whole edges.",
         "radius": "for example radius = 40.",
         "length": "for example length = 200, along z.",

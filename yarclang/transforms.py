@@ -23,6 +23,25 @@ def rpy_rotation(rpy: Array) -> Array:
     )
 
 
+_STRAIGHT = 1e-9
+"""With a cosine of the pitch below this, roll and yaw turn about one axis, and yaw stays 0."""
+
+
+def roll_pitch_yaw(rotation: Array) -> Array:
+    """Roll pitch yaw (3,) [rad] of a rotation (3, 3): the way back from `rpy_rotation`."""
+    cosine = float(np.hypot(rotation[0, 0], rotation[1, 0]))
+    pitch = np.arctan2(-rotation[2, 0], cosine)
+    if cosine < _STRAIGHT:
+        return np.array([np.arctan2(-rotation[0, 1] * np.sign(rotation[2, 0]), rotation[1, 1]), pitch, 0.0])
+    return np.array(
+        [
+            np.arctan2(rotation[2, 1], rotation[2, 2]),
+            pitch,
+            np.arctan2(rotation[1, 0], rotation[0, 0]),
+        ]
+    )
+
+
 def quaternion_rotation(quaternion: Array) -> Array:
     """The rotation (3, 3) of a quaternion (4,) x y z w, which is divided by its norm (not 0)."""
     x, y, z, w = quaternion / np.linalg.norm(quaternion)

@@ -5,23 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang.robot.model import Array
+from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM
-
-_STRAIGHT = 1e-9
-"""With a cosine of the pitch below this, roll and yaw turn about one axis, and yaw stays 0."""
 
 
 def pose_values(pose: Array) -> Array:
     """X y z [mm] and roll pitch yaw [deg] (6,) of a pose (4, 4): R = Rz(yaw) Ry(pitch) Rx(roll)."""
-    rotation = pose[:3, :3]
-    cosine = float(np.hypot(rotation[0, 0], rotation[1, 0]))
-    pitch = np.arctan2(-rotation[2, 0], cosine)
-    if cosine < _STRAIGHT:
-        roll, yaw = np.arctan2(-rotation[0, 1] * np.sign(rotation[2, 0]), rotation[1, 1]), 0.0
-    else:
-        roll = np.arctan2(rotation[2, 1], rotation[2, 2])
-        yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
-    return np.concatenate((pose[:3, 3] / MM, np.array([roll, pitch, yaw]) / DEG))
+    return np.concatenate((pose[:3, 3] / MM, roll_pitch_yaw(pose[:3, :3]) / DEG))
 
 
 def pose_text(pose: Array) -> str:

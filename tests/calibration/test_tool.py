@@ -1,0 +1,94 @@
+"""The tip of a tool from touches of one point, against tips that are known."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from yarclang.calibration.tool import find_tip
+
+TIP, POINT = np.array([0.02, 0.13, 0.21]), np.array([0.9, 0.2, 0.5])
+
+
+def touching(rotations, tip=TIP, point=POINT):
+    """The flange's poses (k, 4, 4) in which the tip is at the point."""
+    poses = np.tile(np.eye(4), (len(rotations), 1, 1))
+    poses[:, :3, :3] = rotations.as_matrix()
+    poses[:, :3, 3] = point - rotations.apply(tip)
+    return poses
+
+
+def tilts(degrees, count):
+    """Orientations that lean by so much to `count` sides."""
+    ways = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return Rotation.from_rotvec(
+        np.radians(degrees) * np.stack((np.cos(ways), np.sin(ways), 0 * ways), axis=1)
+    )
+
+
+@given(
+    st.integers(4, 9),
+    st.integers(0, 10**6),
+    st.tuples(*[st.floats(-0.5, 0.5)] * 3),
+    st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+)
+def test_the_tip_is_found_wherever_it_is(count, seed, tip, point):
+    poses = touching(Rotation.random(count, random_state=seed), np.array(tip), np.array(point))
+    found = find_tip(poses)
+    if found.value is None:  # orientations by chance can be alike
+        assert found.diagnostics[0].code == "Y1902"
+        return
+    np.testing.assert_allclose(found.value.flange_from_tip, tip, atol=1e-9)
+    np.testing.assert_allclose(found.value.fixed, point, atol=1e-9)
+    assert found.value.misses.max() < 1e-9
+    assert not found.diagnostics
+
+
+def test_touches_that_miss_are_told_with_their_number():
+    poses = touching(tilts(30, 6))
+    poses[4, :3, 3] += [0.0, 0.004, 0.0]
+    found = find_tip(poses)
+    assert found.value is not None
+    assert [one.code for one in found.diagnostics] == ["Y1904"]
+    assert found.value.worst == 4
+    assert "touch 5" in found.diagnostics[0].message
+    assert np.linalg.norm(found.value.flange_from_tip - TIP) < 0.004
+
+
+def test_the_uncertainty_is_that_of_many_trials():
+    chance = np.random.default_rng(3)
+    poses, tips, told = touching(tilts(25, 8)), [], []
+    for _ in range(400):
+        off = poses.copy()
+        off[:, :3, 3] += chance.normal(0.0, 1e-4, (8, 3))
+        found = find_tip(off).value
+        assert found is not None
+        tips.append(found.flange_from_tip)
+        told.append(found.uncertainty)
+    np.testing.assert_allclose(np.mean(told, axis=0), np.std(tips, axis=0), rtol=0.15)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_too_few(count):
+    found = find_tip(touching(tilts(30, 4))[:count])
+    assert found.value is None
+    assert found.diagnostics[0].code == "Y1901"
+    assert f"{count} of at least 4" in found.diagnostics[0].message
+
+
+def test_the_same_pose_again_tells_nothing():
+    found = find_tip(touching(Rotation.from_rotvec(np.zeros((5, 3)))))
+    assert [one.code for one in found.diagnostics] == ["Y1902"]
+
+
+def test_turning_about_one_axis_only_leaves_the_tip_open_along_it():
+    turns = Rotation.from_rotvec(np.stack([[0.0, 0.0, angle] for angle in (0, 1, 2, 3)]))
+    (finding,) = find_tip(touching(turns)).diagnostics
+    assert finding.code == "Y1902"
+    assert "0.00 0.00 1.00" in finding.message
+
+
+@pytest.mark.parametrize(("degrees", "ok"), [(5, False), (12, True)])
+def test_how_far_to_tilt(degrees, ok):
+    assert (find_tip(touching(tilts(degrees, 4))).value is not None) is ok

@@ -1,0 +1,94 @@
+"""The tip of a tool (TCP) from poses in which it touches one fixed point: the four-point method."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.robot.model import Array
+from yarclang.transforms import constant
+from yarclang.units import DEG, MM
+
+FEWEST_TOUCHES = 4
+LEAST_TILT = 15.0 * DEG
+"""How far the orientations must spread, about the axis about which they spread least."""
+LARGEST_MISS = 1.0 * MM
+"""Touches that miss each other by more than this are told."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TipCalibration:
+    """A tip that was found. All lengths in m.
+
+    `flange_from_tip` (3,) is the tip in {FLANGE}, `fixed` (3,) the point that was touched, in {B}. `misses` (k,) says how far the tip is
+    from that point in each pose; `uncertainty` (3,) is one standard deviation of the tip along x, y and z of {FLANGE}, as these misses suggest.
+    """
+
+    flange_from_tip: Array
+    fixed: Array
+    misses: Array
+    uncertainty: Array
+
+    @property
+    def worst(self) -> int:
+        """The touch (from 0) that misses most."""
+        return int(np.argmax(self.misses))
+
+
+def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration]:
+    """The tip that touched one point in all of these poses.
+
+    Each pose says R p + t = c, with the tip p in {FLANGE} and the point c in {B}: a linear system for both, solved by least squares.
+
+    Args:
+        base_from_flange: k poses (4, 4) of the flange [m], at least four.
+
+    Returns:
+        None, with a finding, where there are too few poses, or where they don't differ enough to tell the tip. A warning where they
+        contradict each other.
+    """
+    poses = np.asarray(base_from_flange, dtype=np.float64).reshape(-1, 4, 4)
+    count = len(poses)
+    if count < FEWEST_TOUCHES:
+        message = f"{count} of at least {FEWEST_TOUCHES} touches of the point are there"
+        return _refused("Y1901", message, "touch the same point again, with the tool turned another way")
+    rotation, place = poses[:, :3, :3], poses[:, :3, 3]
+    lean, axis = _least_tilt(rotation)
+    if lean < LEAST_TILT:
+        along = " ".join(f"{value:.2f}" for value in axis)
+        message = f"the tool's direction {along} (in {{FLANGE}}) pointed the same way within {lean / DEG:.1f} deg in all touches: where the tip is along it can't be told"
+        return _refused(
+            "Y1902",
+            message,
+            f"tilt the tool by {LEAST_TILT / DEG:g} deg or more to several sides between the touches",
+        )
+    matrix = np.concatenate([np.concatenate(rotation), -np.tile(np.eye(3), (count, 1))], axis=1)
+    solution, *_ = np.linalg.lstsq(matrix, -place.reshape(-1), rcond=None)
+    errors = (matrix @ solution + place.reshape(-1)).reshape(-1, 3)
+    misses = np.linalg.norm(errors, axis=1)
+    variance = float(np.sum(errors**2)) / (3 * count - 6)
+    spread = np.sqrt(variance * np.diagonal(np.linalg.inv(matrix.T @ matrix))[:3])
+    found = TipCalibration(*map(constant, (solution[:3], solution[3:], misses, spread)))
+    if misses.max() <= LARGEST_MISS:
+        return Result(found)
+    message = f"the touches miss each other: touch {found.worst + 1} by {misses.max() / MM:.2f} mm, all of them by {np.sqrt(np.mean(misses**2)) / MM:.2f} mm in the mean"
+    help_ = f"repeat touch {found.worst + 1}; if that doesn't help, the arm's zeros or its geometry are off"
+    return Result(found, (Diagnostic("Y1904", message, help=help_),))
+
+
+def _least_tilt(rotation: Array) -> tuple[float, Array]:
+    """How far the orientations (k, 3, 3) spread as seen along the direction of the tool that turns least: the largest angle [rad]
+    between two images of it, and the direction (3,) in {FLANGE}.
+    """
+    apart = rotation - rotation.mean(axis=0)
+    *_, directions = np.linalg.svd(np.concatenate(apart))
+    axis: Array = directions[-1] * np.sign(directions[-1][np.argmax(np.abs(directions[-1]))])
+    images = rotation @ axis
+    return float(np.arccos(np.clip((images @ images.T).min(), -1.0, 1.0))), axis
+
+
+def _refused(code: str, message: str, help_: str) -> Result[TipCalibration]:
+    return Result(None, (Diagnostic(code, message, help=help_),))

@@ -83,6 +83,35 @@ def test_the_margin_counts(tmp_path):
     assert "comes within 22.4 mm of POST, whose margin is 30 mm" in finding.message
 
 
+def angle_iron():
+    """A binary STL of a floor and a wall beside it, 800 mm wide."""
+    corners = np.array(
+        [[-400, -400, 0], [400, -400, 0], [400, 400, 0], [-400, 400, 0], [400, -400, 900], [400, 400, 900]]
+    )
+    faces = ["012", "023", "154", "125"]
+    body = b"".join(
+        struct.pack("<3f", 0, 0, 0) + corners[[int(at) for at in face]].astype("<f4").tobytes() + b"\0\0"
+        for face in faces
+    )
+    return b"\0" * 80 + struct.pack("<I", len(faces)) + body
+
+
+@pytest.mark.parametrize(
+    ("gap", "found"), [(0.05, ["Y0930"]), (0.5, []), (-1.0, ["Y0903"]), (-11.0, ["Y0901"])]
+)
+def test_what_grazes_a_hollow_mesh_is_not_proved(tmp_path, gap, found):
+    """The lowest link over the floor is link_5, whose skin is 50 mm below the axis of the arm."""
+    (tmp_path / "iron.stl").write_bytes(angle_iron())
+    cell = UNITS + (
+        '[[obstacles]]\nname = "IRON"\nshape = "mesh"\nframe = "B"\nfile = "iron.stl"\nmargin = 10\n'
+        f"xyz = [0, 1250, {1764 - 50 - 10 - gap}]\n"
+    )
+    seen = with_cell(tmp_path, cell, "P0010 MOVEJ 2 0 0 0 0 0")[1]
+    assert codes(seen) == found
+    if found == ["Y0930"]:
+        assert "comes within 10.05 mm of IRON, whose margin is 10 mm" in seen[0].message
+
+
 def test_the_catalogue_shows_it(tmp_path):
     post = POST.replace("[-600, 800, 1200]", "[-500, 866, 1200]")
     hits, itself = CATALOGUE["Y0901"], CATALOGUE["Y0902"]

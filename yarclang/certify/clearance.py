@@ -13,7 +13,7 @@ from yarclang.certify.certificate import Clearance
 from yarclang.certify.layout import Layout, Place, chunks
 from yarclang.collision.course import Course
 from yarclang.collision.meeting import Contact, contact
-from yarclang.collision.proof import KNOWN, Clearances, Meeting, clearances
+from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.robot.kinematics.fk import tool_poses
@@ -106,6 +106,11 @@ def _finding(
     if found.distance <= 0.0:
         code = "Y0901" if scene.of_cell[pair] else "Y0902"
         how = f"{moving} goes {max(-found.distance / MM, 0.01):.3g} mm into {other}"
+    elif found.distance >= margin + SLACK:
+        code = "Y0930"
+        how = f"{moving} comes within {found.distance / MM:.5g} mm of {other}"
+        how += f", whose margin is {margin / MM:.4g} mm" if margin > 0.0 else ""
+        how += f": too near it to prove that it keeps away, by {RESOLUTION / MM:.2g} mm at most"
     else:
         code = "Y0903"
         how = f"{moving} comes within {found.distance / MM:.3g} mm of {other}"
@@ -141,5 +146,6 @@ def _pose(robot: Robot, origin: hir.Origin, q: Array) -> str:
 _REMEDIES = {
     "Y0901": "go round it: a via pose, another order, or NEAR for another configuration; or correct the obstacle in the cell.toml",
     "Y0902": "choose another configuration (NEAR) or a via pose; where these links always touch, `yarc robot check` says what to write into robot.toml",
+    "Y0930": "keep a little farther away, or draw what it passes with boxes, cylinders, spheres and capsules: past these the proof is sharper than along a hollow mesh",
     "Y0903": "keep away by its margin: a via pose or a slower approach elsewhere; or make the margin smaller in the cell.toml",
 }

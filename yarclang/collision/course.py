@@ -14,7 +14,8 @@ class Course:
     """Segments with constant jerk, one behind the other: position `x`, velocity `v`, acceleration `a` at the start of each and jerk `j`,
     (N, n) each [rad or m, s]; `begins` (N + 1,) are the times between them [s].
 
-    `way` (N + 1, n) is a bound of how far each joint has gone, forth and back, up to these times.
+    `way` (N + 1, n) is a bound of how far each joint has gone, forth and back, up to these times. `speed` and `strength` (N, n) are the largest
+    |velocity| and |acceleration| on each segment.
     """
 
     x: Array
@@ -23,13 +24,16 @@ class Course:
     j: Array
     begins: Array
     way: Array
+    speed: Array
+    strength: Array
 
     @staticmethod
     def of(x: Array, v: Array, a: Array, j: Array, h: Array, peaks: Array) -> Course:
         """The course of segments with durations `h` (N,) [s] and largest speeds `peaks` (N, n)."""
         begins = np.concatenate([[0.0], np.cumsum(h)])
         way = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(peaks * h[:, None], axis=0)])
-        return Course(x, v, a, j, begins, way)
+        strength = np.maximum(np.abs(a), np.abs(a + h[:, None] * j))
+        return Course(x, v, a, j, begins, way, peaks, strength)
 
     def at(self, time: Array) -> Array:
         """Joint positions (P, n) at times (P,)."""
@@ -44,6 +48,18 @@ class Course:
         share = t / (self.begins[row + 1] - self.begins[row])
         way: Array = self.way[row] + share[:, None] * (self.way[row + 1] - self.way[row])
         return way
+
+    def peaks(self, begin: Array, end: Array) -> tuple[Array, Array]:
+        """Bounds (P, n) of |velocity| and |acceleration| from times `begin` to times `end` (P,)."""
+        first = np.clip(np.searchsorted(self.begins, begin, side="right") - 1, 0, len(self.x) - 1)
+        last = np.clip(np.searchsorted(self.begins, end, side="left") - 1, first, len(self.x) - 1)
+        edges = np.stack([first, last + 1], axis=1).ravel()
+        nothing = np.zeros((1, self.x.shape[1]))  # the last segment ends where this one begins
+        speed, strength = (
+            np.maximum.reduceat(np.concatenate([values, nothing]), edges)[::2]
+            for values in (self.speed, self.strength)
+        )
+        return speed, strength
 
     def _segment(self, time: Array) -> tuple[np.ndarray[tuple[int], np.dtype[np.int64]], Array]:
         row = np.clip(np.searchsorted(self.begins, time, side="right") - 1, 0, len(self.x) - 1)

@@ -19,6 +19,9 @@ class Geometry:
 
     The box has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m]. `point` (3,) belongs to the shape. `skin` (T, 3, 3) are a
     mesh's triangles where they enclose a room: coal only knows the triangles, not the room.
+
+    What lies farthest in a direction is said besides: the shape's convex hull is a smaller box of half edges `core` (3,), a disc across z of radius `disc` and
+    a ball of `radius`, added; or, of a mesh, it is that of `corners` (V, 3), seen from `middle`.
     """
 
     of_coal: Any
@@ -26,6 +29,9 @@ class Geometry:
     half: Array
     radius: float
     point: Array
+    core: Array
+    disc: float = 0.0
+    corners: Array | None = None
     skin: Array | None = None
 
     @property
@@ -57,16 +63,17 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
     origin = np.zeros(3)
     match shape:
         case Box(size=size):
-            return Geometry(coal.Box(*(float(edge) for edge in size)), origin, size / 2.0, 0.0, origin)
+            edges = (float(edge) for edge in size)
+            return Geometry(coal.Box(*edges), origin, size / 2.0, 0.0, origin, size / 2.0)
         case Sphere(radius=radius):
-            return Geometry(coal.Sphere(radius), origin, origin, radius, origin)
+            return Geometry(coal.Sphere(radius), origin, origin, radius, origin, origin)
         case Cylinder(radius=radius, length=length):
             half = np.array([radius, radius, length / 2.0])
-            return Geometry(coal.Cylinder(radius, length), origin, half, 0.0, origin)
+            core = np.array([0.0, 0.0, length / 2.0])
+            return Geometry(coal.Cylinder(radius, length), origin, half, 0.0, origin, core, disc=radius)
         case Capsule(radius=radius, length=length):
-            return Geometry(
-                coal.Capsule(radius, length), origin, np.array([0.0, 0.0, length / 2.0]), radius, origin
-            )
+            half = np.array([0.0, 0.0, length / 2.0])
+            return Geometry(coal.Capsule(radius, length), origin, half, radius, origin, half)
         case Mesh():
             return _mesh(shape, hull=hull)
 
@@ -87,13 +94,16 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
         raise UnreadableError("has corners that are no finite numbers")
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, half = (low + high) / 2.0, (high - low) / 2.0
-    if hull and half.min() > _FLAT:
+    if hull and np.linalg.svd(corners - middle, compute_uv=False)[-1] > _FLAT:
         model.buildConvexHull(True, "Qt")
-        return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0))
+        outer: Array = np.asarray(model.convex.points()) - middle
+        return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
     faces = np.array(
         [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
     )
-    return Geometry(model, middle, half, 0.0, corners[0].copy(), _closed(corners[faces]))
+    skin = _closed(corners[faces])
+    outer = np.unique(corners, axis=0) - middle
+    return Geometry(model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin)
 
 
 def _closed(triangles: Array) -> Array | None:

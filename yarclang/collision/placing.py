@@ -24,6 +24,10 @@ class Placed:
     shift: Array
     middle: Array
 
+    def take(self, rows: Rows) -> Placed:
+        """Some of the joint positions."""
+        return Placed(self.scene, self.turn[:, rows], self.shift[:, rows], self.middle[:, rows])
+
 
 def place(scene: Scene, q: Array) -> Placed:
     """The arm at joint positions `q` (P, n) [rad or m]."""
@@ -63,14 +67,23 @@ def travel(placed: Placed, change: Array) -> Array:
     Returns:
         (n + 1, M, P) [m]: against what only the first joints move.
     """
+    arms = arm_lengths(placed)
+    steps = np.zeros((len(arms) + 1, *arms.shape[1:]))
+    np.multiply(arms, change.T[:, None, :], out=steps[:-1])
+    against: Array = np.cumsum(steps[::-1], axis=0)[::-1]
+    return against
+
+
+def arm_lengths(placed: Placed) -> Array:
+    """How far a point of a body is from the axis of a joint at most, (n, M, P) [m]; 1 of a joint that slides, 0 of one that doesn't move the body."""
     scene, chain = placed.scene, placed.scene.chain
     bodies, count = placed.middle.shape[:2]
-    steps = np.zeros((chain.size + 1, bodies, count))
+    arms = np.zeros((chain.size, bodies, count))
     for joint in range(chain.size):
         linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
         (moved,) = np.nonzero(scene.joint > joint)
         if not angular.any():
-            steps[joint, moved] = change[:, joint] * np.linalg.norm(linear)
+            arms[joint, moved] = np.linalg.norm(linear)
             continue
         turn, shift = placed.turn[joint], placed.shift[joint]
         rate = float(np.linalg.norm(angular))
@@ -81,9 +94,8 @@ def travel(placed: Placed, change: Array) -> Array:
         radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.bound[moved, None]
         # a screw of some pitch slides as well
         slide = abs(float(angular @ linear)) / rate
-        steps[joint, moved] = change[:, joint] * np.hypot(radius * rate, slide)
-    against: Array = np.cumsum(steps[::-1], axis=0)[::-1]
-    return against
+        arms[joint, moved] = np.hypot(radius * rate, slide)
+    return arms
 
 
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
@@ -135,10 +147,13 @@ def _outside(gap: Array) -> Array:
     return length
 
 
-def distances(scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True) -> Array:
+def distances(
+    scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True, normal: Array | None = None
+) -> Array:
     """The distances (R,) of pairs [m]; not above zero where the bodies overlap: by how deep, but for meshes only roughly.
 
-    Without `deep` it isn't said how deep, and takes half the time.
+    Without `deep` it isn't said how deep, and takes half the time. `normal` (R, 3) is filled with the directions, seen from the first body,
+    in which the second one is apart.
     """
     import coal
 
@@ -155,6 +170,8 @@ def distances(scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True) ->
         answer.clear()
         there.setTransform(turn, shift)
         found[row] = coal.distance(shapes[one], here, shapes[other], there, request, answer)
+        if normal is not None:
+            normal[row] = answer.normal
     for one, other, inside in ((scene.first, scene.second, True), (scene.second, scene.first, False)):
         closed = np.array([body.geometry.skin is not None for body in scene.bodies], dtype=np.bool_)
         for row in np.flatnonzero(closed[one[pair]] & (found > 0.0)).tolist():

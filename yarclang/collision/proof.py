@@ -2,7 +2,8 @@
 
 A piece of the motion is looked at in its middle. What the bodies are apart there, less the farthest that they can move against each other
 from there to the ends of the piece, they are apart on all of it. Where that isn't enough, the piece is halved; so nothing is
-missed, however thin. Three bounds are tried, from cheap to exact: spheres and boxes on whole arrays, then coal.
+missed, however thin. Three bounds are tried, from cheap to exact: spheres and boxes on whole arrays, then coal. Where the distance would do and the
+way is too long, a plane between the bodies is tried (planes.py): most of what passes near by goes along it.
 """
 
 from __future__ import annotations
@@ -13,12 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.collision.course import Course
-from yarclang.collision.placing import box_gaps, distances, place, relative, sphere_gaps, travel
+from yarclang.collision.placing import Placed, box_gaps, distances, place, relative, sphere_gaps, travel
+from yarclang.collision.planes import accelerations, least_gap
 from yarclang.collision.scene import Rows, Scene
 from yarclang.shapes import Array
 
 SLACK = 1e-5
 """Bodies that are nearer to their margin than this [m] count as too near: what can't be told apart isn't proved."""
+RESOLUTION = 2e-4
+"""Where bodies move by no more than this [m], and may still get nearer than their margin, nothing is halved any more: they count as too near."""
 KNOWN = 0.1
 """A distance above this [m] isn't looked at more closely."""
 SHARE, COARSE = 0.1, 1e-3
@@ -31,7 +35,10 @@ BLOCK = 2048
 
 @dataclass(frozen=True, slots=True)
 class Meeting:
-    """A pair that comes too near on a motion: where it was seen first among the samples, and how far it is apart there [s, m]."""
+    """A pair that comes too near on a motion: where it was seen first among the samples, and how far it is apart there [s, m].
+
+    That is less than its margin and `SLACK`, or, where it can't be told in reasonable time, less than its margin and `RESOLUTION`.
+    """
 
     motion: int
     pair: int
@@ -98,13 +105,16 @@ class _Pieces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pairs:
-    """Pairs on pieces, (R,) each: `gap` is what they are apart in the middle at least, `apart` how far they move from there at most."""
+    """Pairs on pieces, (R,) each: `gap` is what they are apart in the middle at least, `apart` how far they move from there at most, `nearer` how much
+    nearer they come.
+    """
 
     piece: Rows
     pair: Rows
     motion: Rows
     kind: Rows
     apart: Array
+    nearer: Array
     gap: Array
 
     def take(self, rows: Rows) -> _Pairs:
@@ -154,7 +164,7 @@ class _Search:
         moves = travel(placed, np.maximum(gone[1] - gone[0], gone[2] - gone[1]))
         apart = moves[scene.joint[scene.first[pair]], scene.second[pair], at]
         motion = pieces.motion[piece]
-        rows = _Pairs(at, pair, motion, self.kinds[pair], apart, sphere_gaps(placed, at, pair))
+        rows = _Pairs(at, pair, motion, self.kinds[pair], apart, apart, sphere_gaps(placed, at, pair))
         rows = rows.take(np.flatnonzero(~self.hit[motion, pair]))
         rows = self._open(rows)
         seen = relative(placed, rows.piece, rows.pair)
@@ -164,22 +174,51 @@ class _Search:
         # the most promising of each motion first: what they tell spares others
         for turn in range(2):
             now = number if turn else self._promising(rows, number)
-            part = rows.take(now)
-            exact = replace(part, gap=distances(scene, part.pair, seen.take(now)))
+            part, normal = rows.take(now), np.empty((len(now), 3))
+            exact = replace(part, gap=distances(scene, part.pair, seen.take(now), normal=normal))
             self._learn(exact, middle)
-            left.append(exact)
+            left.append(self._along_planes(exact, normal, placed, (begin, end)))
             number = np.setdiff1d(number, now, assume_unique=True)
             number = number[self._still_open(rows.take(number))] if len(number) else number
         open_ = [self._open(part) for part in left]
+        for part in open_:
+            self._give_up(part, middle)
         open_ = [part.take(np.flatnonzero(~self.hit[part.motion, part.pair])) for part in open_]
         return (
             np.concatenate([part.piece for part in open_]) + base,
             np.concatenate([part.pair for part in open_]),
         )
 
+    def _along_planes(self, rows: _Pairs, normal: Array, placed: Placed, ends: tuple[Array, Array]) -> _Pairs:
+        """The same rows, `nearer` by less where planes with normals (R, 3) tell it."""
+        number = self._still_open(rows)
+        number = number[rows.gap[number] > self.scene.margin[rows.pair[number]]]
+        if not len(number):
+            return rows
+        part, piece = rows.take(number), np.unique(rows.piece[number])
+        begin, end = (times[piece] for times in ends)
+        middle = placed.take(piece)
+        speed, strength = self.course.peaks(begin, end)
+        sharpest = accelerations(middle, speed, strength, speed * ((end - begin) / 2.0)[:, None])
+        at = np.searchsorted(piece, part.piece)
+        first, second = self.scene.first[part.pair], self.scene.second[part.pair]
+        half = (end - begin)[at] / 2.0
+        slack = sharpest[self.scene.joint[first], second, at] * half**2 / 8.0
+        arms = place(self.scene, self.course.at(begin)), middle, place(self.scene, self.course.at(end))
+        least = least_gap(self.scene, arms, at, part.pair, normal[number], slack)
+        nearer = rows.nearer.copy()
+        nearer[number] = np.minimum(part.nearer, part.gap - least)
+        return replace(rows, nearer=nearer)
+
+    def _give_up(self, rows: _Pairs, time: Array) -> None:
+        """Pairs that hardly move any more, and still may get nearer than their margin, come too near."""
+        margin = self.scene.margin[rows.pair]
+        for row in np.flatnonzero((rows.apart <= RESOLUTION) & (rows.gap - rows.nearer < margin)):
+            self._meet(rows, int(row), time)
+
     def _still_open(self, rows: _Pairs) -> Rows:
         """Which rows' gaps don't say enough; of the others it is kept what they say."""
-        surely = rows.gap - rows.apart
+        surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
         done = (surely >= self.scene.margin[rows.pair]) & (surely >= wanted)
         np.minimum.at(self.least, (rows.motion[done], rows.kind[done]), surely[done])
@@ -202,8 +241,11 @@ class _Search:
         at = at[0][nearer], at[1][nearer]
         self.best[at], self.nearest[at] = rows.gap[order][nearer], rows.pair[order][nearer]
         for row in np.flatnonzero(rows.gap < self.scene.margin[rows.pair] + SLACK):
-            motion, pair = int(rows.motion[row]), int(rows.pair[row])
-            if not self.hit[motion, pair]:
-                self.hit[motion, pair] = True
-                when = float(time[rows.piece[row]])
-                self.meetings.append(Meeting(motion, pair, when, float(rows.gap[row])))
+            self._meet(rows, int(row), time)
+
+    def _meet(self, rows: _Pairs, row: int, time: Array) -> None:
+        motion, pair = int(rows.motion[row]), int(rows.pair[row])
+        if not self.hit[motion, pair]:
+            self.hit[motion, pair] = True
+            when = float(time[rows.piece[row]])
+            self.meetings.append(Meeting(motion, pair, when, float(rows.gap[row])))

@@ -43,7 +43,7 @@ class Scene:
     shapes that are too large, and they aren't among the pairs.
 
     Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
-    `bound` (M,) of its box.
+    `bound` (M,) of its box; `core` (M, 3) and `disc` (M,) of its hull; `cornered` are the bodies whose hull has corners instead.
     """
 
     chain: Chain
@@ -59,6 +59,9 @@ class Scene:
     half: Array
     radius: Array
     bound: Array
+    core: Array
+    disc: Array
+    cornered: tuple[int, ...]
 
     def names(self, pair: int) -> tuple[str, str]:
         """How messages call the two bodies of a pair, the one that moves more first."""
@@ -147,6 +150,9 @@ def _with_pairs(
         np.array([body.geometry.half for body in bodies]).reshape(-1, 3),
         np.array([body.geometry.radius for body in bodies]),
         np.array([body.geometry.bound for body in bodies]),
+        np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
+        np.array([body.geometry.disc for body in bodies]),
+        tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
     )
 
 

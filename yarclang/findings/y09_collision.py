@@ -49,4 +49,13 @@ FINDINGS = (
         "them has to know that they don't protect anything.",
         '[[zones]]\nname = "FLOOR"\nrule = "allowed"',
     ),
+    Finding(
+        "Y0930",
+        "too-near-to-prove",
+        "error",
+        "the robot passes so near that nothing can be proved",
+        "The proof that a motion is free divides it until what is left can't reach from one body to the other. Where they pass within a fifth of a millimetre of the margin, and one of "
+        "them is a hollow mesh, that would take seconds: it ends there, and what isn't proved isn't written. Nothing was seen to touch.",
+        '[[obstacles]]\nname = "PRESS"\nshape = "mesh"\nfile = "press.stl"     # the robot passes it at its margin and 0.1 mm',
+    ),
 )

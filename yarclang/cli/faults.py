@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from yarclang.cli.show import finding_text
 from yarclang.diagnostics import Diagnostic
 from yarclang.pipeline.origins import Origins
+from yarclang.report.finding import finding_text
 from yarclang.runtime.outcome import Concerned, Where
 from yarclang.source import SourceFile, Span
 

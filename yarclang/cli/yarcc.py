@@ -139,8 +139,9 @@ def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tu
 def _show(
     file: str, destination: str, compiled: Compiled | None, diagnostics: tuple[Diagnostic, ...]
 ) -> None:
-    from yarclang.cli.show import count_text, show_findings
+    from yarclang.cli.show import show_findings
     from yarclang.cli.table import certificate_table
+    from yarclang.report.finding import count_text
 
     show_findings(diagnostics)
     name = "<stdin>" if file == "-" else file
@@ -164,7 +165,7 @@ def _show(
 def _report(
     file: str, destination: str | None, compiled: Compiled | None, diagnostics: tuple[Diagnostic, ...]
 ) -> dict[str, Any]:
-    from yarclang.cli.show import finding_json
+    from yarclang.report.finding import finding_json
 
     return {
         "file": file,

@@ -118,7 +118,8 @@ def _checked(
 ) -> bool:
     """Check files and tell what was found; whether that is a failure."""
     from yarclang.cli.checks import check_all
-    from yarclang.cli.show import count_text, show_findings
+    from yarclang.cli.show import show_findings
+    from yarclang.report.finding import count_text
 
     found: list[Diagnostic] = []
     fixes = changed = shown = 0

@@ -98,8 +98,9 @@ def command(
 
     FILE.csv becomes FILE.yarc; - reads standard input. The program isn't planned: yarc check does that.
     """
-    from yarclang.cli.show import count_text, show_findings
+    from yarclang.cli.show import show_findings
     from yarclang.convert.course import Wishes
+    from yarclang.report.finding import count_text
 
     destination = beside(file, ".yarc") if output is None else output
     refuse_collisions([file], [(destination, "the program")])

@@ -136,9 +136,10 @@ def _show(
     format_: str,
     findings: Any,
 ) -> None:
-    from yarclang.cli.show import count_text, finding_json, show_findings
+    from yarclang.cli.show import show_findings
     from yarclang.diagnostics import grouped
     from yarclang.pipeline.places import labels_of
+    from yarclang.report.finding import count_text, finding_json
     from yarclang.report.inspection.inspected import inspect_step
 
     inspected = inspect_step(studied, numbers[0])

@@ -57,11 +57,12 @@ def _is_run_log(file: str) -> bool:
 
 def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple[bytes, str]:
     """A program's picture, and what to say of it."""
-    from yarclang.cli.show import count_text, show_findings
+    from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import has_errors, in_order
     from yarclang.pipeline.inputs import open_program
     from yarclang.pipeline.stages import plan_module
+    from yarclang.report.finding import count_text
 
     name = "<stdin>" if file == STANDARD else file
     with Progress() as progress:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from yarclang.cli.show import finding_json
 from yarclang.diagnostics import Diagnostic
+from yarclang.report.finding import finding_json
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)

@@ -1,0 +1,96 @@
+"""One finding for people and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import click
+
+from yarclang.diagnostics import Diagnostic
+
+_COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
+_WIDEST = 150
+"""Characters of a source line that are shown."""
+
+
+def finding_text(diagnostic: Diagnostic) -> str:
+    """One finding: file:line:column, severity, code, message; the source line with carets; the remedy."""
+    place = ""
+    if diagnostic.source is not None:
+        place = f"{diagnostic.source.name}: "
+        if diagnostic.span is not None:
+            place = f"{diagnostic.source.name}:{diagnostic.span.line}:{diagnostic.span.column}: "
+    severity = click.style(
+        f"{diagnostic.severity} {diagnostic.code}", fg=_COLOURS[diagnostic.severity], bold=True
+    )
+    lines = [f"{place}{severity}: {diagnostic.message}"]
+    lines += _excerpt(diagnostic)
+    if diagnostic.help:
+        lines.append(f"  help: {diagnostic.help}")
+    return "\n".join(lines)
+
+
+def _excerpt(diagnostic: Diagnostic) -> list[str]:
+    """The source line with carets below the span; of a very long line, the part around the span."""
+    if diagnostic.source is None or diagnostic.span is None:
+        return []
+    span = diagnostic.span
+    text = diagnostic.source.line(span.line).replace("\t", " ")
+    if not text.strip():
+        return []
+    end = span.end_column if span.end_line == span.line else len(text) + 1
+    start = span.column - 1
+    first = max(0, start - _WIDEST // 2) if len(text) > _WIDEST else 0
+    shown = text[first : first + _WIDEST]
+    before, after = "…" * (first > 0), "…" * (first + _WIDEST < len(text))
+    shown = "".join(character if character.isprintable() else "·" for character in shown)
+    width = max(1, min(end - 1, first + len(shown)) - start)
+    margin = f"{span.line:>5} | "
+    carets = " " * (len(before) + start - first) + "^" * width
+    colour = _COLOURS[diagnostic.severity]
+    return [
+        f"{margin}{before}{shown}{after}",
+        " " * (len(margin) - 2) + "| " + click.style(carets, fg=colour),
+    ]
+
+
+def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
+    """One finding as plain data; lines and columns count from 1, `end_column` lies behind the last character."""
+    span = diagnostic.span
+    fix = diagnostic.fix
+    return {
+        "file": diagnostic.source.name if diagnostic.source else None,
+        "line": span.line if span else None,
+        "column": span.column if span else None,
+        "end_line": span.end_line if span else None,
+        "end_column": span.end_column if span else None,
+        "severity": diagnostic.severity,
+        "code": diagnostic.code,
+        "message": diagnostic.message,
+        "help": diagnostic.help or None,
+        "fix": None
+        if fix is None
+        else {
+            "title": fix.title,
+            "edits": [
+                {
+                    "line": edit.span.line,
+                    "column": edit.span.column,
+                    "end_line": edit.span.end_line,
+                    "end_column": edit.span.end_column,
+                    "text": edit.text,
+                }
+                for edit in fix.edits
+            ],
+        },
+    }
+
+
+def count_text(diagnostics: Iterable[Diagnostic]) -> str:
+    """How many errors and warnings there are, in words; empty where there are none."""
+    counts = {"error": 0, "warning": 0}
+    for diagnostic in diagnostics:
+        if diagnostic.severity in counts:
+            counts[diagnostic.severity] += 1
+    return ", ".join(f"{number} {word}{'s' * (number != 1)}" for word, number in counts.items() if number)

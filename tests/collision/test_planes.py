@@ -13,9 +13,10 @@ from yarclang.cell.model import Obstacle
 from yarclang.collision import proof
 from yarclang.collision.geometry import geometry_of
 from yarclang.collision.placing import distances, place, relative
-from yarclang.collision.planes import accelerations, plane_gap, support
+from yarclang.collision.planes import plane_gap, support
 from yarclang.collision.proof import RESOLUTION, clearances
 from yarclang.collision.scene import scene_of
+from yarclang.collision.travel import accelerations
 from yarclang.robot.description import load_robot
 from yarclang.shapes import Box, Mesh
 

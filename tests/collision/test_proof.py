@@ -9,9 +9,10 @@ from tests.collision.dense import Dense
 from yarclang.cell.model import Cell, Mount, Obstacle
 from yarclang.collision.course import Course
 from yarclang.collision.meeting import contact
-from yarclang.collision.placing import BLOCK, distances, place, relative, too_near, travel
+from yarclang.collision.placing import BLOCK, distances, place, relative, too_near
 from yarclang.collision.proof import COARSE, KNOWN, SHARE, clearances
 from yarclang.collision.scene import scene_of
+from yarclang.collision.travel import travel
 from yarclang.robot.description import load_robot
 from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 from yarclang.source import SourceFile

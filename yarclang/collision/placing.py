@@ -1,8 +1,9 @@
-"""Where bodies are at joint positions, how far pairs of them are apart there, and how far a change of the joints can move them."""
+"""Where bodies are at joint positions, and how far pairs of them are apart there."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,70 +33,39 @@ class Placed:
 def place(scene: Scene, q: Array) -> Placed:
     """The arm at joint positions `q` (P, n) [rad or m]."""
     count, size = q.shape
-    turn, shift = np.empty((size + 1, count, 3, 3)), np.empty((size + 1, count, 3))
-    turn[0], shift[0] = np.eye(3), 0.0
-    sin, versine = np.sin(q), 1.0 - np.cos(q)
+    # the positions come last while it is calculated: all steps go along whole rows
+    pose = np.zeros((size + 1, 3, 4, count))
+    pose[0, [0, 1, 2], [0, 1, 2]] = 1.0
+    way = np.ascontiguousarray(q.T)
+    sin, versine = np.sin(way), 1.0 - np.cos(way)
     for joint in range(size):
         linear, angular = scene.chain.screws[joint, :3], scene.chain.screws[joint, 3:]
         # exp(screw q) as in `joint_transform`, behind what the joints before do
         w = skew(angular)
-        s, c = sin[:, joint, None], versine[:, joint, None]
-        local = q[:, joint, None] * linear + c * (w @ linear) + (q[:, joint, None] - s) * (w @ w @ linear)
-        turned = turn[joint].reshape(-1, 3) @ np.hstack([w, w @ w])
-        turned = turned.reshape(count, 3, 6)
-        turn[joint + 1] = turn[joint] + s[:, :, None] * turned[:, :, :3] + c[:, :, None] * turned[:, :, 3:]
-        shift[joint + 1] = np.einsum("pij,pj->pi", turn[joint], local) + shift[joint]
-    middle = np.empty((len(scene.bodies), count, 3))
+        turn, shift = pose[joint, :, :3], pose[joint, :, 3]
+        local = np.matmul(np.stack([linear, w @ linear, w @ w @ linear]), turn)
+        np.multiply(local[:, 0], way[joint], out=pose[joint + 1, :, 3])
+        pose[joint + 1, :, 3] += local[:, 1] * versine[joint]
+        pose[joint + 1, :, 3] += local[:, 2] * (way[joint] - sin[joint])
+        pose[joint + 1, :, 3] += shift
+        turned = np.matmul(np.hstack([w, w @ w]).T, turn)
+        np.multiply(turned[:, :3], sin[joint], out=pose[joint + 1, :, :3])
+        turned[:, 3:] *= versine[joint]
+        pose[joint + 1, :, :3] += turned[:, 3:]
+        pose[joint + 1, :, :3] += turn
+    middle = np.empty((len(scene.bodies), 3, count))
     for body, joint in enumerate(scene.joint):
         if joint == 0:
-            middle[body] = scene.middle[body]
+            middle[body] = scene.middle[body][:, None]
             continue
-        middle[body] = (turn[joint].reshape(-1, 3) @ scene.middle[body]).reshape(count, 3) + shift[joint]
-    return Placed(scene, turn, shift, middle)
-
-
-def travel(placed: Placed, change: Array) -> Array:
-    """How far a point of a body moves at most when joints change.
-
-    Moving the joints one after the other, that of the base first, each turns the body by a circle around its axis whose radius is
-    what it is now: the joints before it have moved axis and body together. So no posture between counts.
-
-    Args:
-        placed: the arm at P joint positions.
-        change: (P, n) how far each joint moves from there at most [rad or m].
-
-    Returns:
-        (n + 1, M, P) [m]: against what only the first joints move.
-    """
-    arms = arm_lengths(placed)
-    steps = np.zeros((len(arms) + 1, *arms.shape[1:]))
-    np.multiply(arms, change.T[:, None, :], out=steps[:-1])
-    against: Array = np.cumsum(steps[::-1], axis=0)[::-1]
-    return against
-
-
-def arm_lengths(placed: Placed) -> Array:
-    """How far a point of a body is from the axis of a joint at most, (n, M, P) [m]; 1 of a joint that slides, 0 of one that doesn't move the body."""
-    scene, chain = placed.scene, placed.scene.chain
-    bodies, count = placed.middle.shape[:2]
-    arms = np.zeros((chain.size, bodies, count))
-    for joint in range(chain.size):
-        linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
-        (moved,) = np.nonzero(scene.joint > joint)
-        if not angular.any():
-            arms[joint, moved] = np.linalg.norm(linear)
-            continue
-        turn, shift = placed.turn[joint], placed.shift[joint]
-        rate = float(np.linalg.norm(angular))
-        axis = turn @ (angular / rate)
-        point = turn @ (np.cross(angular, linear) / rate**2) + shift
-        arm = placed.middle[moved] - point
-        away = np.cross(arm, axis)
-        radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.bound[moved, None]
-        # a screw of some pitch slides as well
-        slide = abs(float(angular @ linear)) / rate
-        arms[joint, moved] = np.hypot(radius * rate, slide)
-    return arms
+        np.matmul(scene.middle[body], pose[joint, :, :3], out=middle[body])
+        middle[body] += pose[joint, :, 3]
+    return Placed(
+        scene,
+        pose[:, :, :3].transpose(0, 3, 1, 2),
+        pose[:, :, 3].transpose(0, 2, 1),
+        middle.transpose(0, 2, 1),
+    )
 
 
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
@@ -160,8 +130,7 @@ def distances(
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = deep
     here, there = coal.Transform3s(), coal.Transform3s()
-    shapes = [body.geometry.of_coal for body in scene.bodies]
-    own = np.array([body.geometry.middle for body in scene.bodies])
+    shapes, own = scene.of_coal, scene.own_middle
     origin = seen.middle + own[scene.first[pair]] - (seen.turn @ own[scene.second[pair]][:, :, None])[:, :, 0]
     found = np.empty(len(pair))
     # one call a pair and position: coal has none for many
@@ -173,8 +142,9 @@ def distances(
         if normal is not None:
             normal[row] = answer.normal
     for one, other, inside in ((scene.first, scene.second, True), (scene.second, scene.first, False)):
-        closed = np.array([body.geometry.skin is not None for body in scene.bodies], dtype=np.bool_)
-        for row in np.flatnonzero(closed[one[pair]] & (found > 0.0)).tolist():
+        if not scene.closed.any():
+            break
+        for row in np.flatnonzero(scene.closed[one[pair]] & (found > 0.0)).tolist():
             turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
             inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
@@ -185,52 +155,98 @@ def distances(
 
 
 BLOCK = 1024
-"""Joint positions that are looked at together: their arrays stay in the processor's cache."""
+"""Joint positions that are placed together: their arrays stay in the processor's cache."""
+TOGETHER = 8
+"""So many blocks go to coal together."""
 
 
 def too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
     """Whether some pair of bodies is nearer than its margin, or touches, (P,) at joint positions `q` (P, n) [rad or m]."""
     found = np.zeros(len(q), dtype=np.bool_)
-    for start in range(0, len(q), BLOCK):
-        placed = place(scene, q[start : start + BLOCK])
-        found[start : start + BLOCK] = _too_near(scene, placed)
+    for start in range(0, len(q), TOGETHER * BLOCK):
+        found[start : start + TOGETHER * BLOCK] = _too_near(scene, q[start : start + TOGETHER * BLOCK])
     return found
 
 
-def _too_near(scene: Scene, placed: Placed) -> NDArray[np.bool_]:
-    near = np.zeros(placed.middle.shape[1], dtype=np.bool_)
-    at, pair = _near_spheres(placed)
-    seen = relative(placed, at, pair)
-    (left,) = np.nonzero(box_gaps(scene, pair, seen) <= scene.margin[pair])
+def _too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
+    parts = []
+    room = np.empty((2, len(scene.first), 3, 0))
+    for start in range(0, len(q), BLOCK):
+        placed = place(scene, q[start : start + BLOCK])
+        if room.shape[-1] != placed.middle.shape[1]:
+            room = np.empty((*room.shape[:-1], placed.middle.shape[1]))
+        at, pair = _near_spheres(placed, room)
+        seen = relative(placed, at, pair)
+        (left,) = np.nonzero(box_gaps(scene, pair, seen) <= scene.margin[pair])
+        parts.append((at[left] + start, pair[left], seen.turn[left], seen.middle[left]))
+    at, pair, turn, middle = (
+        (np.concatenate(part) for part in zip(*parts, strict=True)) if len(parts) > 1 else parts[0]
+    )
+    near = np.zeros(len(q), dtype=np.bool_)
     # the pairs that meet most often first: a position that is known isn't looked at again
-    often = np.bincount(pair[left], minlength=len(scene.first))
+    often = np.bincount(pair, minlength=len(scene.first))
     for one in np.argsort(-often, kind="stable")[: np.count_nonzero(often)].tolist():
-        rows = left[pair[left] == one]
+        (rows,) = np.nonzero(pair == one)
         rows = rows[~near[at[rows]]]
-        gap = distances(scene, pair[rows], seen.take(rows), deep=False)
+        gap = distances(scene, pair[rows], Relative(turn[rows], middle[rows]), deep=False)
         near[at[rows[gap <= scene.margin[one]]]] = True
     return near
 
 
-def _near_spheres(placed: Placed) -> tuple[Rows, Rows]:
-    """The positions and pairs (R,) that spheres don't tell apart: of a sphere and the box of a body that stands still, of two spheres else."""
-    scene = placed.scene
-    found_at, found_pair = [], []
-    for body in np.unique(scene.first):
-        (pairs,) = np.nonzero(scene.first == body)
-        others = scene.second[pairs]
-        apart = placed.middle[others] - placed.middle[body]
-        reach = scene.bound[others] + scene.margin[pairs]
-        if scene.joint[body] == 0:
-            apart = np.maximum(np.abs(apart.reshape(-1, 3) @ scene.rotation[body]) - scene.half[body], 0.0)
-            apart = apart.reshape(len(pairs), -1, 3)
-            reach = reach + scene.radius[body]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Spheres:
+    """What tells most pairs apart: of the pairs `still` (S,), whose first body stands still, the `turn` (S, 3, 3) into its box's axes, its
+    middle `at` (S, 3, 1) and `half` (S, 3, 1) there, and the squares of how near they count as near, `reach` (S, 1); of the others, `moving` (M,), `wide` (M, 1).
+    """
+
+    still: Rows
+    moving: Rows
+    turn: Array
+    at: Array
+    half: Array
+    reach: Array
+    wide: Array
+
+
+@lru_cache(maxsize=32)
+def _spheres(scene: Scene) -> _Spheres:
+    """Remembered, as a way round asks again and again for a few positions."""
+    still, moving = (np.flatnonzero((scene.joint[scene.first] == 0) == kind) for kind in (True, False))
+    reach = scene.bound[scene.second] + scene.margin
+    first = scene.first[still]
+    turn = np.ascontiguousarray(scene.rotation[first].transpose(0, 2, 1))
+    return _Spheres(
+        still,
+        moving,
+        turn,
+        turn @ scene.middle[first][:, :, None],
+        scene.half[first][:, :, None],
+        ((reach[still] + scene.radius[first]) ** 2)[:, None],
+        ((reach[moving] + scene.bound[scene.first[moving]]) ** 2)[:, None],
+    )
+
+
+def _near_spheres(placed: Placed, room: Array) -> tuple[Rows, Rows]:
+    """The positions and pairs (R,) that spheres don't tell apart: of a sphere and the box of a body that stands still, of two spheres else.
+
+    `room` (2, pairs, 3, P) is overwritten: fresh memory for each block takes longer than the work in it.
+    """
+    scene, spheres = placed.scene, _spheres(placed.scene)
+    middle = placed.middle.transpose(0, 2, 1)  # as it lies in memory
+    near = []
+    for rows, reach in ((spheres.still, spheres.reach), (spheres.moving, spheres.wide)):
+        there, here = room[:, : len(rows)]
+        np.take(middle, scene.second[rows], axis=0, out=there, mode="clip")
+        if rows is spheres.still:
+            np.matmul(spheres.turn, there, out=here)
+            here -= spheres.at
+            np.abs(here, out=here)
+            here -= spheres.half
+            np.maximum(here, 0.0, out=here)
         else:
-            reach = reach + scene.bound[body]
-        near = np.einsum("kpi,kpi->kp", apart, apart) <= (reach**2)[:, None]
-        which, where = np.nonzero(near)
-        found_at.append(where)
-        found_pair.append(pairs[which])
-    if not found_at:
-        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    return np.concatenate(found_at), np.concatenate(found_pair)
+            np.take(middle, scene.first[rows], axis=0, out=here, mode="clip")
+            here -= there
+        np.square(here, out=here)
+        which, where = np.nonzero(np.add.reduce(here, axis=1, out=there[:, 0]) <= reach)
+        near.append((where, rows[which]))
+    return np.concatenate([part[0] for part in near]), np.concatenate([part[1] for part in near])

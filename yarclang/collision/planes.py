@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from yarclang.collision.placing import Placed, Relative, arm_lengths, relative
+from yarclang.collision.placing import Placed, Relative, relative
 from yarclang.collision.scene import Rows, Scene
 from yarclang.shapes import Array
 
@@ -35,41 +35,6 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
     first, second = scene.first[pair], scene.second[pair]
     gap: Array = along - support(scene, first, normal) - support(scene, second, turned)
     return gap
-
-
-def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) -> Array:
-    """A bound of the acceleration of each point of a body, against what only the first joints move, (n + 1, M, P) [m/s^2].
-
-    The second derivative of a point by two joints is a double cross product with their axes, no longer than its distance from the axis that is
-    nearer to it: sum over the joints k of r_k (|q''_k| + |q'_k|^2 + 2 |q'_k| sum of |q'_j|), over the turning joints j between. By a joint that slides it is
-    at most 1, and zero by it twice.
-
-    Args:
-        placed: the arm in the middles of P pieces.
-        speed: (P, n) largest |velocity| of each joint on them; `strength` likewise of the acceleration.
-        strength: (P, n).
-        change: (P, n) how far each joint moves from the middle at most.
-    """
-    chain = placed.scene.chain
-    arms = arm_lengths(placed)
-    steps = np.zeros((chain.size + 1, *arms.shape[1:]))
-    np.multiply(arms, change.T[:, None, :], out=steps[:-1])
-    away = np.cumsum(steps[::-1], axis=0)[::-1]
-    rate = np.linalg.norm(chain.screws[:, 3:], axis=1)
-    turning = (speed * rate).T
-    before = np.cumsum(turning, axis=0) - turning
-    first, second = np.zeros_like(steps), np.zeros_like(steps)
-    for joint in range(chain.size):
-        # away from the middle the body may be farther from the axis; what slides stays as it is
-        reach = arms[joint] + rate[joint] * away[joint + 1]
-        w, a = speed[:, joint], strength[:, joint]
-        first[joint] = reach * (a + w * (turning[joint] + 2.0 * before[joint]))
-        second[joint] = reach * 2.0 * w
-    first, second = (np.cumsum(one[::-1], axis=0)[::-1] for one in (first, second))
-    # joints that move both bodies count neither by themselves nor before others
-    before = np.concatenate([before, before[-1:] + turning[-1:]])
-    total: Array = first - before[:, None, :] * second
-    return total
 
 
 def least_gap(

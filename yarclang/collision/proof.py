@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.collision.course import Course
-from yarclang.collision.placing import Placed, box_gaps, distances, place, relative, sphere_gaps, travel
-from yarclang.collision.planes import accelerations, least_gap
+from yarclang.collision.placing import Placed, box_gaps, distances, place, relative, sphere_gaps
+from yarclang.collision.planes import least_gap
 from yarclang.collision.scene import Rows, Scene
+from yarclang.collision.travel import accelerations, travel
 from yarclang.shapes import Array
 
 SLACK = 1e-5

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,7 @@ class Scene:
 
     Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
     `bound` (M,) of its box; `core` (M, 3) and `disc` (M,) of its hull; `cornered` are the bodies whose hull has corners instead.
+    `of_coal` are the shapes themselves, `own_middle` (M, 3) is the middle of the box in the shape's frame, `closed` (M,) are the meshes that enclose a room.
     """
 
     chain: Chain
@@ -62,6 +64,9 @@ class Scene:
     core: Array
     disc: Array
     cornered: tuple[int, ...]
+    of_coal: tuple[Any, ...]
+    own_middle: Array
+    closed: NDArray[np.bool_]
 
     def names(self, pair: int) -> tuple[str, str]:
         """How messages call the two bodies of a pair, the one that moves more first."""
@@ -153,6 +158,9 @@ def _with_pairs(
         np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
         np.array([body.geometry.disc for body in bodies]),
         tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
+        tuple(body.geometry.of_coal for body in bodies),
+        np.array([body.geometry.middle for body in bodies]).reshape(-1, 3),
+        np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
     )
 
 

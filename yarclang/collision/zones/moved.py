@@ -1,0 +1,180 @@
+"""Where items are and how fast they go at instants of a motion, and what bounds that between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.collision.course import Course
+from yarclang.collision.placing import place
+from yarclang.collision.scene import Rows, Scene
+from yarclang.collision.zones.watched import Item
+from yarclang.robot.kinematics.fk import links_of
+from yarclang.robot.model import Chain
+from yarclang.shapes import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """The arm at P instants: `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) bring what the first joints move from where it is with all joints at zero to
+    where it is [m]; `angular` and `linear` (n + 1, P, 3) are how fast it turns, and how fast its point in the origin of {B} goes then [rad/s, m/s].
+    """
+
+    turn: Array
+    shift: Array
+    angular: Array
+    linear: Array
+
+    @staticmethod
+    def at(scene: Scene, q: Array, rate: Array | None = None) -> Arm:
+        """The arm at joint positions (P, n) [rad or m] and their rates (P, n); without rates it stands."""
+        placed = place(scene, q)
+        turn, shift = placed.turn, placed.shift
+        angular, linear = np.zeros_like(shift), np.zeros_like(shift)
+        for joint in range(scene.chain.size if rate is not None else 0):
+            assert rate is not None
+            screw = scene.chain.screws[joint]
+            now = rate[:, joint, None]
+            spin = turn[joint] @ screw[3:]
+            angular[joint + 1] = angular[joint] + now * spin
+            slide = turn[joint] @ screw[:3] + np.cross(shift[joint], spin)
+            linear[joint + 1] = linear[joint] + now * slide
+        return Arm(turn, shift, angular, linear)
+
+    def points(self, item: Item, points: Array) -> Array:
+        """Where points (V, 3) of an item are, (P, V, 3) in {B} [m]."""
+        moved: Array = points @ self.turn[item.joint].transpose(0, 2, 1) + self.shift[item.joint][:, None]
+        return moved
+
+    def middle(self, item: Item) -> Array:
+        """Where the middle of an item is, (P, 3) in {B} [m]."""
+        return self.points(item, item.middle[None])[:, 0]
+
+    def support(self, item: Item, directions: Array) -> Array:
+        """How far an item reaches in unit directions (P, F, 3): the largest d . p over its points, (P, F) [m]."""
+        own = directions @ self.turn[item.joint]
+        reach: Array = (own @ item.points.T).max(axis=2)
+        if item.disc:
+            along = own @ item.axis
+            reach = reach + item.disc * np.sqrt(np.maximum(1.0 - along**2, 0.0))
+        shifted: Array = reach + np.einsum("pfi,pi->pf", directions, self.shift[item.joint])
+        return shifted + item.radius
+
+    def speed(self, item: Item) -> Array:
+        """The speed of the fastest point of an item (P,) [m/s], or a little more where it is round."""
+        spin, base = self.angular[item.joint], self.linear[item.joint]
+        velocity = base[:, None] + np.cross(spin[:, None], self.points(item, item.points))
+        fastest: Array = np.sqrt(np.einsum("pvi,pvi->pv", velocity, velocity)).max(axis=1)
+        turning: Array = (item.disc + item.radius) * np.sqrt(np.einsum("pi,pi->p", spin, spin))
+        return fastest + turning
+
+    def take(self, rows: Rows) -> Arm:
+        """Some of the instants."""
+        return Arm(*(getattr(self, name)[:, rows] for name in self.__slots__))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rates:
+    """Bounds (N,) for each point of an item on segments of a course: of its speed [m/s], of its acceleration, and of the jerk [m/s^3]."""
+
+    first: Array
+    second: Array
+    third: Array
+
+
+def rates(chain: Chain, course: Course, item: Item) -> Rates:
+    """How fast the points of an item can be, and can change that, on each segment.
+
+    A partial derivative of a point by some joints is a chain of cross products with their axes, innermost that of the joint nearest to it: no longer than
+    the point's distance from that axis. Summed over the joint m nearest to it, that is R_m (B_m - B_(m-1)) with B the sums w, w^2 + a and
+    w^3 + 3 w a + j over the joints up to m. A joint that slides enters at most once, and innermost, with length 1: the derivative of B in its direction.
+    """
+    reach, turn, slide = _reaches(chain, course, item)
+    w, a, j = course.speed, course.strength, np.abs(course.j)
+    zero = np.zeros(len(w))
+    sum_w, sum_a, sum_j = zero, zero, zero
+    first, second, third = zero, zero, zero
+    for joint in range(item.joint):
+        if slide[joint]:
+            s, v, u = (values[:, joint] * slide[joint] for values in (w, a, j))
+            first = first + s
+            second = second + 2.0 * sum_w * s + v
+            third = third + 3.0 * (sum_w**2 + sum_a) * s + 3.0 * sum_w * v + u
+        if not turn[joint]:
+            continue
+        before = sum_w, sum_w**2 + sum_a, sum_w**3 + 3.0 * sum_w * sum_a + sum_j
+        sum_w = sum_w + w[:, joint] * turn[joint]
+        sum_a = sum_a + a[:, joint] * turn[joint]
+        sum_j = sum_j + j[:, joint] * turn[joint]
+        after = sum_w, sum_w**2 + sum_a, sum_w**3 + 3.0 * sum_w * sum_a + sum_j
+        first = first + reach[joint] * (after[0] - before[0])
+        second = second + reach[joint] * (after[1] - before[1])
+        third = third + reach[joint] * (after[2] - before[2])
+    return Rates(first, second, third)
+
+
+def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Array]:
+    """How far a point of an item can ever be from each axis (n,) [m], and how much each joint turns and slides about it.
+
+    From the item backwards: the point of an axis nearest to the last one chosen; the lengths add up, since what lies between two axes only turns.
+    """
+    links = links_of(chain)
+    way = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
+    point, length = item.middle, item.bound
+    reach = np.zeros(chain.size)
+    for joint in reversed(range(item.joint)):
+        length += abs(float(links.slide[joint])) * float(way[joint])
+        if not links.turn[joint]:
+            continue
+        axis, origin = links.frames[joint, :3, 2], links.frames[joint, :3, 3]
+        nearest = origin + axis * float(axis @ (point - origin))
+        length += float(np.linalg.norm(point - nearest))
+        reach[joint] = length
+        point = nearest
+    return reach, links.turn, np.abs(links.slide)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """Pieces of segments: `segment` (P,), and `begin` and `end` (P,) after the segment's start [s]."""
+
+    segment: Rows
+    begin: Array
+    end: Array
+
+    @staticmethod
+    def whole(course: Course, first: int, last: int) -> Pieces:
+        """The segments `first` up to `last` (not included)."""
+        segment = np.arange(first, last)
+        return Pieces(segment, np.zeros(len(segment)), np.diff(course.begins)[segment])
+
+    @property
+    def middle(self) -> Array:
+        """The times (P,) half way."""
+        return (self.begin + self.end) / 2.0
+
+    def take(self, rows: Rows) -> Pieces:
+        """Some of them."""
+        return Pieces(self.segment[rows], self.begin[rows], self.end[rows])
+
+    def halves(self) -> Pieces:
+        """Each cut in two: first all first halves, then all second ones."""
+        middle = self.middle
+        return Pieces(
+            np.concatenate([self.segment, self.segment]),
+            np.concatenate([self.begin, middle]),
+            np.concatenate([middle, self.end]),
+        )
+
+    def arm(self, scene: Scene, course: Course, time: Array, *, moving: bool = False) -> Arm:
+        """The arm at times (P,) after the segments' starts."""
+        q, rate = joints(course, self.segment, time)
+        return Arm.at(scene, q, rate if moving else None)
+
+
+def joints(course: Course, segment: Rows, time: Array) -> tuple[Array, Array]:
+    """Joint positions and rates (P, n) at times (P,) after the starts of segments (P,)."""
+    t = time[:, None]
+    v, a, j = course.v[segment], course.a[segment], course.j[segment]
+    return course.x[segment] + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0)

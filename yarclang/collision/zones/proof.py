@@ -1,0 +1,217 @@
+"""That what zones watch stays in them, or out of them, along a whole motion, and how near it comes to their borders: by halving.
+
+A piece is settled if the bounds of `gaps` say enough of it; else it is halved. They grow with the square of a piece's duration, so that a motion along a border needs
+few pieces; and nothing is missed, however short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.cell.model import JointWindow
+from yarclang.collision.course import Course
+from yarclang.collision.proof import COARSE, KNOWN, SHARE
+from yarclang.collision.scene import Rows, Scene
+from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
+from yarclang.collision.zones.moved import Arm, Pieces, Rates, joints, rates
+from yarclang.collision.zones.regions import outside
+from yarclang.collision.zones.watched import Item
+from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
+from yarclang.collision.zones.windows import room, room_on
+from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.shapes import Array
+
+STILL = 1e-8
+"""Pieces on which nothing moves by more [m] aren't halved any more; no motion is known that needs it."""
+BLOCK = 2048
+"""Pieces that are looked at together."""
+_SAME = 1e-10
+"""Joint positions that differ by less [rad or m] are one but for rounding."""
+
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Breach:
+    """A watch that is broken on a motion: where that was seen first among the samples [s]."""
+
+    motion: int
+    watch: int
+    time: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kept:
+    """What was proved of G motions: `least` (G,) is a lower bound of the distance [m] of all that is watched from the borders that it must not cross,
+    and `nearest` (G,) the watch that comes nearest, -1 where all stay above `KNOWN`. `breaches` are broken.
+    """
+
+    least: Array
+    nearest: Rows
+    breaches: tuple[Breach, ...]
+
+
+def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequence[Watch]) -> Kept:
+    """Whether zones to stay in or out of are kept to, and postures in them.
+
+    Args:
+        scene: the bodies of robot and cell.
+        course: segments, of all motions.
+        spans: (G, 2) the segments, from and up to, of each motion, one behind the other; none is empty.
+        watches: what is watched, and where. Slow zones aren't judged here.
+    """
+    search = _Search(scene, course, spans)
+    for number, watch in enumerate(watches):
+        if watch.zone.rule != "slow":
+            search.look(number, watch)
+    return Kept(search.least, search.nearest, tuple(search.breaches))
+
+
+class _Search:
+    """What is known so far."""
+
+    def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
+        self.scene, self.course, self.spans = scene, course, spans
+        self.motion = np.searchsorted(spans[:, 1], np.arange(int(spans[-1, 1])), side="right")
+        self.least = np.full(len(spans), np.inf)
+        self.best = np.full(len(spans), np.inf)
+        self.nearest = np.full(len(spans), -1, dtype=np.int64)
+        self.breaches: list[Breach] = []
+        self.pieces = Pieces.whole(course, int(spans[0, 0]), int(spans[-1, 1]))
+        self.ends = _arms(scene, course, self.pieces)
+        self.bounds: dict[int, Rates] = {}
+
+    def look(self, number: int, watch: Watch) -> None:
+        """Settle one watch on all motions."""
+        region = watch.zone.region
+        hit = np.zeros(len(self.spans), dtype=np.bool_)
+        if isinstance(region, JointWindow):
+            self._window(number, watch, region, hit)
+            return
+        item = watch.item
+        assert item is not None
+        bounds = self.bounds.setdefault(id(item), rates(self.scene.chain, self.course, item))
+        look = self._inside if watch.zone.rule == "allowed" else self._outside
+        near = self._rough(watch, item, bounds)
+        waiting = [(self.pieces.take(near), tuple(arm.take(near) for arm in self.ends))]
+        while waiting:
+            pieces, ends = waiting.pop()
+            if not len(pieces.segment):
+                continue
+            assert len(ends) == 2
+            least, seen, when = look(watch, item, bounds, pieces, (ends[0], ends[1]))
+            still = bounds.first[pieces.segment] * (pieces.end - pieces.begin) <= STILL
+            found = np.where(still, seen, least), seen, when
+            left = self._learn(number, pieces.segment, found, watch.zone.margin, hit)
+            for part in _blocks(pieces.take(left).halves()):
+                arms = (part.arm(self.scene, self.course, time) for time in (part.begin, part.end))
+                waiting.append((part, tuple(arms)))
+
+    def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
+        """The segments on which balls don't settle a watch; of the others it is kept what they say."""
+        region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
+        assert not isinstance(region, JointWindow)
+        if watch.zone.rule == "allowed":
+            far = np.maximum(*(outside(region, arm.middle(item)) for arm in self.ends))
+            least = -far - item.bound - bounds.second * pieces.end**2 / 8.0
+        else:
+            least = roughly_outside(region, item, self.ends, bounds.first * pieces.end)
+        done = least >= max(KNOWN, margin)
+        np.minimum.at(self.least, self.motion[pieces.segment[done]], least[done])
+        return np.flatnonzero(~done)
+
+    def _inside(
+        self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Arm, Arm]
+    ) -> tuple[Array, Array, Array]:
+        region = watch.zone.region
+        assert not isinstance(region, JointWindow)
+        sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
+        before, behind = (depth_inside(region, item, arm) for arm in ends)
+        seen = np.minimum(before, behind)
+        return seen - sag, seen, np.where(before < behind, pieces.begin, pieces.end)
+
+    def _outside(
+        self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Arm, Arm]
+    ) -> tuple[Array, Array, Array]:
+        region, posture = watch.zone.region, watch.zone.posture
+        assert not isinstance(region, JointWindow)
+        way = bounds.first[pieces.segment] * (pieces.end - pieces.begin)
+        least = roughly_outside(region, item, ends, way)
+        seen = np.full(len(least), np.inf)
+        open_ = least < max(KNOWN, watch.zone.margin)
+        if posture is not None:
+            kept_there = (room_on(posture, pieces, self.course)[0] >= -WINDOW_SLACK).all(axis=1)
+            least[kept_there] = np.inf
+            open_ &= ~kept_there
+        near = np.flatnonzero(open_)
+        if len(near):
+            arms = (ends[0].take(near), ends[1].take(near))
+            part = pieces.take(near)
+            sure, found = least_outside(region, item, part, self.course, self.scene, arms, bounds)
+            least[near] = np.maximum(least[near], sure)
+            if posture is not None:
+                q = joints(self.course, part.segment, part.middle)[0]
+                found = np.where((room(posture, q) < -WINDOW_SLACK / 2.0).any(axis=1), found, np.inf)
+            seen[near] = found
+        return least, seen, pieces.middle
+
+    def _learn(
+        self, number: int, segment: Rows, found: tuple[Array, Array, Array], margin: float, hit: Flags
+    ) -> Rows:
+        """Keep what pieces of segments tell; those that aren't settled."""
+        least, seen, when = found
+        motion = self.motion[segment]
+        self._break(number, segment, seen < margin - SLACK / 2.0, when, hit)
+        order = np.argsort(-seen, kind="stable")  # the smallest is written last
+        nearer = order[seen[order] < self.best[motion[order]]]
+        self.best[motion[nearer]], self.nearest[motion[nearer]] = seen[nearer], number
+        wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[motion] - COARSE)
+        done = (least >= margin - SLACK) & (least >= wanted)
+        np.minimum.at(self.least, motion[done], least[done])
+        return np.flatnonzero(~done & ~hit[motion])
+
+    def _window(self, number: int, watch: Watch, window: JointWindow, hit: Flags) -> None:
+        """Settle a joint window on all motions."""
+        pieces = self.pieces
+        while len(pieces.segment):
+            least, most = room_on(window, pieces, self.course)
+            q = joints(self.course, pieces.segment, pieces.middle)[0]
+            seen = room(window, q).min(axis=1)
+            if watch.zone.rule == "allowed":
+                surely = least.min(axis=1)
+            else:
+                surely, seen = -most.min(axis=1), -seen
+            self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
+            open_ = (surely < -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
+            pieces = pieces.take(np.flatnonzero(open_)).halves()
+
+    def _break(self, number: int, segment: Rows, broken: Flags, when: Array, hit: Flags) -> None:
+        """Keep the first place of each motion where a watch is broken."""
+        for row in np.flatnonzero(broken).tolist():
+            motion = int(self.motion[segment[row]])
+            if not hit[motion]:
+                hit[motion] = True
+                time = float(self.course.begins[segment[row]] + when[row])
+                self.breaches.append(Breach(motion, number, time))
+
+
+def _arms(scene: Scene, course: Course, pieces: Pieces) -> tuple[Arm, Arm]:
+    """The arm at both ends of whole segments; most end where the next one begins."""
+    begin = joints(course, pieces.segment, pieces.begin)[0]
+    end = joints(course, pieces.segment, pieces.end)[0]
+    jumps = np.flatnonzero((np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1))
+    jumps = np.append(jumps, len(end) - 1)
+    arm = Arm.at(scene, np.concatenate([begin, end[jumps]]))
+    behind = np.arange(1, len(begin) + 1)
+    behind[jumps] = len(begin) + np.arange(len(jumps))
+    return arm.take(np.arange(len(begin))), arm.take(behind)
+
+
+def _blocks(pieces: Pieces) -> Iterator[Pieces]:
+    for start in range(0, len(pieces.segment), BLOCK):
+        yield pieces.take(np.arange(start, min(start + BLOCK, len(pieces.segment))))

@@ -1,0 +1,142 @@
+"""Regions of zones: how far points are outside of them.
+
+All are convex. The signed distance of a point, positive outside and negative by its depth inside, is convex too, and changes by no more than the point moves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from yarclang.cell.model import HalfSpace, ShapeRegion
+from yarclang.collision.geometry import geometry_of
+from yarclang.shapes import Array, Box, Capsule, Cylinder, Sphere
+
+Place = ShapeRegion | HalfSpace
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Faces:
+    """A region with flat faces: the points p with normals . p <= offsets, (F, 3) and (F,); the normals point out of it."""
+
+    normals: Array
+    offsets: Array
+
+
+@lru_cache(maxsize=256)
+def faces_of(region: Place) -> Faces | None:
+    """The faces of a region; None of a round one. Remembered by the region's identity."""
+    if isinstance(region, HalfSpace):
+        return Faces(-region.normal[None], np.array([-region.offset]))
+    if not isinstance(region.shape, Box):
+        return None
+    turn, origin = region.base_from_shape[:3, :3], region.base_from_shape[:3, 3]
+    normals = np.concatenate([turn.T, -turn.T])
+    return Faces(normals, normals @ origin + np.tile(region.shape.size / 2.0, 2))
+
+
+@lru_cache(maxsize=256)
+def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
+    """A region's shape and place as coal sees them; remembered by the region's identity."""
+    import coal
+
+    placed = region.base_from_shape
+    return geometry_of(region.shape).of_coal, coal.Transform3s(placed[:3, :3], placed[:3, 3])
+
+
+def outside(region: Place, points: Array) -> Array:
+    """The signed distances (...,) of points (..., 3) in {B} [m]."""
+    if isinstance(region, HalfSpace):
+        flat: Array = region.offset - points @ region.normal
+        return flat
+    local = _local(region, points)
+    match region.shape:
+        case Box(size=size):
+            return _beyond(np.abs(local) - size / 2.0)
+        case Sphere(radius=radius):
+            return _length(local) - radius
+        case Capsule(radius=radius, length=length):
+            local[..., 2] -= np.clip(local[..., 2], -length / 2.0, length / 2.0)
+            return _length(local) - radius
+        case Cylinder(radius=radius, length=length):
+            return _beyond(np.stack(_around(local, radius, length), axis=-1))
+
+
+def direction(region: Place, points: Array) -> Array:
+    """The unit directions (P, 3) in {B} from the region to points (P, 3), or, inside, to the border: that in which the signed distance grows."""
+    if isinstance(region, HalfSpace):
+        return np.broadcast_to(-region.normal, points.shape)
+    local = _local(region, points)
+    match region.shape:
+        case Box(size=size):
+            away = _steepest(np.abs(local) - size / 2.0) * np.copysign(1.0, local)
+        case Sphere():
+            away = local
+        case Capsule(length=length):
+            away = local
+            away[..., 2] -= np.clip(local[..., 2], -length / 2.0, length / 2.0)
+        case Cylinder(radius=radius, length=length):
+            steep = _steepest(np.stack(_around(local, radius, length), axis=-1))
+            flat = local[:, :2] / np.maximum(_length(local[:, :2]), _TINY)[:, None]
+            away = np.concatenate(
+                [flat * steep[:, :1], steep[:, 1:] * np.copysign(1.0, local[:, 2:])], axis=1
+            )
+    size = _length(away)[:, None]
+    # in the middle of a ball, any direction is as good
+    unit: Array = np.where(size > _TINY, away / np.maximum(size, _TINY), np.array([0.0, 0.0, 1.0]))
+    turned: Array = unit @ region.base_from_shape[:3, :3].T
+    return turned
+
+
+def reach(region: Place, directions: Array) -> Array:
+    """How far a region reaches in unit directions (P, 3): the largest d . p over its points [m]; infinite where it has no end."""
+    if isinstance(region, HalfSpace):
+        along = directions @ region.normal
+        return np.where(along < -1.0 + 1e-12, -region.offset, np.inf)
+    turned = directions @ region.base_from_shape[:3, :3]
+    base: Array = directions @ region.base_from_shape[:3, 3]
+    match region.shape:
+        case Box(size=size):
+            return base + np.abs(turned) @ (size / 2.0)
+        case Sphere(radius=radius):
+            return base + radius
+        case Capsule(radius=radius, length=length):
+            return base + np.abs(turned[:, 2]) * (length / 2.0) + radius
+        case Cylinder(radius=radius, length=length):
+            return base + np.abs(turned[:, 2]) * (length / 2.0) + _length(turned[:, :2]) * radius
+
+
+_TINY = 1e-12
+
+
+def _local(region: ShapeRegion, points: Array) -> Array:
+    local: Array = (points - region.base_from_shape[:3, 3]) @ region.base_from_shape[:3, :3]
+    return local
+
+
+def _around(local: Array, radius: float, length: float) -> tuple[Array, Array]:
+    """How far points are beyond the wall of a cylinder, and beyond its ends."""
+    return _length(local[..., :2]) - radius, np.abs(local[..., 2]) - length / 2.0
+
+
+def _beyond(beyond: Array) -> Array:
+    """The signed distance of what is beyond walls across each other, (..., K)."""
+    far = _length(np.maximum(beyond, 0.0))
+    signed: Array = np.where(far > 0.0, far, beyond.max(axis=-1))
+    return signed
+
+
+def _steepest(beyond: Array) -> Array:
+    """The gradient (P, K) of that."""
+    positive = np.maximum(beyond, 0.0)
+    inside = np.eye(beyond.shape[1])[np.argmax(beyond, axis=1)]
+    gradient: Array = np.where(positive.any(axis=1, keepdims=True), positive, inside)
+    return gradient
+
+
+def _length(vectors: Array) -> Array:
+    length: Array = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    return length

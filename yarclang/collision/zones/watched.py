@@ -1,0 +1,158 @@
+"""What zones watch: parts of the arm that have room, and points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Zone
+from yarclang.collision.scene import Body, Scene, scene_of
+from yarclang.robot.kinematics.elbow import elbow_of
+from yarclang.robot.model import Robot
+from yarclang.shapes import Array
+from yarclang.transforms import constant
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moving:
+    """The frame that a motion moves: its name without braces, and `flange_from_moving` (4, 4) [m]."""
+
+    name: str
+    flange_from_moving: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Item:
+    """A convex body, or a point, that the first `joint` joints move; all in {B} with all joints at zero [m].
+
+    It is the hull of `points` (V, 3), widened by a disc of radius `disc` across `axis` (3,), and by a ball of `radius`. The points `rim` (W, 3) are
+    the same without the disc: it is a polygon around it there, half a percent larger. `middle` (3,) and `bound` are a ball around
+    all of it. `of_coal` at `base_from_body` (4, 4) is the shape for distances; None for a point.
+    """
+
+    name: str
+    joint: int
+    points: Array
+    axis: Array
+    disc: float
+    radius: float
+    rim: Array
+    middle: Array
+    bound: float
+    of_coal: Any = None
+    base_from_body: Array | None = None
+
+
+def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item, ...]:
+    """What a zone of a cell watches while a frame is moved; none where its meshes can't be read, which is told elsewhere."""
+    made = scene_of(robot, cell)
+    if made.value is None:
+        return ()
+    found: dict[str, Item] = {}
+    for part in zone.watch:
+        for item in _of_part(robot, made.value, part, moving):
+            found.setdefault(f"{item.name} {item.points.tobytes().hex()}", item)
+    return tuple(found.values())
+
+
+def tool_frame(robot: Robot) -> Moving:
+    """The frame that is moved where a motion names none: {TCP}, or, where there is none, {FLANGE}."""
+    name = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
+    return Moving(name, robot.flange_from_frame.get(name, constant(np.eye(4))))
+
+
+def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[Item]:
+    bodies = bodies_of(scene)
+    match part:
+        case "tcp" | "tool":
+            placed = robot.chain.base_from_flange @ moving.flange_from_moving
+            yield _point(f"{{{moving.name}}}", robot.size, placed[:3, 3])
+            if part == "tool":
+                yield from (item for body, item in bodies if not body.is_link and not body.of_cell)
+        case "elbow":
+            elbow = elbow_of(robot.chain)
+            if elbow is not None:
+                yield _point("the elbow", elbow.joint, elbow.point)
+        case "arm":
+            yield from (item for body, item in bodies if body.is_link and body.joint)
+        case _:
+            yield from (item for body, item in bodies if body.is_link and body.name == part)
+
+
+@lru_cache(maxsize=32)
+def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
+    """The bodies of a scene, each with its room; remembered by the scene's identity."""
+    return tuple((body, _body(body)) for body in scene.bodies)
+
+
+def _point(name: str, joint: int, point: Array) -> Item:
+    points = constant(point[None].copy())
+    return Item(name, joint, points, constant(np.zeros(3)), 0.0, 0.0, points, points[0], 0.0)
+
+
+_SIDES = 32
+"""Sides of the polygon around a disc."""
+
+
+def _body(body: Body) -> Item:
+    """The room of a body."""
+    import coal
+
+    shape, placed = body.geometry.of_coal, body.base_from_body
+    disc = radius = 0.0
+    match shape:
+        case coal.Box():
+            points = _corners(np.array(shape.halfSide))
+        case coal.Sphere():
+            points, radius = np.zeros((1, 3)), float(shape.radius)
+        case coal.Capsule():
+            points, radius = _stick(shape.halfLength), float(shape.radius)
+        case coal.Cylinder():
+            points, disc = _stick(shape.halfLength), float(shape.radius)
+        case coal.ConvexBase():
+            points = np.array(shape.points())
+        case _:  # a mesh counts as its hull: it is never smaller
+            points = np.array(shape.vertices())
+            if np.linalg.matrix_rank(points - points.mean(axis=0), tol=_FLAT) == 3:
+                shape.buildConvexHull(True, "Qt")
+                shape = shape.convex
+                points = np.array(shape.points())
+    rim = points
+    if disc:
+        turns = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+        polygon = np.stack([np.cos(turns), np.sin(turns), np.zeros(_SIDES)], axis=1)
+        rim = (points[:, None] + polygon * (disc / np.cos(np.pi / _SIDES))).reshape(-1, 3)
+    turn, shift = placed[:3, :3], placed[:3, 3]
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    bound = float(np.hypot(np.linalg.norm(points - middle, axis=1).max(), disc)) + radius
+    return Item(
+        body.name,
+        body.joint,
+        constant(points @ turn.T + shift),
+        constant(turn[:, 2].copy()),
+        disc,
+        radius,
+        constant(rim @ turn.T + shift),
+        constant(turn @ middle + shift),
+        bound,
+        shape,
+        placed,
+    )
+
+
+_FLAT = 1e-6
+"""Thinner than this [m], a mesh has no hull that coal could make."""
+
+
+def _corners(half: Array) -> Array:
+    signs = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+    corners: Array = signs * half
+    return corners
+
+
+def _stick(half: float) -> Array:
+    return np.array([[0.0, 0.0, -half], [0.0, 0.0, half]])

@@ -1,0 +1,92 @@
+"""What the zones of a cell ask of joint positions: whether they are in the allowed workspace, and by how much."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.cell.model import Cell, JointWindow, Zone
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.zones.gaps import depth_inside, distance_outside
+from yarclang.collision.zones.moved import Arm
+from yarclang.collision.zones.watched import Item, Moving, items_of
+from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
+from yarclang.collision.zones.windows import room
+from yarclang.robot.model import Robot
+from yarclang.shapes import Array
+
+SLACK = 1e-5
+"""What is beyond a border by no more than this [m] isn't told from what is on it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Watch:
+    """A zone, and an item that it watches; None where only joints count."""
+
+    zone: Zone
+    item: Item | None
+
+
+def watches_of(robot: Robot, cell: Cell, moving: Moving) -> tuple[Watch, ...]:
+    """All that the zones of a cell watch while a frame is moved, in the order of the file."""
+    found: list[Watch] = []
+    for zone in cell.zones:
+        if isinstance(zone.region, JointWindow) and zone.rule != "slow":
+            found.append(Watch(zone, None))
+        else:
+            found += [Watch(zone, item) for item in items_of(robot, cell, zone, moving)]
+    return tuple(found)
+
+
+def in_workspace(robot: Robot, cell: Cell, moving: Moving, q: Array) -> NDArray[np.bool_]:
+    """Whether joint positions keep to the zones of a cell, (P,): in what is allowed, out of what is forbidden, in the right posture. How fast doesn't matter.
+
+    Args:
+        robot: the arm.
+        cell: its surroundings.
+        moving: the frame that is moved; `tool_frame` where none is named.
+        q: (P, n) [rad or m].
+    """
+    made = scene_of(robot, cell)
+    kept = np.ones(len(q), dtype=np.bool_)
+    for watch in watches_of(robot, cell, moving) if made.value else ():
+        assert made.value is not None
+        if watch.zone.rule != "slow":
+            (open_,) = np.nonzero(kept)
+            kept[open_] = slack_at(made.value, watch, q[open_]) >= slack_of(watch)
+    return kept
+
+
+def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
+    """How far a watch is from being broken at joint positions (P, n), (P,) [m, of a joint window rad or m]: below `slack_of` it is."""
+    zone, region = watch.zone, watch.zone.region
+    if isinstance(region, JointWindow):
+        inner: Array = room(region, q).min(axis=1)
+        return inner if zone.rule == "allowed" else -inner
+    assert watch.item is not None
+    arm = Arm.at(scene, q)
+    if zone.rule == "allowed":
+        return depth_inside(region, watch.item, arm) - zone.margin
+    gap = distance_outside(region, watch.item, arm) - zone.margin
+    if zone.posture is None:
+        return gap
+    wrong = (room(zone.posture, q) < -WINDOW_SLACK / 2.0).any(axis=1)
+    return np.where(wrong, gap, np.inf)
+
+
+def slack_of(watch: Watch) -> float:
+    """Below this a watch counts as broken where it is looked at."""
+    return -(WINDOW_SLACK if isinstance(watch.zone.region, JointWindow) else SLACK) / 2.0
+
+
+def broken_at(robot: Robot, cell: Cell, moving: Moving, q: Array) -> Sequence[tuple[Watch, float]]:
+    """The watches that one joint position (n,) breaks, each with its slack there, as in `slack_at`."""
+    made = scene_of(robot, cell)
+    if made.value is None:
+        return ()
+    watches = [one for one in watches_of(robot, cell, moving) if one.zone.rule != "slow"]
+    slack = [float(slack_at(made.value, one, q[None])[0]) for one in watches]
+    return [(one, by) for one, by in zip(watches, slack, strict=True) if by < slack_of(one)]

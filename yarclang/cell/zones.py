@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from yarclang.cell.bodies import SIZES, Surroundings, Units, belong, mounted, simple_shape
+from yarclang.cell.bodies import Surroundings, Units, belong, mounted, simple_shape
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import PARTS, Array, HalfSpace, JointWindow, Mount, Region, ShapeRegion, Zone
 from yarclang.cell.schema import ZoneTable
 from yarclang.cell.windows import joint_window
 from yarclang.robot.kinematics.elbow import elbow_of
 from yarclang.robot.model import Robot
+from yarclang.toml.bodies import SIZES
 from yarclang.toml.draft import table_name
 from yarclang.toml.file import did_you_mean
 from yarclang.toml.places import Path

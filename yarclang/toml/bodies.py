@@ -1,0 +1,130 @@
+"""Bodies in TOML files: which keys belong to a shape, and the shape of a table. Lengths become m."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Protocol
+
+import numpy as np
+
+from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Sphere
+from yarclang.toml.draft import missing_mistake, table_name
+from yarclang.toml.file import TomlFile
+from yarclang.toml.places import Path
+from yarclang.toml.tables import Document, Table
+from yarclang.transforms import constant
+
+SimpleShape = Box | Sphere | Cylinder | Capsule
+
+_MESHES = (".stl", ".obj", ".dae", ".ply")
+
+SIZES: Mapping[str, tuple[str, ...]] = {
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "mesh": ("file",),
+}
+"""The keys that each shape needs."""
+OF_SHAPES = tuple(dict.fromkeys(key for keys in SIZES.values() for key in keys))
+"""The keys of any shape."""
+
+
+class Sized(Protocol):
+    """A table with the sizes of a shape."""
+
+    @property
+    def size(self) -> Sequence[float] | None:
+        """The edges of a box."""
+        ...
+
+    @property
+    def radius(self) -> float | None:
+        """Of a sphere, a cylinder, a capsule."""
+        ...
+
+    @property
+    def length(self) -> float | None:
+        """Of a cylinder, or of a capsule without its caps."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Keys:
+    """The keys of a shape, or of what else decides on keys: `what` it is in words, those that it needs, and those that it may have."""
+
+    what: str
+    needed: Sequence[str]
+    optional: Sequence[str] = ()
+
+
+def has_its_keys(
+    table: Table,
+    place: tuple[TomlFile, type[Document], Path],
+    keys: Keys,
+    every: Sequence[str],
+    dropped: Collection[Path],
+) -> bool:
+    """Whether a table has the keys of its shape or rule, and none of another's; findings where it hasn't.
+
+    Args:
+        table: the table.
+        place: its file, the form of that, and where it stands.
+        keys: those that it should have.
+        every: those of any shape or rule.
+        dropped: the keys that had the wrong form, which was said.
+    """
+    file, document, path = place
+    sound = True
+    for key in every:
+        given, at = getattr(table, key) is not None, (*path, key)
+        if key in keys.needed and not given:
+            sound = False
+            # what is required of every such table, or had the wrong form, was said
+            if key not in table.required and at not in dropped:
+                mistake = missing_mistake(document, at)
+                message = f"{mistake.message.removesuffix('.')}, which {keys.what} needs."
+                file.say(mistake.code, at, message, mistake.help, at_key=True)
+        elif given and key not in keys.needed and key not in keys.optional:
+            sound = False
+            known = ", ".join((*keys.needed, *keys.optional)) or "none of its own"
+            message = f"{table_name(path)} has {key}, which {keys.what} doesn't take."
+            file.say("Y1305", at, message, f"Remove it; {keys.what} has {known}.", at_key=True)
+    return sound
+
+
+def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
+    """A shape without a file [m], of a table that has its keys, in lengths of `unit` [m]."""
+    if shape == "box":
+        return Box(constant(np.array(table.size) * unit))
+    radius, length = (table.radius or 0.0) * unit, (table.length or 0.0) * unit
+    match shape:
+        case "sphere":
+            return Sphere(radius)
+        case "cylinder":
+            return Cylinder(radius, length)
+        case _:
+            return Capsule(radius, length)
+
+
+def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath) -> Mesh | None:
+    """The mesh of a file in lengths of `unit` [m], which is there and isn't empty; None with a finding, or where there is no unit."""
+    file, path = place
+    if FilePath(name).suffix.lower() not in _MESHES:
+        message = f"{name[:80]} isn't the name of a mesh."
+        file.say("Y1308", path, message, f"Meshes end in {', '.join(_MESHES)}.")
+        return None
+    try:
+        content = (folder / name).read_bytes()
+    except (OSError, ValueError):
+        content = None
+    if not content:
+        message = f"The mesh {name[:80]} is {'not there' if content is None else 'empty'}."
+        file.say("Y1357", path, message, "Put the file there; it is seen from the folder of this file.")
+        return None
+    if unit is None:
+        return None
+    return Mesh((folder / name).absolute(), unit, hashlib.sha256(content).hexdigest())

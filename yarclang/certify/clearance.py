@@ -11,13 +11,13 @@ from yarclang import hir
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Clearance
 from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.certify.moments import pose_text, span_text
 from yarclang.collision.course import Course
 from yarclang.collision.meeting import Contact, contact
 from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.diagnostics import Diagnostic, grouped
-from yarclang.robot.kinematics.fk import tool_poses
-from yarclang.robot.model import Array, Robot
+from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 
@@ -100,7 +100,7 @@ def _finding(
     origin = place.motion.origin
     start = float(course.begins[span[0]])
     duration = float(course.begins[span[1]]) - start
-    when = f"from {found.begin:.3f} s to {found.end:.3f} s after its start ({_share(found.begin, duration)} to {_share(found.end, duration)})"
+    when = span_text(found.begin, found.end, duration)
     q = course.at(np.array([start + found.worst]))[0]
     margin = float(scene.margin[pair])
     if found.distance <= 0.0:
@@ -122,25 +122,8 @@ def _finding(
     names = dict.fromkeys(" and ".join(scene.names(one.pair)) for one, _ in contacts)
     names.pop(f"{moving} and {other}")
     more = f"; as well too near: {', '.join(names)}" if names else ""
-    message = f"{how}, {when}; worst at {found.worst:.3f} s, {_pose(robot, origin, q)}{more}"
+    message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
     return Diagnostic(code, message, origin.source, origin.span, _REMEDIES[code], place=origin.place)
-
-
-def _share(time: float, duration: float) -> str:
-    return f"{100.0 * time / duration:.0f} %"
-
-
-def _pose(robot: Robot, origin: hir.Origin, q: Array) -> str:
-    """The joints, and where the tool is."""
-    joints = " ".join(f"{value:.2f}" for value in (q / robot.axis_units).round(2) + 0.0)
-    units = ",".join(dict.fromkeys(robot.axis_unit_names))
-    name = origin.moving.name if origin.moving else "TCP"
-    frame = robot.flange_from_frame.get(name)
-    if frame is None:
-        name, frame = "FLANGE", np.eye(4)
-    point = tool_poses(robot.chain, q[None], frame)[0, :3, 3] / MM
-    tool = " ".join(f"{value:.1f}" for value in point.round(1) + 0.0)
-    return f"with the joints at {joints} {units} and {{{name}}} at {tool} mm in {{B}}"
 
 
 _REMEDIES = {

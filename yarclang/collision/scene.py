@@ -24,8 +24,8 @@ class Body:
     """Something that has room: a link's shape, an obstacle, or what the robot carries.
 
     `joint` is how many joints move it, those from the base on. `base_from_body` (4, 4) [m] is where it is with all joints at zero.
-    `margin` [m] is how far other bodies stay away from it. `is_link` says that it is a link's shape, `of_cell` that it stands in the cell:
-    a tool of the cell, which the robot carries, is neither.
+    `margin` [m] is how far other bodies stay away from it. `is_link` says that it is a link's shape, `of_robot` that it is a link's or that of a
+    tool of robot.toml, `of_cell` that it stands in the cell: what the cell says that the robot carries is none of these.
     """
 
     name: str
@@ -34,6 +34,7 @@ class Body:
     geometry: Geometry
     margin: float
     is_link: bool
+    of_robot: bool
     of_cell: bool
 
 
@@ -79,7 +80,15 @@ def scene_of(robot: Robot, cell: Cell | None) -> Result[Scene]:
     findings: list[Diagnostic] = []
     bodies: list[Body] = []
 
-    def add(name: str, joint: int, placed: Array, shape: Shape, obstacle: Obstacle | None = None) -> None:
+    def add(
+        name: str,
+        joint: int,
+        placed: Array,
+        shape: Shape,
+        obstacle: Obstacle | None = None,
+        *,
+        is_link: bool = False,
+    ) -> None:
         try:
             geometry = geometry_of(shape, hull=obstacle is None)
         except UnreadableError as error:
@@ -90,10 +99,13 @@ def scene_of(robot: Robot, cell: Cell | None) -> Result[Scene]:
         else:
             margin = obstacle.margin if obstacle else 0.0
             stands = obstacle is not None and not obstacle.mount.on_flange
-            bodies.append(Body(name, joint, placed, geometry, margin, obstacle is None, stands))
+            bodies.append(Body(name, joint, placed, geometry, margin, is_link, obstacle is None, stands))
 
     for link in robot.shapes:
-        add(link.link, link.joint, link.base_from_shape, link.shape)
+        add(link.link, link.joint, link.base_from_shape, link.shape, is_link=True)
+    for tool in robot.tools:
+        for part in tool.shapes if tool.mounted else ():
+            add(tool.name, robot.size, robot.chain.base_from_flange @ part.flange_from_shape, part.shape)
     for one in cell.obstacles if cell else ():
         carried = one.mount.on_flange
         placed = robot.chain.base_from_flange @ one.mount.transform if carried else one.mount.transform
@@ -178,9 +190,11 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
             joints = sorted((body.joint, bodies[other].joint))
             if joints[0] == joints[1]:
                 continue
-            if body.is_link and bodies[other].is_link:
+            if body.is_link and bodies[other].is_link and (joints[0], joints[1]) in neighbours:
+                continue
+            if body.of_robot and bodies[other].of_robot:
                 first, second = sorted((body.name, bodies[other].name))
-                if (joints[0], joints[1]) in neighbours or (first, second) in robot.allowed:
+                if (first, second) in robot.allowed:
                     continue
             found.append((other, one))
     return found

@@ -41,15 +41,6 @@ FINDINGS = (
         'shape = "mesh"\nfile = "press.stl"     # an empty file, or none of STL, OBJ, DAE, PLY',
     ),
     Finding(
-        "Y0905",
-        "zones-not-watched",
-        "warning",
-        "the zones of a cell aren't watched",
-        "Zones say where the robot may be, and how fast. They are read and checked in form, and no motion is held against them yet: whoever wrote "
-        "them has to know that they don't protect anything.",
-        '[[zones]]\nname = "FLOOR"\nrule = "allowed"',
-    ),
-    Finding(
         "Y0930",
         "too-near-to-prove",
         "error",
@@ -57,5 +48,25 @@ FINDINGS = (
         "The proof that a motion is free divides it until what is left can't reach from one body to the other. Where they pass within a fifth of a millimetre of the margin, and one of "
         "them is a hollow mesh, that would take seconds: it ends there, and what isn't proved isn't written. Nothing was seen to touch.",
         '[[obstacles]]\nname = "PRESS"\nshape = "mesh"\nfile = "press.stl"     # the robot passes it at its margin and 0.1 mm',
+    ),
+    Finding(
+        "Y0931",
+        "body-of-no-tool",
+        "error",
+        "a body in robot.toml belongs to a tool that isn't there",
+        "A body is one of the shapes of a tool, and a tool is a table [tools.NAME], which says where it hangs and what it weighs. A body of a tool that "
+        "nobody declares would be left out, and the robot would pass through things with it.",
+        '[[bodies]]\ntool = "GRIPER"\nshape = "box"\nsize = [60, 40, 120]',
+        '[tools.GRIPPER]\n\n[[bodies]]\ntool = "GRIPPER"\nshape = "box"\nsize = [60, 40, 120]',
+    ),
+    Finding(
+        "Y0932",
+        "impossible-inertia",
+        "error",
+        "a tool has an inertia that no body has",
+        "The principal moments of any body are not negative, and none is larger than the sum of the two others. Else digits are wrong, the order is another, or the unit "
+        "isn't kg m^2; torques that are calculated with it would be wrong as well.",
+        "[tools.GRIPPER]\nmass = 2.0\ninertia = [0.010, 0.001, 0.001, 0, 0, 0]",
+        "[tools.GRIPPER]\nmass = 2.0\ninertia = [0.010, 0.009, 0.002, 0, 0, 0]",
     ),
 )

@@ -141,11 +141,12 @@ def _check_positions(
 
 
 def _check_names(file: TomlFile, draft: RobotDraft) -> None:
-    """The names that programs use: of the robot, its frames and positions."""
+    """The names that programs and messages use: of the robot, its frames, tools and positions."""
     named: list[tuple[Path, str, str]] = []
     if draft.table.name is not None:
         named.append((("name",), draft.table.name, "robot"))
     named += [(("frames", name), name, "frame") for name in draft.table.frames]
+    named += [(("tools", name), name, "tool") for name in draft.table.tools]
     named += [(("positions", name), name, "position") for name in draft.table.positions or {}]
     first: dict[tuple[str, str], str] = {}
     for path, name, what in named:

@@ -13,28 +13,30 @@ from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.reading import read_text
 
 if TYPE_CHECKING:
-    from yarclang.robot.schema import CollisionTable
+    from yarclang.robot.schema import RobotTable
 
 Pair = tuple[str, str]
 
 
-def allowed_pairs(file: TomlFile, folder: Path, table: CollisionTable, urdf: Urdf) -> frozenset[Pair]:
-    """The pairs, each in alphabetical order; findings where one names no link."""
+def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -> frozenset[Pair]:
+    """The pairs of links and tools, each in alphabetical order; findings where one names neither."""
     pairs: set[Pair] = set()
-    for at, names in enumerate(table.allowed):
+    tools = {name.upper() for name in table.tools}
+    for at, said in enumerate(table.collision.allowed):
+        names = [name.upper() if name not in urdf.links and name.upper() in tools else name for name in said]
         place = ("collision", "allowed", at)
         if len(names) != 2 or names[0] == names[1]:
             message = f"allowed has {len(names)} names in a pair, {', '.join(names)[:60]}."
             file.say("Y1309", place, message, 'Write two links, ["link_2", "link_4"].')
             continue
-        lost = [name for name in names if name not in urdf.links]
+        lost = [name for name in names if name not in urdf.links and name not in tools]
         for name in lost:
             message = f"allowed names the link {name[:40]}, which the URDF doesn't have."
-            file.say("Y1347", place, message, did_you_mean(name, urdf.links))
+            file.say("Y1347", place, message, did_you_mean(name, [*urdf.links, *tools]))
         if not lost:
             pairs.add(_ordered(*names))
-    if table.srdf is not None:
-        pairs.update(_of_srdf(file, folder, table.srdf, urdf))
+    if table.collision.srdf is not None:
+        pairs.update(_of_srdf(file, folder, table.collision.srdf, urdf))
     return frozenset(pairs)
 
 

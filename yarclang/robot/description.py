@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -20,31 +21,33 @@ from yarclang.robot.checks import check_narrower, check_table
 from yarclang.robot.contacts import allowed_pairs
 from yarclang.robot.library import RobotSummary, find_robot, list_robots, stdlib_folder
 from yarclang.robot.link_shapes import link_shapes
+from yarclang.robot.masses import dynamics_of
 from yarclang.robot.model import (
     Actuation,
     Array,
     Chain,
     Controller,
+    Dynamics,
     JointKind,
     Limits,
-    LinkShape,
     Robot,
     Tolerance,
+    Tool,
 )
 from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
 from yarclang.robot.urdf_shapes import check_shapes
+from yarclang.shapes import Mesh
 from yarclang.source import SourceFile
 from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import find_places
 from yarclang.toml.reading import parse_toml, read_text
-from yarclang.transforms import rpy_rotation
 from yarclang.units import DEG, MM, MS
 
 if TYPE_CHECKING:
     from yarclang.robot.draft import RobotDraft
     from yarclang.robot.schema import RobotTable
 
-__all__ = ["RobotSummary", "list_robots", "load_robot", "stdlib_folder"]
+__all__ = ["RobotSummary", "list_robots", "load_robot", "read_robot", "stdlib_folder"]
 
 T = TypeVar("T")
 
@@ -68,15 +71,21 @@ def load_robot(name_or_path: str) -> Result[Robot]:
     source = read_text(path, "Name a folder with a robot.toml, or a robot of the library.")
     if isinstance(source, Diagnostic):
         return _nothing(source)
+    return read_robot(source, path.parent)
+
+
+def read_robot(source: SourceFile, folder: Path) -> Result[Robot]:
+    """The robot of a robot.toml's text that stands in a folder, for example of one that is being edited; else as `load_robot`."""
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
         return _nothing(data)
-    return _load(path.parent.absolute(), source, data)
+    return _load(folder.absolute(), source, data)
 
 
 def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robot]:
     """The robot of a robot.toml that is TOML."""
     from yarclang.robot.draft import read_draft
+    from yarclang.robot.tools import check_tools, flange_frames, tools_of
 
     file = TomlFile(source, find_places(source))
     draft = read_draft(data)
@@ -93,6 +102,7 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
         if len(ends) == 2 and not lost:
             moving = _chain(file, urdf, (ends["base"], ends["flange"]), shapes, draft.table.ignored_joints)
     check_table(file, draft, moving)
+    check_tools(file, draft, folder)
     if urdf is not None and moving is not None:
         check_narrower(urdf, draft, moving)
     findings = [*file.findings, *(urdf.findings if urdf else ())]
@@ -102,12 +112,19 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     chain = screws(urdf, _given(table.base), _given(table.flange), moving)
     if chain is None:
         return Result(None, in_order([*findings, *urdf.findings]))
-    allowed = allowed_pairs(file, folder, table.collision, urdf)
+    allowed = allowed_pairs(file, folder, table, urdf)
     if has_errors(file.findings):
         return Result(None, in_order([*file.findings, *urdf.findings]))
-    fingerprint = _fingerprint(table, urdf, shapes, allowed)
     bodies = link_shapes(urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving)
-    return Result(_assemble(folder, table, moving, chain, fingerprint, bodies, allowed), in_order(findings))
+    frames = flange_frames(table)
+    tools = tools_of(file, table, frames, folder)
+    efforts = [_given(table.joints)[joint.name].effort for joint in moving]
+    said = (efforts, table.dynamics.gravity, table.dynamics.checked)
+    dynamics = dynamics_of(urdf, (_given(table.base), moving), chain, tools, said)
+    robot = _assemble(folder, table, moving, chain, frames)
+    fingerprint = _fingerprint(table, urdf, shapes, allowed, (tools, dynamics))
+    robot = replace(robot, shapes=bodies, allowed=allowed, tools=tools, dynamics=dynamics)
+    return Result(replace(robot, fingerprint=fingerprint), in_order(findings))
 
 
 def _open_urdf(file: TomlFile, folder: Path, draft: RobotDraft) -> tuple[Urdf | None, dict[str, list[str]]]:
@@ -171,11 +188,9 @@ def _assemble(
     table: RobotTable,
     joints: Sequence[Joint],
     chain: Chain,
-    fingerprint: str,
-    shapes: tuple[LinkShape, ...],
-    allowed: frozenset[tuple[str, str]],
+    frames: Mapping[str, Array],
 ) -> Robot:
-    """The robot in SI, of tables without mistakes."""
+    """The robot in SI without its bodies, of tables without mistakes."""
     actuation, motors, controller = _given(table.actuation), _given(table.motors), _given(table.controller)
     units = np.where(chain.is_prismatic, MM, DEG)
     size = len(joints)
@@ -188,7 +203,7 @@ def _assemble(
         joint_kinds=tuple(_kind(joint.kind) for joint in joints),
         chain=chain,
         limits=_limits(table, joints, units),
-        flange_from_frame=MappingProxyType(_frames(table)),
+        flange_from_frame=MappingProxyType(dict(frames)),
         positions=MappingProxyType(
             {
                 name.upper(): frozen(np.array(values) * units)
@@ -216,9 +231,7 @@ def _assemble(
             i10=controller.i10,
         ),
         tolerance=Tolerance(table.tolerance.position * MM, table.tolerance.angle * DEG),
-        fingerprint=fingerprint,
-        shapes=shapes,
-        allowed=allowed,
+        fingerprint="",
     )
 
 
@@ -237,29 +250,14 @@ def _limits(table: RobotTable, joints: Sequence[Joint], units: Array) -> Limits:
     )
 
 
-def _frames(table: RobotTable) -> dict[str, Array]:
-    """flange_from_frame of each frame of the file, by its name in upper case, and of FLANGE."""
-    frames = {name.upper(): frame for name, frame in table.frames.items()}
-    placed: dict[str, Array] = {"FLANGE": np.eye(4)}
-    while len(placed) <= len(frames):  # parents first; there is no circle
-        for name, frame in frames.items():
-            if name not in placed and frame.parent.upper() in placed:
-                placed[name] = placed[frame.parent.upper()] @ _transform(frame.xyz, frame.rpy)
-    return {name: frozen(pose) for name, pose in placed.items()}
-
-
-def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
-    """parent_from_frame (4, 4) of a place [mm] and R = Rz(yaw) Ry(pitch) Rx(roll) [deg]."""
-    pose = np.eye(4)
-    pose[:3, :3] = rpy_rotation(np.array(rpy) * DEG)
-    pose[:3, 3] = np.array(xyz) * MM
-    return pose
-
-
 def _fingerprint(
-    table: RobotTable, urdf: Urdf, shapes: Mapping[str, Sequence[str]], allowed: frozenset[tuple[str, str]]
+    table: RobotTable,
+    urdf: Urdf,
+    shapes: Mapping[str, Sequence[str]],
+    allowed: frozenset[tuple[str, str]],
+    more: tuple[tuple[Tool, ...], Dynamics],
 ) -> str:
-    """SHA-256 of what the files say: values, joints and collision shapes (meshes with their bytes).
+    """SHA-256 of what the files say: values, joints and collision shapes (meshes with their bytes), tools, and masses where torques are checked.
 
     Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
     """
@@ -267,9 +265,22 @@ def _fingerprint(
         joint.name: [joint.kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis]
         for joint in urdf.joints.values()
     }
-    values = table.model_dump(exclude={"urdf", "ignored_joints", "collision"})
-    canonical = json.dumps([values, joints, dict(shapes), *sorted(allowed)], sort_keys=True)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    tools, dynamics = more
+    # what a robot doesn't have leaves its fingerprint as it is
+    later = {"tools", "bodies", "dynamics"}
+    values = table.model_dump(exclude={"urdf", "ignored_joints", "collision", *later})
+    for joint in values["joints"].values():
+        joint.pop("effort")
+    parts: list[object] = [values, joints, dict(shapes), *sorted(allowed)]
+    if tools:
+        meshes = [one.shape.digest for tool in tools for one in tool.shapes if isinstance(one.shape, Mesh)]
+        parts += [table.model_dump(include={"tools", "bodies"}), meshes]
+    if dynamics.is_checked:
+        parts += [getattr(dynamics, name).tolist() for name in _OF_DYNAMICS]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+_OF_DYNAMICS = ("mass", "center", "inertia", "gravity", "effort")
 
 
 def _nothing(finding: Diagnostic) -> Result[Robot]:

@@ -30,20 +30,20 @@ def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) ->
         base: the link that is {B}.
         moving: the arm's moving joints, from the base to the flange.
     """
-    places = _link_places(urdf, moving)
+    places = link_places(urdf, moving)
     base_from_root = np.linalg.inv(places[base][0])
     found: list[LinkShape] = []
     for name, link in urdf.links.items():
         root_from_link, joint = places[name]
         for body in link.all("collision"):
             origin = body.first("origin")
-            placed = base_from_root @ root_from_link @ _transform(urdf, origin)
+            placed = base_from_root @ root_from_link @ placed_at(urdf, origin)
             shape = _shape(urdf, _given(body.first("geometry")).children[0], folder)
             found.append(LinkShape(name, joint, constant(placed), shape))
     return tuple(found)
 
 
-def _link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
+def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
     """Of each link root_from_link (4, 4) with all joints at zero, and how many of the moving joints are above it."""
     below: dict[str, list[Joint]] = {}
     for joint in urdf.joints.values():
@@ -63,7 +63,8 @@ def _link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, 
     return places
 
 
-def _transform(urdf: Urdf, origin: Element | None) -> Array:
+def placed_at(urdf: Urdf, origin: Element | None) -> Array:
+    """link_from_it (4, 4) of an <origin>, which was checked; without one it is the link's frame."""
     placed = np.eye(4)
     rpy = urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
     placed[:3, :3] = rpy_rotation(np.array(_given(rpy)))

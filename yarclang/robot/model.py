@@ -133,13 +133,59 @@ class LinkShape:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ToolShape:
+    """A shape of a tool, and where it is on the flange: `flange_from_shape` (4, 4) [m]."""
+
+    flange_from_shape: Array
+    shape: Shape
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tool:
+    """What hangs on the flange, or, if it isn't `mounted`, could.
+
+    `mass` is in kg, `center` (3,) its centre [m] and `inertia` (3, 3) about that [kg m^2], in the axes of {FLANGE}.
+    """
+
+    name: str
+    mounted: bool
+    mass: float
+    center: Array
+    inertia: Array
+    shapes: tuple[ToolShape, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dynamics:
+    """What the joints have to move, with all of them at zero, in {B}: of what joint k moves and joint k + 1 doesn't, mounted tools among it, `mass` (n,) [kg], `center`
+    (n, 3) [m], and `inertia` (n, 3, 3) about it [kg m^2].
+
+    `gravity` (3,) is in m/s^2, `effort` (n,) the largest torque or force of each joint [N m or N], infinite where none is known. `wanted` says whether robot.toml
+    wants efforts to be checked.
+    """
+
+    mass: Array
+    center: Array
+    inertia: Array
+    gravity: Array
+    effort: Array
+    wanted: bool
+
+    @property
+    def is_checked(self) -> bool:
+        """Whether motions are held against efforts: all masses are known, and some effort is."""
+        return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Robot:
     """A robot: geometry, limits, frames, actuation, controller.
 
     `flange_from_frame` has each frame that sits on the flange, by its name in upper case
     without braces; FLANGE itself is the identity. `positions` are the named joint
     positions, HOME among them. `fingerprint` is the SHA-256 of all that this says. `shapes` are the links' collision
-    shapes; `allowed` the pairs of links, each in alphabetical order, that may touch each other.
+    shapes; `allowed` the pairs of links and tools, each in alphabetical order, that may touch each other. `dynamics` is None for a robot that was made
+    without files.
     """
 
     name: str
@@ -158,6 +204,8 @@ class Robot:
     fingerprint: str
     shapes: tuple[LinkShape, ...] = ()
     allowed: frozenset[tuple[str, str]] = frozenset()
+    tools: tuple[Tool, ...] = ()
+    dynamics: Dynamics | None = None
 
     @property
     def size(self) -> int:

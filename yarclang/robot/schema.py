@@ -9,11 +9,13 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from yarclang.toml.tables import LEAST, Document, Number, Positive, Table
+from yarclang.toml.tables import LARGEST, LEAST, Document, Number, Positive, Table
+
+NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
 
 
 class JointTable(Table):
-    """`[joints.NAME]`: deg (mm for a prismatic joint), per s, s^2, s^3."""
+    """`[joints.NAME]`: deg (mm for a prismatic joint), per s, s^2, s^3; efforts in N m (N)."""
 
     required = ("velocity", "acceleration", "jerk")
     position: list[Number] | None = None
@@ -21,6 +23,7 @@ class JointTable(Table):
     acceleration: Positive | None = None
     jerk: Positive | None = None
     stop_acceleration: Positive | None = None
+    effort: Positive | None = None
 
 
 class FrameTable(Table):
@@ -79,6 +82,37 @@ class CollisionTable(Table):
     srdf: str | None = None
 
 
+class ToolTable(Table):
+    """`[tools.NAME]`: what hangs on the flange; kg, mm, kg m^2 (xx, yy, zz, xy, xz, yz about the centre of mass), all seen from `frame`."""
+
+    frame: str = "FLANGE"
+    mounted: bool = True
+    mass: NotNegative | None = None
+    center_of_mass: list[Number] | None = None
+    inertia: list[Number] | None = None
+
+
+class BodyTable(Table):
+    """`[[bodies]]`: a shape of a tool, in mm and deg, seen from the tool's frame."""
+
+    required = ("tool", "shape")
+    tool: str | None = None
+    shape: Literal["box", "sphere", "cylinder", "capsule", "mesh"] | None = None
+    xyz: list[Number] = Field(default=[0.0, 0.0, 0.0])
+    rpy: list[Number] = Field(default=[0.0, 0.0, 0.0])
+    size: list[Positive] | None = None
+    radius: Positive | None = None
+    length: Positive | None = None
+    file: str | None = None
+
+
+class DynamicsTable(Table):
+    """`[dynamics]`: gravity in m/s^2, seen from {B}, and whether torques are checked."""
+
+    checked: bool = True
+    gravity: list[Number] | None = None
+
+
 class RobotTable(Document):
     """The whole file."""
 
@@ -107,6 +141,10 @@ class RobotTable(Document):
     controller: ControllerTable | None = None
     tolerance: ToleranceTable = Field(default_factory=ToleranceTable)
     collision: CollisionTable = Field(default_factory=CollisionTable)
+    tools: dict[str, ToolTable] = Field(default={})
+    bodies: list[BodyTable] = Field(default=[])
+    dynamics: DynamicsTable = Field(default_factory=DynamicsTable)
+    wanted: ClassVar = {"bodies": "tables, each under [[bodies]]"}
     tables: ClassVar = {
         "joints": JointTable,
         "frames": FrameTable,
@@ -115,6 +153,9 @@ class RobotTable(Document):
         "controller": ControllerTable,
         "tolerance": ToleranceTable,
         "collision": CollisionTable,
+        "tools": ToolTable,
+        "bodies": BodyTable,
+        "dynamics": DynamicsTable,
     }
     examples: ClassVar = {
         "name": 'for example name = "INDUSTRIAL6".',
@@ -130,5 +171,12 @@ class RobotTable(Document):
         "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2.",
         "jerk": "for example jerk = 2000, in deg/s^3 or mm/s^3.",
         "HOME": "HOME = [...], one value a joint in deg or mm.",
+        "tool": 'for example tool = "GRIPPER", the NAME of a table [tools.NAME].',
+        "shape": 'for example shape = "box".',
+        "size": "size = [x, y, z], the whole edges in mm.",
+        "radius": "for example radius = 40, in mm.",
+        "length": "for example length = 200, in mm, along z.",
+        "file": 'for example file = "gripper.stl", in mm, seen from the folder of this file.',
+        "mass": "for example mass = 1.8, in kg.",
         "J": "J = [[...], ...], a row a motor and a column a joint; the unit matrix without coupling.",
     }

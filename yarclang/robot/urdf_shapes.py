@@ -141,7 +141,7 @@ def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> s
 
 
 def _check_inertial(urdf: Urdf, link: Element) -> None:
-    """Mass and inertia, which YARC doesn't use, but which make Pinocchio drop them if they are wrong."""
+    """Mass and inertia, which Pinocchio drops in silence if they are wrong."""
     urdf.once(link, ("inertial",))
     inertial = link.first("inertial")
     if inertial is None:

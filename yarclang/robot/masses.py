@@ -1,0 +1,111 @@
+"""What the joints have to move: masses of a URDF's links and of tools, put together joint by joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.robot.link_shapes import link_places, placed_at
+from yarclang.robot.model import Array, Chain, Dynamics, Tool
+from yarclang.robot.urdf import Joint, Urdf
+from yarclang.transforms import constant
+
+GRAVITY = 9.81
+"""Along the negative z axis of the URDF's root, if robot.toml doesn't say more [m/s^2]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lump:
+    """A body that `joint` joints move: `mass` [kg], `center` (3,) in {B} [m], `inertia` (3, 3) about it [kg m^2]."""
+
+    joint: int
+    mass: float
+    center: Array
+    inertia: Array
+
+
+def dynamics_of(
+    urdf: Urdf,
+    ends: tuple[str, Sequence[Joint]],
+    chain: Chain,
+    tools: Sequence[Tool],
+    said: tuple[Sequence[float | None], Sequence[float] | None, bool],
+) -> Dynamics:
+    """What is known of masses and efforts.
+
+    Args:
+        urdf: a URDF without errors.
+        ends: the link that is {B}, and the arm's moving joints.
+        chain: the same arm.
+        tools: those that are mounted count.
+        said: by robot.toml: the effort of each joint (None: as the URDF says), gravity in {B} [m/s^2] (None: downwards), and whether torques are to be checked.
+    """
+    base, moving = ends
+    efforts, gravity, wanted = said
+    places = link_places(urdf, moving)
+    base_from_root = np.linalg.inv(places[base][0]).astype(np.float64)
+    size = len(moving)
+    lumps: list[list[_Lump]] = [[] for _ in range(size + 1)]
+    for lump in (*_links(urdf, places, base_from_root), *_tools(tools, chain)):
+        lumps[lump.joint].append(lump)
+    together = [_together(each) for each in lumps[1:]]
+    down = base_from_root[:3, :3] @ np.array([0.0, 0.0, -GRAVITY]) if gravity is None else np.array(gravity)
+    return Dynamics(
+        constant(np.array([one.mass for one in together])),
+        constant(np.array([one.center for one in together]).reshape(size, 3)),
+        constant(np.array([one.inertia for one in together]).reshape(size, 3, 3)),
+        constant(down),
+        constant(np.array([_effort(urdf, *one) for one in zip(moving, efforts, strict=True)])),
+        wanted,
+    )
+
+
+def _links(urdf: Urdf, places: dict[str, tuple[Array, int]], base_from_root: Array) -> Iterator[_Lump]:
+    for name, link in urdf.links.items():
+        inertial = link.first("inertial")
+        mass = urdf.numbers(inertial.first("mass") if inertial else None, "value", 1, (0.0,))
+        if inertial is None or not mass or mass[0] <= 0.0:
+            continue
+        root_from_link, joint = places[name]
+        placed = base_from_root @ root_from_link @ placed_at(urdf, inertial.first("origin"))
+        part = inertial.first("inertia")
+        xx, xy, xz, yy, yz, zz = (
+            (urdf.numbers(part, key, 1, (0.0,)) or (0.0,))[0]
+            for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        )
+        own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        turn = placed[:3, :3]
+        yield _Lump(joint, mass[0], placed[:3, 3], turn @ own @ turn.T)
+
+
+def _tools(tools: Sequence[Tool], chain: Chain) -> Iterator[_Lump]:
+    flange = chain.base_from_flange
+    turn = flange[:3, :3]
+    for tool in tools:
+        if tool.mounted and tool.mass > 0.0:
+            center = turn @ tool.center + flange[:3, 3]
+            yield _Lump(chain.size, tool.mass, center, turn @ tool.inertia @ turn.T)
+
+
+def _together(lumps: Sequence[_Lump]) -> _Lump:
+    """Bodies that never move against each other as one."""
+    mass = sum(one.mass for one in lumps)
+    if mass == 0.0:
+        return _Lump(0, 0.0, np.zeros(3), np.zeros((3, 3)))
+    center = sum((one.mass * one.center for one in lumps), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for one in lumps:
+        away = one.center - center
+        inertia += one.inertia + one.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    return _Lump(lumps[0].joint, mass, center, inertia)
+
+
+def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
+    """CAD exports write 0 where they know none."""
+    if said is not None:
+        return said
+    limit = joint.element.first("limit")
+    effort = urdf.numbers(limit, "effort", 1, (0.0,)) if limit else None
+    return effort[0] if effort and effort[0] > 0.0 else np.inf

@@ -10,9 +10,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "yarclang"
-DOORS = ("cli",)
+DOORS = ("cli", "lsp")
 """Folders of the package that talk to the world."""
 SOCKETS = {
+    "coordinator/coordinator.py",
+    "coordinator/engine.py",
+    "coordinator/subscription.py",
     "runtime/log.py",
     "runtime/session.py",
     "runtime/transports/local.py",

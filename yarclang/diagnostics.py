@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
@@ -114,6 +115,15 @@ def suggest(word: str, known: Iterable[str]) -> str:
     # of equally near names, the one with the same letters in another order was meant
     near.sort(key=lambda name: sorted(name) != sorted(word.upper()))
     return f"did you mean {by_upper[near[0]]}?" if near else ""
+
+
+_MEANT = re.compile(r"\bdid you mean (\S+?)\?", re.IGNORECASE)
+
+
+def suggested(help_: str) -> str:
+    """The name that a help line says may be meant; empty where it says none."""
+    found = _MEANT.search(help_)
+    return found[1] if found else ""
 
 
 class Collector:

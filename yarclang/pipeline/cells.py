@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from yarclang.cell.description import Names, load_cell, read_cell
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, in_order
+from yarclang.pipeline.sources import NO_TEXTS
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.robot.model import Robot
@@ -17,10 +18,12 @@ from yarclang.source import SourceFile
 SUFFIX = ".toml"
 
 
-def cell_loader(folder: Path, robot: Robot) -> Callable[[str, SourceFile | None], Result[Cell]]:
+def cell_loader(
+    folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS
+) -> Callable[[str, SourceFile | None], Result[Cell]]:
     """How cells of a program in `folder` are read: the path of a CELL line, and the module that it stands in (None: the program).
 
-    The same file gives the same cell, whatever paths lead to it.
+    The same file gives the same cell, whatever paths lead to it. `texts` are files that are open somewhere, as for modules.
     """
     known: dict[Path, Result[Cell]] = {}
 
@@ -31,7 +34,8 @@ def cell_loader(folder: Path, robot: Robot) -> Callable[[str, SourceFile | None]
         except (OSError, ValueError, RuntimeError):  # a name that can't be one, links in a circle
             key = place
         if key not in known:
-            known[key] = load_cell(place, Names(is_word, robot))
+            text, names = texts.get(place.absolute()) or texts.get(key), Names(is_word, robot)
+            known[key] = load_cell(place, names) if text is None else read_cell(text, place.parent, names)
         return known[key]
 
     return load

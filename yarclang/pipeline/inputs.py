@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,11 @@ from yarclang.hir import Array
 from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
-from yarclang.pipeline.sources import STANDARD_INPUT, read_source
+from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Progress, Request
 from yarclang.pmac.program import Target
-from yarclang.robot.description import load_robot
-from yarclang.robot.library import list_robots
+from yarclang.robot.description import load_robot, read_robot
+from yarclang.robot.library import find_robot, list_robots
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.declarations import check_robot, declared_robot
 from yarclang.source import SourceFile, Span
@@ -28,7 +29,8 @@ from yarclang.units import DEG, MM
 @dataclass(frozen=True, slots=True)
 class Options:
     """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
-    `tolerance` in mm and deg (None: the robot's own).
+    `tolerance` in mm and deg (None: the robot's own). `texts` are files that are open somewhere, by their absolute
+    paths: modules, cells and robots are read from there before what is saved.
     """
 
     robot: str | None = None
@@ -37,6 +39,7 @@ class Options:
     tolerance: tuple[float, float | None] | None = None
     target: Target = "rotary"
     progress: Progress | None = None
+    texts: Mapping[Path, SourceFile] = field(default_factory=lambda: NO_TEXTS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,8 +104,8 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         tolerance=_tolerance(robot, options.tolerance),
         target=options.target,
         progress=options.progress,
-        load=loader(folder),
-        load_cell=cell_loader(folder, robot),
+        load=loader(folder, options.texts),
+        load_cell=cell_loader(folder, robot, options.texts),
     )
     return Result(Opened(module, request), diagnostics)
 
@@ -111,10 +114,10 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
     """The command line and a ROBOT line, which must agree; else yarc.toml."""
     declared = declared_robot(module)
     if options.robot is not None:
-        found = load_robot(options.robot)
+        found = _loaded(options.robot, options.texts)
         if declared is None or found.value is None:
             return found
-        other = _named(declared[0], folder, module.source, declared[1])
+        other = _named(declared[0], folder, module.source, declared[1], options.texts)
         if other.value is not None and other.value.fingerprint != found.value.fingerprint:
             message = f"the program is for {other.value.name}, the command line says {found.value.name}"
             if other.value.name == found.value.name:
@@ -125,13 +128,13 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
             return Result(None, (Diagnostic("Y1392", message, module.source, declared[1], help_),))
         return Result(found.value if other.value else None, other.diagnostics)
     if declared is not None:
-        return _named(declared[0], folder, module.source, declared[1])
+        return _named(declared[0], folder, module.source, declared[1], options.texts)
     malformed = [one for one in module.statements if one.index is None and one.name.name == "ROBOT"]
     if malformed:
         findings = Collector(module.source)
         check_robot(malformed[0], findings)
         return Result(None, tuple(findings.found))
-    return _of_project(project, module.source)
+    return _of_project(project, module.source, options.texts)
 
 
 def robot_for(folder: Path, name: str | None) -> Result[Robot]:
@@ -142,22 +145,52 @@ def robot_for(folder: Path, name: str | None) -> Result[Robot]:
     return Result(None, project.diagnostics) if project.value is None else _of_project(project.value, None)
 
 
-def _of_project(project: Project, program: SourceFile | None) -> Result[Robot]:
+def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) -> Result[Array]:
+    """Where a robot stands, from an option: for work that has no program yet.
+
+    Args:
+        robot: that stands there.
+        values: one a joint, in deg (mm for prismatic joints); None: its home.
+        what: how messages speak of them.
+    """
+    if values is None:
+        return Result(robot.home)
+    findings = Collector(SourceFile("", ""))
+    q = _start(robot, values, what, findings, None)
+    return Result(q, tuple(replace(one, source=None) for one in findings.found))
+
+
+def _of_project(
+    project: Project, program: SourceFile | None, texts: Mapping[Path, SourceFile] = NO_TEXTS
+) -> Result[Robot]:
     """The robot of yarc.toml, or a finding about the program that none was named anywhere."""
     if project.robot is not None:
-        return _named(project.robot, project.folder, project.source, project.span_of("robot"))
+        return _named(project.robot, project.folder, project.source, project.span_of("robot"), texts)
     names = ", ".join(robot.name for robot in list_robots())
     help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
     return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", program, help=help_),))
 
 
-def _named(name: str, folder: Path, source: SourceFile | None, span: Span | None) -> Result[Robot]:
+def _named(
+    name: str,
+    folder: Path,
+    source: SourceFile | None,
+    span: Span | None,
+    texts: Mapping[Path, SourceFile],
+) -> Result[Robot]:
     """The robot of a name or path that stands in a file; what is wrong with the name is said there."""
-    found = load_robot(_placed(name, folder))
+    found = _loaded(_placed(name, folder), texts)
     placed = tuple(
         one if one.source is not None else replace(one, source=source, span=span) for one in found.diagnostics
     )
     return Result(found.value, placed)
+
+
+def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile]) -> Result[Robot]:
+    """The robot of a name or path; that of an open text where its robot.toml is open."""
+    path = find_robot(name_or_path)[0] if texts else None
+    text = texts.get(path.absolute()) if path is not None else None
+    return load_robot(name_or_path) if path is None or text is None else read_robot(text, path.parent)
 
 
 def _placed(name_or_path: str, folder: Path) -> str:

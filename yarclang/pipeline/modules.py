@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
-from yarclang.pipeline.sources import read_source
+from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.robot.library import stdlib_folder
+from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
 
 SUFFIX = ".yarc"
 
 
-def loader(folder: Path) -> Callable[[str], Result[Module]]:
+def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callable[[str], Result[Module]]:
     """How modules of a program in `folder` are read: by name, in any case.
 
-    What is given takes a name in upper case, and gives the parsed module, or a finding that says what there is.
+    What is given takes a name in upper case, and gives the parsed module, or a finding that says what there is. `texts` are files that are
+    open somewhere, by their absolute paths: they go before what is saved.
     """
 
     def load(name: str) -> Result[Module]:
-        places = [*_modules_in(folder), *_modules_in(library_folder())]
+        unsaved = [path for path in texts if path.parent == folder.absolute() and path.suffix == SUFFIX]
+        places = [*unsaved, *_modules_in(folder), *_modules_in(library_folder())]
         for path in places:
             if path.stem.upper() == name:
+                if (text := texts.get(path.absolute())) is not None:
+                    return parse(text)
                 read = read_source(str(path))
                 return Result(None, read.diagnostics) if read.value is None else parse(read.value)
         known = sorted({path.stem.upper() for path in _modules_in(library_folder())})

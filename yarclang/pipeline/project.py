@@ -50,7 +50,11 @@ def _read(path: Path) -> Result[Project]:
     opened = read_source(str(path))
     if opened.value is None:
         return Result(None, opened.diagnostics)
-    source = opened.value
+    return read_project(opened.value, path.parent)
+
+
+def read_project(source: SourceFile, folder: Path) -> Result[Project]:
+    """The settings of a yarc.toml's text that stands in a folder, for example of one that is being edited."""
     try:
         data = tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:
@@ -89,7 +93,7 @@ def _read(path: Path) -> Result[Project]:
     if findings:
         return Result(None, tuple(findings))
     given = tuple(map(float, start)) if start is not None else None
-    return Result(Project(path.parent, robot, given, source, teach, levels))
+    return Result(Project(folder, robot, given, source, teach, levels))
 
 
 def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:

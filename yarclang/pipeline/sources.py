@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import codecs
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.source import SourceFile, Span
 
 STANDARD_INPUT = "-"
+
+NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain one can be sent to another process
+"""No file is open anywhere: what is saved counts."""
+
 _PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
 
 

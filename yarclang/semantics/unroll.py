@@ -113,6 +113,14 @@ def unroll(module: Module, context: Context) -> Unrolled:
     return unroller.program(module)
 
 
+def declared_names(module: Module, context: Context) -> Scope:
+    """What the names mean that a file declares outside of blocks, and the SUBs; what is wrong with them is left unsaid.
+
+    Nothing else is carried out: this is for whoever shows what a name means, in a program that may have errors.
+    """
+    return _Unroller(context).names(module)
+
+
 class _Unroller:
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -157,6 +165,15 @@ class _Unroller:
         return Unrolled(
             self._steps, self._start, self._outputs, self._cells.cell, self._cells.without_followers(found)
         )
+
+    def names(self, module: Module) -> Scope:
+        """The names of a file, without its commands."""
+        file = self._file(module, is_program=True)
+        for node in self._arranged(module, file):
+            word = node.head.name.name if isinstance(node, Block) else node.name.name
+            if word == "SUB" or (isinstance(node, Statement) and node.index is None and word in DECLARATIONS):
+                self._module_node(node, file)
+        return file.scope
 
     def _file(self, module: Module, *, is_program: bool) -> File:
         findings = Collector(module.source)

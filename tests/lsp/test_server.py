@@ -1,0 +1,92 @@
+"""The server in a process of its own, as editors talk to it."""
+
+from pathlib import Path
+
+from lsprotocol import types
+
+from tests.lsp.driven import Editor, capabilities, run
+
+HEAD = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+QUICK = HEAD + "P0010 MOVEJ 10 0 0 0 0 0 [0.05]\nP0020 MOVEJ HOME\n"
+TYPO = HEAD + "P0010 MOVJE HOME\n"
+FINE = HEAD + "P0010 MOVEJ 10 0 0 0 0 0\nP0020 MOVEJ HOME\n"
+
+
+def codes(found: list[types.Diagnostic]) -> list[str]:
+    return [str(one.code) for one in found]
+
+
+def test_findings_are_sent_to_who_does_not_ask(tmp_path: Path):
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", QUICK)
+        (found,) = await one.until(document, lambda found: codes(found) == ["Y0601"])
+        assert found.range.start.line == 2
+        assert found.source == "yarc"
+        one.write(document, TYPO)
+        await one.until(document, lambda found: codes(found) == ["Y0202"])
+        one.write(document, FINE)
+        await one.until(document, lambda found: not found)
+        params = types.DocumentDiagnosticParams(document)
+        assert not (await one.client.text_document_diagnostic_async(params)).items
+
+    run(work, capabilities(pull=False))
+
+
+def test_findings_are_asked_for_and_never_sent(tmp_path: Path):
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", QUICK)
+        found = await one.pulled(document)
+        assert codes(found) == ["Y0601"]
+        params = types.CodeActionParams(document, found[0].range, types.CodeActionContext(found))
+        actions = await one.client.text_document_code_action_async(params)
+        assert actions
+        fix = next(action for action in actions if action.is_preferred)
+        assert "Y0601" in fix.title
+        (edit,) = fix.edit.changes[document.uri]
+        lines = QUICK.split("\n")
+        start, end = edit.range.start, edit.range.end
+        line = lines[2][: start.character] + edit.new_text + lines[2][end.character :]
+        one.write(document, "\n".join([*lines[:2], line, *lines[3:]]))
+        assert "Y0601" not in codes(await one.pulled(document))
+        hover = await one.client.text_document_hover_async(types.HoverParams(document, types.Position(2, 8)))
+        assert "- takes 0." in hover.contents.value
+        assert one.client.diagnostics == {}
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_planned_findings_follow_for_who_can_ask_again(tmp_path: Path):
+    """A program that takes longer than a client should wait: what needs no planning comes first."""
+    body = "P0001 MOVEJ 0 -10 -20 0 -60 0\n" + "".join(
+        f"P{10 * n:04d} MOVEL {n % 7 * 20} 1000 {1060 + n % 5 * 10} -90 0 0\n" for n in range(1, 80)
+    )
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", HEAD + body + "P9999 MOVEJ 10 0 0 0 0 0 [0.001]\n")
+        first = await one.pulled(document)
+        if "Y0601" not in codes(first):
+            await one.refreshed.wait()
+            assert "Y0601" in codes(await one.pulled(document))
+
+    run(work, capabilities(pull=True))
+
+
+def test_descriptions_and_their_users(tmp_path: Path):
+    """cell.toml has findings of its own, and a program's are new when its module changes without being saved."""
+
+    async def work(one: Editor) -> None:
+        cell = one.open(tmp_path / "cell.toml", '[frames.A]\nparent = "C"\nxyz = [0, 0, 0]\n')
+        assert await one.pulled(cell)
+        robot = one.open(tmp_path / "robot.toml", "name = 1\n")
+        assert await one.pulled(robot)
+        module = "SUB OUT\n  P0010 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\nEND\n"
+        (tmp_path / "tool.yarc").write_text(module)
+        user = one.open(tmp_path / "a.yarc", HEAD + "USE TOOL\nP0010 CALL TOOL.OUT\n")
+        assert codes(await one.pulled(user)) == []
+        opened = one.open(tmp_path / "tool.yarc", module)
+        one.write(opened, module.replace("SUB OUT", "SUB AWAY"))
+        assert codes(await one.pulled(user)) == ["Y0210"]
+        one.write(opened, module)
+        assert codes(await one.pulled(user)) == []
+
+    run(work, capabilities(pull=True, refresh=False))

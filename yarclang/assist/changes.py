@@ -1,0 +1,75 @@
+"""From a text to another one by few edits, so that an editor keeps its place in what stays the same."""
+
+from __future__ import annotations
+
+from difflib import SequenceMatcher
+
+from yarclang.diagnostics import Edit
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.parse import parse
+from yarclang.syntax.print import print_module
+from yarclang.syntax.renumber import renumbered
+
+_MOST_LINES = 3_000
+"""Longer stretches are replaced whole: to find what is alike in them takes too long."""
+
+
+def changes_to(source: SourceFile, text: str) -> tuple[Edit, ...]:
+    """Edits of whole lines that make another text of a source."""
+    before, after = source.text.splitlines(keepends=True), text.splitlines(keepends=True)
+    if len(before) != len(source.lines):  # it has line ends that aren't ours
+        before, after = _parted(source.text), _parted(text)
+    first = 0
+    while first < min(len(before), len(after)) and before[first] == after[first]:
+        first += 1
+    last = 0
+    while last < min(len(before), len(after)) - first and before[-1 - last] == after[-1 - last]:
+        last += 1
+    old, new = before[first : len(before) - last], after[first : len(after) - last]
+    if not old and not new:
+        return ()
+    if max(len(old), len(new)) > _MOST_LINES:
+        return (_edit(before, first, first + len(old), "".join(new)),)
+    opcodes = SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
+    return tuple(
+        _edit(before, first + i1, first + i2, "".join(new[j1:j2]))
+        for tag, i1, i2, j1, j2 in opcodes
+        if tag != "equal"
+    )
+
+
+def _parted(text: str) -> list[str]:
+    import re
+
+    return re.findall(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$", text)
+
+
+def _edit(lines: list[str], begin: int, end: int, text: str) -> Edit:
+    """Lines `begin` to `end` (not included, from 0) replaced; behind a last line without an end is the end of that line."""
+    return Edit(Span(*_at(lines, begin), *_at(lines, end)), text)
+
+
+def _at(lines: list[str], number: int) -> tuple[int, int]:
+    if number == len(lines) and lines and not lines[-1].endswith(("\n", "\r")):
+        return number, len(lines[-1]) + 1
+    return number + 1, 1
+
+
+def formatted(source: SourceFile, renumber: tuple[int, int] | None = None) -> tuple[Edit, ...] | None:
+    """Edits that bring a program into its usual form, as `yarc fmt` does.
+
+    Args:
+        source: the program.
+        renumber: the first number of the commands and the step to the next; None: they keep theirs.
+
+    Returns:
+        None where the program has syntax errors: it is left as it is.
+    """
+    parsed = parse(source)
+    if parsed.diagnostics or parsed.value is None:
+        return None
+    module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
+    text = print_module(module)
+    if source.text.count("\r\n") > source.text.count("\n") / 2:  # a file keeps its kind of line ends
+        text = text.replace("\n", "\r\n")
+    return changes_to(source, text)

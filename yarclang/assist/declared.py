@@ -1,0 +1,180 @@
+"""What a declared name means, in Markdown."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+
+from yarclang.assist.pose_lines import chain_lines, joints_text
+from yarclang.assist.sketch import Sketch
+from yarclang.assist.symbols import Symbol, Use
+from yarclang.assist.view import View
+from yarclang.assist.vocabulary import FRAMES, entry_text
+from yarclang.hir import FrameLink, Gap, Output
+from yarclang.report.inspection.inspected import chain_of
+from yarclang.report.module_text import SubText, describe_module
+from yarclang.report.pose_text import pose_text
+from yarclang.semantics.amounts import Amount
+from yarclang.semantics.scope import Frame, Input, JointPosition, Named, Scope
+
+_CALLED = {
+    "frame": "a frame",
+    "number": "a number",
+    "joints": "a joint position",
+    "input": "an input",
+    "output": "an output",
+    "sub": "a SUB",
+    "module": "a module",
+    "parameter": "a parameter",
+}
+
+
+def meaning_of(view: View, named: Symbol | Use, line: int) -> list[str]:
+    """What a declaration or use of a name in a line says; nothing where the name isn't known."""
+    symbol = named if isinstance(named, Symbol) else named.symbol
+    if isinstance(named, Use) and named.module:
+        return _of_module(view, named, line)
+    if symbol is not None:
+        return _of_symbol(view, view.sketch, symbol)
+    return _from_outside(view, named.name, named.is_frame)
+
+
+def _of_symbol(view: View, sketch: Sketch, symbol: Symbol) -> list[str]:
+    """A name that is declared in a file: this one or a module of it."""
+    title = f"{{{symbol.name}}}" if symbol.is_frame else symbol.name
+    if symbol.kind == "sub":
+        return sub_lines(sketch, symbol.name)
+    if symbol.kind == "module":
+        module = view.module(symbol.name)
+        return module_lines(module) if module else [f"**{title}**: a module that can't be read"]
+    lines = [f"**{title}**: {_CALLED[symbol.kind]}", "", *_code(sketch, symbol)]
+    own = sketch is view.sketch
+    if symbol.is_frame:
+        link = _link(view, symbol, sketch) if symbol.kind == "frame" else None
+        return [*lines, *chain_lines(link)] if link else lines
+    scope = view.scope if own else None
+    meaning = scope.declared(symbol.name) if scope and not symbol.inside else None
+    return [*lines, *_value(view, meaning)]
+
+
+def _of_module(view: View, use: Use, line: int) -> list[str]:
+    """`PALLET.GRID`, from its second part on."""
+    symbol = view.sketch.names.meant(use.module, False, line)
+    module = view.module(use.module) if symbol and symbol.kind == "module" else None
+    found = module.names.declared(use.name, use.is_frame) if module else None
+    if module is None or found is None:
+        return []
+    lines = _of_symbol(view, module, found)
+    if found.is_frame and view.scope:
+        frame = view.scope.frame(f"{use.module}.{use.name}")
+        lines += list(chain_lines(frame.link)) if frame and frame.link else []
+    return lines
+
+
+def _from_outside(view: View, name: str, is_frame: bool) -> list[str]:
+    """A name of the robot, or of the cell."""
+    if is_frame:
+        frame = _known_frame(view, name)
+        if frame is not None and frame.link is not None:
+            file = frame.link.source
+            told = [f"**{{{name}}}**: a frame of {PurePath(file.name).name}"] if file else []
+            told = told or [
+                entry_text(f"{{{name}}}", FRAMES[name])
+                if name in FRAMES
+                else f"**{{{name}}}**: a frame of the robot"
+            ]
+            return [*told, "", *chain_lines(frame.link)]
+        return [entry_text(f"{{{name}}}", FRAMES[name])] if name in FRAMES else []
+    robot = view.robot
+    meaning = view.scope.name(name) if view.scope else None
+    if meaning is None and robot is not None and name in robot.positions:
+        meaning = JointPosition(robot.positions[name])
+    if meaning is None:
+        return []
+    where = view.scope.where(name) if view.scope else None
+    whose = f" of {PurePath(where.source.name).name}" if where else " of the robot"
+    return [f"**{name}**: {_kind(meaning)}{whose}", "", *_value(view, meaning)]
+
+
+def _known_frame(view: View, name: str) -> Frame | None:
+    if view.scope is not None:
+        return view.scope.frame(name)
+    return Scope.of_robot(view.robot).frame(name) if view.robot is not None else None
+
+
+def _kind(meaning: Named) -> str:
+    from yarclang.semantics.scope import KINDS
+
+    return KINDS[type(meaning)]
+
+
+def _value(view: View, meaning: Named | None) -> list[str]:
+    match meaning:
+        case Amount():
+            return [f"- is {meaning}"]
+        case JointPosition(q=q) if view.robot is not None:
+            lines = [f"- {joints_text(view.robot, q)}"]
+            if "TCP" in view.robot.flange_from_frame:
+                from yarclang.robot.kinematics.fk import tool_poses
+
+                pose = tool_poses(view.robot.chain, q[None], view.robot.flange_from_frame["TCP"])[0]
+                lines.append(f"- `{{TCP}}` in `{{B}}`: {pose_text(pose)}")
+            return lines
+        case Input(signal):
+            return [f"- reads {signal.variable} of the controller"]
+        case Output(signal, safe):
+            kept = "stays at a stop" if safe is None else f"{safe:g} at any stop, hold or fault"
+            return [f"- sets {signal.variable} of the controller; {kept}"]
+        case _:
+            return []
+
+
+def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
+    """The frame that a line declares; in a block, as a command that uses it has it."""
+    if view.scope is not None and sketch is view.sketch:
+        frame = view.scope.frame(symbol.name)
+        if frame and frame.link and frame.link.span and frame.link.span.line == symbol.statement.line:
+            return frame.link
+    for step in view.program.steps if view.program else ():
+        if isinstance(step, Gap):
+            continue
+        for end in (step.origin.moving, step.origin.base):
+            for link in chain_of(end):
+                same = link.span is not None and link.span.line == symbol.statement.line
+                if (
+                    same
+                    and link.name == symbol.name
+                    and link.source
+                    and link.source.name == sketch.source.name
+                ):
+                    return link
+    return None
+
+
+def _code(sketch: Sketch, symbol: Symbol) -> list[str]:
+    """The lines that declare a name."""
+    first = symbol.statement.line
+    rows = [sketch.source.line(first + row).strip() for row in range(symbol.statement.rows)]
+    return ["```yarc", *rows, "```", ""]
+
+
+def described_sub(sketch: Sketch, name: str) -> SubText | None:
+    """What the comment above a SUB says."""
+    return next((one for one in describe_module(sketch.module).subs if one.name == name), None)
+
+
+def sub_lines(sketch: Sketch, name: str) -> list[str]:
+    """A SUB's reference."""
+    sub = described_sub(sketch, name)
+    if sub is None:
+        return []
+    lines = ["```yarc", f"SUB {sub.head}", "```", ""]
+    lines += [sub.purpose, ""] if sub.purpose else []
+    lines += [f"- `{one.name}`: {one.meaning}" for one in sub.parameters if one.meaning]
+    return lines
+
+
+def module_lines(sketch: Sketch) -> list[str]:
+    """A module's reference in short."""
+    module = describe_module(sketch.module)
+    lines = [f"**{module.name}**: a module", "", *(f"{one}\n" for one in module.paragraphs)]
+    return [*lines, *(f"- `{module.name}.{sub.head}`: {sub.purpose}" for sub in module.subs)]

@@ -1,0 +1,96 @@
+"""What is said of the place under the mouse: a command, a frame, a name, a word."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from yarclang.assist.command_hover import command_lines
+from yarclang.assist.declared import meaning_of
+from yarclang.assist.lexemes import Lexeme, lexeme_at
+from yarclang.assist.view import View
+from yarclang.assist.vocabulary import DECLARED, command_text, unit_text, word_text
+from yarclang.findings.finding import Finding
+from yarclang.source import Span
+from yarclang.syntax.ast import Statement
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """A text in Markdown, and what it is about."""
+
+    text: str
+    span: Span
+
+
+def hover_at(view: View, line: int, column: int) -> Hover | None:
+    """What is said of a place (from 1); None where there is nothing to say."""
+    text = view.sketch.source.line(line)
+    lexeme = lexeme_at(text, column)
+    if lexeme is None or lexeme.kind in {"open_frame", "string"}:
+        return None
+    span = Span.on_line(line, lexeme.start, lexeme.end)
+    if lexeme.kind == "comment":
+        return _of_suppression(line, lexeme, column)
+    named = view.sketch.named_at(line, column)
+    if named is not None:
+        found = meaning_of(view, named, line)
+        where = span if lexeme.kind == "frame" and "." not in lexeme.text else named.span
+        return Hover("\n".join(found), where) if found else None
+    statement = view.sketch.statement_at(line)
+    lines = list(_of_word(view, statement, line, lexeme))
+    return Hover("\n".join(lines), span) if lines else None
+
+
+def _of_word(view: View, statement: Statement | None, line: int, lexeme: Lexeme) -> Iterator[str]:
+    """A word of the language, with what is known of its command; numbers stand for their command."""
+    word = lexeme.name
+    if statement is None:
+        told = command_text(word) or word_text(word) or unit_text(word)
+        yield from [told] if told and lexeme.kind == "word" else []
+        return
+    is_head = line == statement.line and lexeme.start == statement.name.place.start
+    head = statement.name.name
+    if statement.index is None and head in DECLARED:
+        told = command_text(head) if is_head else _inner_word(lexeme)
+        yield from [told] if told else []
+        return
+    if lexeme.kind == "word" and not is_head:
+        if told := _inner_word(lexeme):
+            yield told
+        return
+    if lexeme.kind in {"mark", "frame"}:
+        return
+    known = list(command_lines(view, line))
+    yield from known
+    if is_head and (told := command_text(head)):
+        yield from ["", "---", "", told] if known else [told]
+
+
+def _inner_word(lexeme: Lexeme) -> str:
+    """A word behind a line's head."""
+    return unit_text(lexeme.text) or word_text(lexeme.name)
+
+
+def _of_suppression(line: int, lexeme: Lexeme, column: int) -> Hover | None:
+    """The code of a finding in a comment that suppresses it."""
+    import re
+
+    from yarclang.lint.registry import codes_of, everything
+
+    for match in re.finditer(r"[Yy]\d{4}", lexeme.text):
+        start = lexeme.start + match.start()
+        if start <= column <= start + 5:
+            codes = codes_of(match[0].upper())
+            if codes:
+                return Hover(finding_text(everything()[codes[0]]), Span.on_line(line, start, start + 5))
+    return None
+
+
+def finding_text(finding: Finding) -> str:
+    """What a finding is about, in Markdown."""
+    lines = [f"**{finding.code} {finding.name}** ({finding.severity}): {finding.title}", "", finding.why]
+    for title, text in (("For example", finding.example), ("Better", finding.better)):
+        if text:
+            lines += ["", f"{title}:", "", "```yarc", *text.splitlines(), "```"]
+    return "\n".join(lines)

@@ -1,0 +1,113 @@
+"""What can be done about a finding: its own fix, the name that may be meant, the unit that is missing, a comment that suppresses it.
+
+A finding's own fix is one that `yarc check --fix` may apply. The others are a choice of the person who sees the finding.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from yarclang.assist.sketch import Sketch
+from yarclang.diagnostics import Diagnostic, Edit, Fix, suggested
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Statement
+from yarclang.syntax.lines import code_of
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
+_KIND = re.compile(r"a unit of (length|angle|time)")
+_USUAL = {"length": ("mm", "m"), "angle": ("deg", "rad"), "time": ("s", "ms")}
+_IGNORE = re.compile(r"!\s*yarc\s*:\s*ignore\s*\[[^\]]*(?=\])", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """A change that answers a finding. `is_preferred` says that it is most likely what is wanted."""
+
+    finding: Diagnostic
+    fix: Fix
+    is_preferred: bool = False
+
+
+def repairs_of(
+    source: SourceFile, sketch: Sketch | None, finding: Diagnostic, others: Iterable[Diagnostic] = ()
+) -> Iterator[Repair]:
+    """The repairs of a finding in a text, the likeliest first.
+
+    Args:
+        source: the text that the finding is in.
+        sketch: how it looks, if it is a program.
+        finding: the finding.
+        others: all findings of the text.
+    """
+    if finding.fix is not None:
+        yield Repair(finding, finding.fix, is_preferred=True)
+    else:
+        yield from (Repair(finding, fix, is_preferred=True) for fix in _meant(source, finding))
+    if sketch is not None:
+        yield from (Repair(finding, fix) for fix in _units(sketch, finding, others))
+        if not finding.is_error:
+            yield from (Repair(finding, fix) for fix in _suppressed(source, finding))
+
+
+def _meant(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
+    """The name that the help says may be meant, in the place of the one that stands there."""
+    span, name = finding.span, suggested(finding.help)
+    if not name or span is None or span.line != span.end_line:
+        return
+    written = source.line(span.line)[span.column - 1 : span.end_column - 1]
+    words = list(_NAME.finditer(written))
+    if len(words) != 1:
+        return
+    start = span.column + words[0].start()
+    yield Fix(f"write {name}", (Edit(Span.on_line(span.line, start, span.column + words[0].end()), name),))
+
+
+def _units(sketch: Sketch, finding: Diagnostic, others: Iterable[Diagnostic]) -> Iterator[Fix]:
+    """The units that a line needs, all that are missing in it at once."""
+    kind = _kind(finding)
+    statement = sketch.statement_at(finding.span.line) if finding.span else None
+    if kind is None or statement is None or finding.span is None:
+        return
+    here = [one for one in others if one.span is not None and sketch.statement_at(one.span.line) is statement]
+    kinds = list(dict.fromkeys([kind, *filter(None, map(_kind, here))]))
+    kinds.sort(key=list(_USUAL).index)
+    for choice in (0, 1):
+        names = ",".join(_USUAL[each][choice] for each in kinds)
+        yield Fix(f"write ({names})", (_with_units(statement, names),))
+
+
+def _kind(finding: Diagnostic) -> str | None:
+    found = _KIND.search(finding.message) if finding.code == "Y0304" else None
+    return found[1] if found else None
+
+
+def _with_units(statement: Statement, names: str) -> Edit:
+    """Units into the brackets of a statement, or behind its time or values where it has none."""
+    if statement.units is not None:
+        end = statement.span(statement.units.place)
+        place = Span(end.end_line, end.end_column - 1, end.end_line, end.end_column - 1)
+        return Edit(place, f",{names}" if statement.units.items else names)
+    places = [statement.name.place]
+    places += [statement.moving.place] if statement.moving else []
+    places += [value.place for waypoint in statement.waypoints for value in waypoint.values]
+    places += [statement.time.place] if statement.time else []
+    row, column = max((place.row, place.end) for place in places)
+    line = statement.line + row
+    return Edit(Span(line, column, line, column), f" ({names})")
+
+
+def _suppressed(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
+    """A comment that silences the finding."""
+    if finding.span is None:
+        return
+    line = finding.span.line
+    text = source.line(line)
+    title = f"suppress {finding.code} in this line"
+    if (found := _IGNORE.search(text, len(code_of(text)))) is not None:
+        column = found.end() + 1
+        yield Fix(title, (Edit(Span(line, column, line, column), f", {finding.code}"),))
+        return
+    end = len(text.rstrip()) + 1
+    yield Fix(title, (Edit(Span(line, end, line, len(text) + 1), f"  ! yarc: ignore[{finding.code}]"),))

@@ -1,0 +1,83 @@
+"""What can be said of a text by looking at it: statements, blocks, names. It is there for every text, however broken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+from yarclang.assist.symbols import Names, Symbol, Use, names_of
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Module, Node, Statement
+from yarclang.syntax.blocks import arrange
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.parse import parse
+
+MODULE = Callable[[str], "Sketch | None"]
+"""Gives the module of a name in upper case."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """A text and its tree."""
+
+    source: SourceFile
+    module: Module
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """The statements in their blocks."""
+        arranged = arrange(self.module).value
+        assert arranged is not None  # arranging always gives a tree
+        return arranged
+
+    @cached_property
+    def names(self) -> Names:
+        """Declarations and uses."""
+        return names_of(self.nodes)
+
+    @cached_property
+    def _by_line(self) -> dict[int, Statement]:
+        return {one.line + row: one for one in self.module.statements for row in range(max(one.rows, 1))}
+
+    def statement_at(self, line: int) -> Statement | None:
+        """The statement that a line belongs to, if it can be read."""
+        return self._by_line.get(line)
+
+    def begin_of(self, line: int) -> int:
+        """The first line of the way-point list that a line goes on with; else the line itself."""
+        above = line - 1
+        begin = line
+        while above > 0:
+            code = code_of(self.source.line(above)).rstrip()
+            if code.endswith(";"):
+                begin = above
+            elif code:
+                break
+            above -= 1
+        return begin
+
+    @cached_property
+    def default(self) -> Statement | None:
+        """The DEFAULT line."""
+        return next(
+            (one for one in self.module.statements if one.index is None and one.name.name == "DEFAULT"), None
+        )
+
+    def named_at(self, line: int, column: int) -> Symbol | Use | None:
+        """The declaration or use of a name at a place (from 1); its end counts as well."""
+        named: list[Symbol | Use] = [*self.names.symbols, *self.names.uses]
+        found = [one for one in named if _touches(one.span, line, column)]
+        inside = [one for one in found if column < one.span.end_column]
+        return next(iter(inside or found), None)
+
+
+def sketch_of(source: SourceFile) -> Sketch:
+    """Look at a text."""
+    module = parse(source).value
+    assert module is not None  # parsing always gives a tree
+    return Sketch(source, module)
+
+
+def _touches(span: Span, line: int, column: int) -> bool:
+    return span.line == line and span.column <= column <= span.end_column

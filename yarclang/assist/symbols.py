@@ -1,0 +1,257 @@
+"""The names of a file: what declares them, where they are known, and where they are used.
+
+Names are told apart as the language does: frames have names of their own. Nothing is evaluated: this holds for texts with errors too, and
+in blocks that are never carried out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+from yarclang.source import Span
+from yarclang.syntax.ast import (
+    Block,
+    Computed,
+    ComputedPercent,
+    FrameName,
+    Node,
+    Parameter,
+    Statement,
+    Value,
+    Word,
+)
+from yarclang.syntax.expressions import Expression, Name, parts_of
+from yarclang.syntax.words import CONSTANTS, STATES
+
+Kind = Literal["frame", "number", "joints", "input", "output", "sub", "module", "parameter"]
+
+_BY_WORD: dict[str, Kind] = {
+    "LET": "number",
+    "JOINTS": "joints",
+    "INPUT": "input",
+    "OUTPUT": "output",
+    "USE": "module",
+}
+_FRAMES = ("FRAME", "FRAME_QUAT")
+_END = 1 << 30
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A name that a file declares. `name` is in upper case, `span` where it stands, a frame's without braces.
+
+    It is known behind line `first` up to line `last`. `inside` is the SUB that it belongs to; empty outside.
+    """
+
+    kind: Kind
+    name: str
+    is_frame: bool
+    span: Span
+    statement: Statement
+    first: int
+    last: int
+    inside: str = ""
+
+    def is_known_in(self, line: int) -> bool:
+        """Whether the name means this in a line."""
+        return self.first < line <= self.last
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A name that is spoken of. `module` is the one that stands in front of it, `symbol` what it means in this file, if it is
+    declared in it.
+    """
+
+    name: str
+    is_frame: bool
+    span: Span
+    module: str = ""
+    symbol: Symbol | None = None
+
+
+@dataclass(slots=True)
+class Names:
+    """A file's symbols in order, and its uses of names, also of those that aren't declared in it."""
+
+    symbols: list[Symbol] = field(default_factory=list)
+    uses: list[Use] = field(default_factory=list)
+    _by_name: dict[tuple[str, bool], list[Symbol]] = field(default_factory=dict)
+
+    def add(self, symbol: Symbol) -> None:
+        """One more declaration."""
+        self.symbols.append(symbol)
+        self._by_name.setdefault((symbol.name, symbol.is_frame), []).append(symbol)
+
+    def known_in(self, line: int) -> Iterator[Symbol]:
+        """What is known in a line, the last declared first."""
+        return (one for one in reversed(self.symbols) if one.is_known_in(line))
+
+    def meant(self, name: str, is_frame: bool, line: int) -> Symbol | None:
+        """What a name, without a module in front, means in a line."""
+        named = reversed(self._by_name.get((name, is_frame), []))
+        return next((one for one in named if one.is_known_in(line)), None)
+
+    def declared(self, name: str, is_frame: bool) -> Symbol | None:
+        """What a name means to the users of a module: one that is declared outside of blocks."""
+        named = self._by_name.get((name, is_frame), [])
+        return next((one for one in named if one.last == _END and not one.inside), None)
+
+
+def names_of(nodes: tuple[Node, ...]) -> Names:
+    """Look through a file's blocks."""
+    reader = _Reader()
+    reader.nodes(nodes, _END, "")
+    return reader.names
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.names = Names()
+
+    def nodes(self, nodes: tuple[Node, ...], last: int, inside: str) -> None:
+        for node in nodes:
+            if isinstance(node, Block):
+                self._block(node, last, inside)
+            else:
+                self._statement(node, last, inside)
+
+    def _block(self, block: Block, last: int, inside: str) -> None:
+        head = block.head
+        end = block.end.line if block.end else _last_line(block)
+        turn = block.otherwise_head.line if block.otherwise_head else end
+        match head.name.name:
+            case "SUB":
+                inside = self._sub(head, end, last)
+            case "REPEAT":
+                self._repeat(head, end, inside)
+            case _:
+                self._speak_of_all(head)
+        self.nodes(block.body, turn, inside)
+        self.nodes(block.otherwise or (), end, inside)
+
+    def _sub(self, head: Statement, end: int, last: int) -> str:
+        values = _values(head)
+        if not values or not isinstance(first := values[0], Word | Parameter):
+            return ""
+        word = first.word if isinstance(first, Parameter) else first
+        self._declare("sub", word.name, head.span(word.place), head, last)
+        for value in values[1:]:
+            match value:
+                case FrameName():
+                    self._declare_frame(value, head, end, word.name, "parameter")
+                case Parameter(word=named) | (Word() as named):
+                    self._declare("parameter", named.name, head.span(named.place), head, end, word.name)
+        return word.name
+
+    def _repeat(self, head: Statement, end: int, inside: str) -> None:
+        values = _values(head)
+        if len(values) > 1 and isinstance(word := values[0], Word):
+            for value in values[1:]:
+                self._speak_of(value, head)
+            self._declare("number", word.name, head.span(word.place), head, end, inside)
+        else:
+            self._speak_of_all(head)
+
+    def _statement(self, statement: Statement, last: int, inside: str) -> None:
+        word = statement.name.name
+        own: FrameName | Word | None = None
+        values = _values(statement)
+        first = values[0] if values else None
+        if statement.index is None and word in _FRAMES and statement.moving is not None:
+            own = statement.moving
+        elif statement.index is None and word in _BY_WORD and isinstance(first, Word):
+            own = first
+        self._speak_of_all(statement, own)
+        if isinstance(own, FrameName):
+            self._declare_frame(own, statement, last, inside, "frame")
+        elif isinstance(own, Word):
+            self._declare(_BY_WORD[word], own.name, statement.span(own.place), statement, last, inside)
+
+    # declarations
+
+    def _declare(
+        self, kind: Kind, name: str, span: Span, statement: Statement, last: int, inside: str = ""
+    ) -> None:
+        line = statement.line + statement.rows - 1
+        self.names.add(Symbol(kind, name, False, span, statement, line, last, inside))
+
+    def _declare_frame(
+        self, frame: FrameName, statement: Statement, last: int, inside: str, kind: Kind
+    ) -> None:
+        span = _inner(statement, frame)
+        line = statement.line + statement.rows - 1
+        self.names.add(Symbol(kind, frame.name, True, span, statement, line, last, inside))
+
+    # uses
+
+    def _speak_of_all(self, statement: Statement, own: object = None) -> None:
+        word = statement.name.name
+        if statement.index is None and word in {"ROBOT", "CELL"}:
+            return
+        for frame in (statement.moving, statement.base):
+            if frame is not None and frame is not own:
+                self._speak_of(frame, statement)
+        if statement.expression is not None:
+            self._expression(statement.expression, statement)
+        of_signal = statement.index is None and word in {"INPUT", "OUTPUT"}
+        for waypoint in statement.waypoints:
+            for value in waypoint.values:
+                if value is not own and not (of_signal and isinstance(value, Word)):
+                    self._speak_of(value, statement)
+        for item in statement.time.items if statement.time else ():
+            if not isinstance(item, Word):  # MIN and V
+                self._speak_of(item, statement)
+        for option in statement.options:
+            self._speak_of(option.argument, statement)
+
+    def _speak_of(self, value: object, statement: Statement) -> None:
+        match value:
+            case Word(name=name, place=place) if name not in STATES:
+                self._use(name, False, statement.span(place), statement.line)
+            case FrameName(name=name):
+                self._use(name, True, _inner(statement, value), statement.line)
+            case Computed(expression=expression) | ComputedPercent(expression=expression):
+                self._expression(expression, statement)
+
+    def _expression(self, expression: Expression, statement: Statement) -> None:
+        if isinstance(expression, Name) and expression.name not in CONSTANTS:
+            self._use(expression.name, False, statement.span(expression.place), statement.line)
+        for part in parts_of(expression):
+            self._expression(part, statement)
+
+    def _use(self, name: str, is_frame: bool, span: Span, line: int) -> None:
+        module, dot, inner = name.partition(".")
+        meant = self.names.meant
+        if not dot:
+            self.names.uses.append(Use(name, is_frame, span, "", meant(name, is_frame, line)))
+            return
+        middle = span.column + len(module)
+        front = Span.on_line(span.line, span.column, middle)
+        self.names.uses.append(Use(module, False, front, "", meant(module, False, line)))
+        behind = Span.on_line(span.line, middle + 1, span.end_column)
+        self.names.uses.append(Use(inner, is_frame, behind, module))
+
+
+def _values(statement: Statement) -> list[Value]:
+    return [value for waypoint in statement.waypoints for value in waypoint.values]
+
+
+def _inner(statement: Statement, frame: FrameName) -> Span:
+    """Where a frame's name stands between its braces."""
+    inner = frame.text[1:-1]
+    start = frame.place.start + 1 + len(inner) - len(inner.lstrip())
+    return Span.on_line(statement.line + frame.place.row, start, start + len(inner.strip()))
+
+
+def _last_line(block: Block) -> int:
+    """The last line of a block without an END: what follows it belongs to it too."""
+    return max((_end_of(one) for one in (*block.body, *(block.otherwise or ()))), default=block.head.line)
+
+
+def _end_of(node: Node) -> int:
+    if isinstance(node, Block):
+        return node.end.line if node.end else _last_line(node)
+    return node.line + node.rows - 1

@@ -1,0 +1,100 @@
+"""What is known when somebody asks about a text: how it looks, and what the pipeline has made of it so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+from yarclang.assist.sketch import Sketch
+from yarclang.certify.certificate import CommandCertificate
+from yarclang.hir import Gap, Program, Step
+from yarclang.motion.plan import PlannedMotion
+from yarclang.motion.profile import profile_names
+from yarclang.pipeline.checking import Checked
+from yarclang.robot.model import Robot
+from yarclang.semantics.context import Context
+from yarclang.semantics.scope import Scope
+from yarclang.semantics.unroll import declared_names
+
+
+def no_module(name: str) -> Sketch | None:  # noqa: ARG001
+    """Where no modules are."""
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A text, and what has been found out about it.
+
+    `checked` is of this very text; None until it is there. `robot` is the text's, or that of an older version of it. `module` finds a module
+    by its name in upper case.
+    """
+
+    sketch: Sketch
+    checked: Checked | None = None
+    robot: Robot | None = None
+    module: Callable[[str], Sketch | None] = no_module
+
+    @property
+    def program(self) -> Program | None:
+        """The checked program, if it is there."""
+        return self.checked.program if self.checked else None
+
+    @cached_property
+    def scope(self) -> Scope | None:
+        """What the names mean that the file declares outside of blocks; None where the robot isn't known."""
+        opened = self.checked.opened if self.checked else None
+        if opened is None:
+            return None
+        request = opened.request
+        return declared_names(
+            opened.module,
+            Context(
+                request.robot,
+                profile_names(),
+                request.start,
+                request.fallback_start,
+                request.load,
+                request.load_cell,
+            ),
+        )
+
+    @cached_property
+    def _steps(self) -> dict[int, list[int]]:
+        """The numbers of the steps by the lines of this text that they come from."""
+        found: dict[int, list[int]] = {}
+        name = self.sketch.source.name
+        for number, step in enumerate(self.program.steps if self.program else ()):
+            if not isinstance(step, Gap) and step.origin.source.name == name:
+                found.setdefault(step.origin.span.line, []).append(number)
+        return found
+
+    @cached_property
+    def _motions(self) -> dict[int, int]:
+        plan = self.checked.plan if self.checked else None
+        return {motion.step: number for number, motion in enumerate(plan.motions if plan else ())}
+
+    @cached_property
+    def _proved(self) -> dict[int, CommandCertificate]:
+        compiled = self.checked.compiled if self.checked else None
+        return {one.step: one for one in compiled.certificate.commands} if compiled else {}
+
+    def steps_in(self, line: int) -> tuple[int, ...]:
+        """The numbers of the program's steps that come from the statement in a line of this text."""
+        statement = self.sketch.statement_at(line)
+        return tuple(self._steps.get(statement.line, ())) if statement else ()
+
+    def step(self, number: int) -> Step:
+        """A step of the program, which is there."""
+        assert self.program is not None
+        return self.program.steps[number]
+
+    def motion(self, number: int) -> tuple[PlannedMotion, float] | None:
+        """How a step is planned, and when it begins [s]; None where it isn't."""
+        plan, at = self.checked.plan if self.checked else None, self._motions.get(number)
+        return None if plan is None or at is None else (plan.motions[at], float(plan.starts[at]))
+
+    def proved(self, number: int) -> CommandCertificate | None:
+        """What was proved of a step."""
+        return self._proved.get(number)

@@ -1,0 +1,193 @@
+"""The words of the language with a line of documentation each: commands and profiles bring their own, the others stand here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+from yarclang.commands.registry import commands
+from yarclang.commands.spec import CommandSpec
+from yarclang.motion.profile import load_profile, profile_names
+from yarclang.semantics.names import DEFAULT_PROFILE
+from yarclang.units import UNITS
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A word: what it does in a few words, and a line as it is written (empty where there is none)."""
+
+    summary: str
+    example: str = ""
+
+
+DECLARED: Mapping[str, Entry] = MappingProxyType(
+    {
+        "ROBOT": Entry("the robot that the program is for", "ROBOT INDUSTRIAL6"),
+        "CELL": Entry(
+            "the cell's file: frames, joint positions, inputs, outputs, obstacles", 'CELL "cell.toml"'
+        ),
+        "USE": Entry("a module: a file beside the program, or one of the standard library", "USE PALLET"),
+        "DEFAULT": Entry("what lines of this file may leave out", "DEFAULT {TCP} [50%] (mm,deg,s) {B}"),
+        "FRAME": Entry(
+            "a frame by x y z roll pitch yaw in another one", "FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
+        ),
+        "FRAME_QUAT": Entry(
+            "a frame by x y z qx qy qz qw in another one", "FRAME_QUAT {TABLE} 800 200 300 0 0 0 1 (mm) {B}"
+        ),
+        "JOINTS": Entry("a named joint position", "JOINTS READY 0 -10 -20 0 -60 0 (deg)"),
+        "START": Entry("where the robot stands at first", "START HOME"),
+        "INPUT": Entry("a name for a variable of the controller that is read", "INPUT DOOR M11"),
+        "OUTPUT": Entry(
+            "a name for a variable of the controller that is set; OFF: at any stop", "OUTPUT GLUE M1 OFF"
+        ),
+        "LET": Entry("a name for a number", "LET PITCH = 60 (mm)"),
+        "SUB": Entry(
+            "commands that CALL carries out, with parameters, up to END", "SUB DRILL {AT} DEPTH (mm) T (s)"
+        ),
+        "REPEAT": Entry("carries out the lines up to END several times, counted from 0", "REPEAT I 4"),
+        "IF": Entry(
+            "carries out the lines up to END if a condition holds, decided when compiled", "IF PITCH > 50"
+        ),
+        "WHEN": Entry(
+            "carries out the lines up to END if an input has a value, decided when run", "WHEN DOOR OFF"
+        ),
+        "ELSE": Entry("what is done where the condition of IF or WHEN doesn't hold", "ELSE"),
+        "END": Entry("the end of a SUB, REPEAT, IF or WHEN", "END"),
+    }
+)
+"""Words that begin a line without an index."""
+
+ACTIONS: Mapping[str, Entry] = MappingProxyType(
+    {
+        "WAIT": Entry("stands still for a time, or until an input has a value", "WAIT DOOR ON [5] (s)"),
+        "SET": Entry("sets an output when the motion before has ended", "SET GRIP ON"),
+        "HOLD": Entry("waits for the operator", 'HOLD "put in the next part"'),
+        "CALL": Entry("carries out a SUB", "CALL DRILL {HOLE} 20 1.5"),
+    }
+)
+"""Commands that no file of commands/builtin carries out."""
+
+OPTIONS: Mapping[str, Entry] = MappingProxyType(
+    {
+        "BLEND": Entry("flows into the next motion within so many length units of this one's end", "BLEND 5"),
+        "ACC": Entry("uses so much of the acceleration and jerk limits", "ACC 30%"),
+        "TOL": Entry("how far the moving frame may be from its path, in length units", "TOL 0.05"),
+        "NEAR": Entry(
+            "of several solutions for a pose, takes the one nearest to this joint position", "NEAR HOME"
+        ),
+    }
+)
+"""Words that begin an option."""
+
+TIMES: Mapping[str, Entry] = MappingProxyType(
+    {
+        "MIN": Entry("the shortest time that profile and limits allow", "[MIN]"),
+        "V": Entry("the speed of the moving frame in length units per time unit", "[V 250]"),
+    }
+)
+"""Words of a motion time."""
+
+OTHERS: Mapping[str, Entry] = MappingProxyType(
+    {
+        "ON": Entry("the value 1 of an input or output"),
+        "OFF": Entry("the value 0 of an input or output"),
+        "PI": Entry("3.14159..."),
+        "OR": Entry("1 if one of both isn't 0"),
+        "AND": Entry("1 if neither is 0"),
+        "NOT": Entry("1 if it is 0, else 0"),
+        "SQRT": Entry("square root", "SQRT(2)"),
+        "SIN": Entry("sine; a plain number counts as degrees", "SIN(30)"),
+        "COS": Entry("cosine; a plain number counts as degrees", "COS(60)"),
+        "TAN": Entry("tangent; a plain number counts as degrees", "TAN(45)"),
+        "ATAN2": Entry("the angle of the direction x, y", "ATAN2(y, x)"),
+        "ABS": Entry("the value without its sign", "ABS(-3)"),
+        "MIN": Entry("the least of several", "MIN(A, B)"),
+        "MAX": Entry("the largest of several", "MAX(A, B)"),
+        "FLOOR": Entry("the next whole number below", "FLOOR(2.7)"),
+        "CEIL": Entry("the next whole number above", "CEIL(2.1)"),
+    }
+)
+"""Words of expressions, and states."""
+
+TARGETS: Mapping[str, str] = MappingProxyType(
+    {
+        "RPY": "the target is a pose as x y z roll pitch yaw",
+        "QUAT": "the target is a pose as x y z qx qy qz qw",
+    }
+)
+"""What a target suffix means."""
+
+FRAMES: Mapping[str, Entry] = MappingProxyType(
+    {
+        "B": Entry("the robot's base: the world of a program"),
+        "FLANGE": Entry("the robot's flange: tools sit on it"),
+        "TCP": Entry("the tool centre point that the robot's description gives"),
+    }
+)
+"""Frames that come from the robot."""
+
+
+@cache
+def command_names() -> tuple[str, ...]:
+    """Every name of a command of commands/builtin, with all the suffixes that it takes."""
+    names: list[str] = []
+    for spec in commands().values():
+        laws = ("", *profile_names()) if spec.is_motion else ("",)
+        targets = tuple(dict.fromkeys(("", *spec.targets)))
+        names += ["_".join(filter(None, (spec.name, target, law))) for target in targets for law in laws]
+    return tuple(names)
+
+
+def command_of(name: str) -> tuple[CommandSpec, str, str] | None:
+    """The command of a full name, its target suffix (empty: none) and its profile; None where no command has the name."""
+    if name not in command_names():
+        return None
+    spec = max(
+        (one for one in commands().values() if name == one.name or name.startswith(one.name + "_")),
+        key=lambda one: len(one.name),
+    )
+    suffixes = name[len(spec.name) :].split("_")
+    target = next((one for one in suffixes if one and one in spec.targets), "")
+    profile = next((one for one in suffixes if one in profile_names()), DEFAULT_PROFILE)
+    return spec, target, profile
+
+
+def command_text(name: str) -> str:
+    """A command's documentation in Markdown; empty for what is none."""
+    found = command_of(name)
+    if found is None:
+        entry = ACTIONS.get(name) or DECLARED.get(name)
+        return entry_text(name, entry) if entry else ""
+    spec, target, profile = found
+    lines = [f"**{name}**: {spec.summary}", "", spec.doc.strip()]
+    if target in TARGETS:
+        lines += ["", f"`_{target}`: {TARGETS[target]}"]
+    if spec.is_motion:
+        lines += ["", f"`_{profile}`: {load_profile(profile).summary}"]
+    lines += ["", "```yarc", *spec.examples, "```"]
+    return "\n".join(lines)
+
+
+def entry_text(word: str, entry: Entry) -> str:
+    """A word's documentation in Markdown."""
+    example = f"\n\n```yarc\n{entry.example}\n```" if entry.example else ""
+    return f"**{word}**: {entry.summary}{example}"
+
+
+def unit_text(name: str) -> str:
+    """What a unit is, in Markdown; empty for what is none."""
+    unit = UNITS.get(name.lower())
+    if unit is None:
+        return ""
+    si = {"length": "m", "angle": "rad", "time": "s"}[unit.kind]
+    return f"**{unit.name}**: a unit of {unit.kind}, {unit.factor:g} {si}"
+
+
+def word_text(word: str) -> str:
+    """What a word of the language means, wherever it stands, in Markdown; empty for what is none."""
+    for table in (OPTIONS, TIMES, OTHERS):
+        if word in table:
+            return entry_text(word, table[word])
+    return command_text(word)

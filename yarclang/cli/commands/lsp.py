@@ -1,0 +1,36 @@
+"""`yarc lsp`."""
+
+from __future__ import annotations
+
+import click
+
+
+def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, int] | None:
+    """HOST:PORT, or a port of this machine."""
+    if value is None:
+        return None
+    host, _, port = value.rpartition(":")
+    if not port.isdecimal() or not 0 <= int(port) < 65536:
+        raise click.BadParameter(f"{value!r} is neither PORT nor HOST:PORT", ctx, param)
+    return host or "127.0.0.1", int(port)
+
+
+@click.command("lsp")
+@click.option("--stdio", is_flag=True, help="Talk over standard input and output (default).")
+@click.option(
+    "--tcp",
+    callback=_address,
+    metavar="[HOST:]PORT",
+    help="Wait for one editor on a port instead, of this machine unless HOST is given.",
+)
+@click.option("--robot", metavar="NAME|PATH", help="The robot of programs that name none, as for yarc check.")
+def command(stdio: bool, tcp: tuple[str, int] | None, robot: str | None) -> None:
+    """Check programs while they are typed: a language server, which editors start by themselves.
+
+    docs/editors.md says how to set up an editor.
+    """
+    if stdio and tcp is not None:
+        raise click.UsageError("--stdio and --tcp: choose one")
+    from yarclang.lsp.serving import serve
+
+    serve(tcp, robot)

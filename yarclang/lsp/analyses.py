@@ -1,0 +1,164 @@
+"""What the pipeline says of the open texts: found in a thread, newest first, given up where a text has changed meanwhile.
+
+Each version of a text is looked at twice: first what needs no planning, then all of it. Who asks gets what is there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+from yarclang.lsp.checks import Checks
+from yarclang.lsp.documents import Document
+from yarclang.pipeline.checking import Checked
+
+
+class Superseded(Exception):  # noqa: N818 - ends work that nobody waits for any more
+    """The text has changed: what is being found out about it is of no use."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Analysis:
+    """What was found in one version of a text; `is_whole` says that motions were planned as well."""
+
+    document: Document
+    generation: int
+    checked: Checked
+    is_whole: bool
+
+
+@dataclass(slots=True)
+class _Desk:
+    """An open text: its newest version, how often it was to be looked at, and what is known of it."""
+
+    document: Document
+    generation: int = 0
+    analysis: Analysis | None = None
+    whole: asyncio.Event = field(default_factory=asyncio.Event)
+    some: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class Analyses:
+    """Analyses of all open texts. Everything but the work itself is done in the event loop's thread.
+
+    `arrived` is called there with each new analysis.
+    """
+
+    def __init__(self, checks: Checks, arrived: Callable[[Analysis], None]) -> None:
+        self._checks = checks
+        self._arrived = arrived
+        self._desks: dict[str, _Desk] = {}
+        self._waiting: list[str] = []
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="analysis")
+        self._running = False
+
+    def put(self, document: Document) -> None:
+        """A text was opened or changed: it is looked at anew."""
+        desk = self._desks.get(document.uri)
+        if desk is None:
+            desk = self._desks[document.uri] = _Desk(document)
+        desk.document = document
+        self.again(document.uri)
+
+    def again(self, uri: str) -> None:
+        """Something that an open text depends on has changed."""
+        desk = self._desks.get(uri)
+        if desk is None:
+            return
+        desk.generation += 1
+        desk.whole.clear()
+        desk.some.clear()
+        if uri in self._waiting:
+            self._waiting.remove(uri)
+        self._waiting.append(uri)
+        self._go_on()
+
+    def drop(self, uri: str) -> None:
+        """A text was closed."""
+        desk = self._desks.pop(uri, None)
+        if desk is not None:
+            desk.whole.set()
+            desk.some.set()
+        if uri in self._waiting:
+            self._waiting.remove(uri)
+        self._checks.forget(uri)
+
+    def of(self, uri: str) -> Analysis | None:
+        """What is known of the newest version of a text; None where nothing is yet."""
+        desk = self._desks.get(uri)
+        found = desk.analysis if desk else None
+        return found if desk and found and found.document is desk.document else None
+
+    def last(self, uri: str) -> Analysis | None:
+        """What was found last, also in an older version."""
+        desk = self._desks.get(uri)
+        return desk.analysis if desk else None
+
+    async def whole(self, uri: str, patience: float | None) -> Analysis | None:
+        """All that is to be said of a text, or, where that takes longer than `patience` [s], what is known by then: at least what needs no
+        planning. None if the text was closed.
+        """
+        desk = self._desks.get(uri)
+        if desk is None:
+            return None
+        try:
+            async with asyncio.timeout(patience):
+                await desk.whole.wait()
+        except TimeoutError:
+            await desk.some.wait()
+        return self.of(uri)
+
+    def close(self) -> None:
+        """End all work."""
+        for uri in list(self._desks):
+            self.drop(uri)
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    # the thread's work
+
+    def _go_on(self) -> None:
+        if self._running or not self._waiting:
+            return
+        uri = self._waiting.pop()
+        self._running = True
+        task = asyncio.ensure_future(self._look(uri))
+        task.add_done_callback(self._looked)
+
+    def _looked(self, task: asyncio.Task[None]) -> None:
+        self._running = False
+        self._go_on()
+        task.result()  # a bug is reported by the loop, and the next text is looked at all the same
+
+    async def _look(self, uri: str) -> None:
+        """Look at a text, without planning and then with it."""
+        loop = asyncio.get_running_loop()
+        desk = self._desks[uri]
+        document, generation = desk.document, desk.generation
+
+        def is_stale() -> bool:
+            return self._desks.get(uri) is not desk or desk.generation != generation
+
+        def check_in(what: str, done: int, total: int) -> None:  # noqa: ARG001  (a progress)
+            if is_stale():
+                raise Superseded
+
+        for plans in (False, True):
+            if is_stale():
+                return
+            try:
+                checked = await loop.run_in_executor(
+                    self._pool, self._checks.check, document, plans, check_in
+                )
+            except Superseded:
+                return
+            if is_stale():
+                return
+            if checked is None:
+                continue
+            desk.analysis = Analysis(document, generation, checked, plans)
+            desk.some.set()
+            if plans:
+                desk.whole.set()
+            self._arrived(desk.analysis)

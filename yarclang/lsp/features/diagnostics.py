@@ -1,0 +1,78 @@
+"""Findings: asked for by the client, or sent to clients that don't ask; never both."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lsprotocol import types
+
+from yarclang.lsp.analyses import Analysis
+from yarclang.lsp.feature import Feature
+from yarclang.lsp.translation import diagnostic_of
+
+if TYPE_CHECKING:
+    from yarclang.lsp.server import Server
+
+PATIENCE = 0.3
+"""How long a client that asks waits for planned motions [s], before it gets what is known without; it is told to ask again."""
+
+
+def _asks(server: Server) -> bool:
+    """Whether the client asks for findings."""
+    text = server.client_capabilities.text_document
+    return text is not None and text.diagnostic is not None
+
+
+def _can_ask_again(server: Server) -> bool:
+    workspace = server.client_capabilities.workspace
+    refresh = workspace.diagnostics if workspace else None
+    return bool(refresh and refresh.refresh_support)
+
+
+def _items(server: Server, analysis: Analysis) -> list[types.Diagnostic]:
+    return [diagnostic_of(analysis.document, one, server.encoding) for one in analysis.checked.diagnostics]
+
+
+def _name(analysis: Analysis) -> str:
+    """What tells an answer from another one."""
+    return f"{analysis.document.version}.{analysis.generation}.{int(analysis.is_whole)}"
+
+
+async def _asked(
+    server: Server, params: types.DocumentDiagnosticParams
+) -> types.RelatedFullDocumentDiagnosticReport | types.RelatedUnchangedDocumentDiagnosticReport:
+    patience = PATIENCE if _can_ask_again(server) else None
+    analysis = await server.analyses.whole(params.text_document.uri, patience)
+    if analysis is None:
+        return types.RelatedFullDocumentDiagnosticReport(items=[])
+    if not analysis.is_whole:
+        server.owed.add(params.text_document.uri)
+    name = _name(analysis)
+    if params.previous_result_id == name:
+        return types.RelatedUnchangedDocumentDiagnosticReport(result_id=name)
+    return types.RelatedFullDocumentDiagnosticReport(items=_items(server, analysis), result_id=name)
+
+
+def _arrived(server: Server, analysis: Analysis) -> None:
+    """Send findings, or tell a client that asks that there are more now."""
+    uri = analysis.document.uri
+    if not _asks(server):
+        server.text_document_publish_diagnostics(
+            types.PublishDiagnosticsParams(uri, _items(server, analysis), version=analysis.document.version)
+        )
+    elif analysis.is_whole and uri in server.owed:
+        server.owed.discard(uri)
+        server.workspace_diagnostic_refresh(None)
+
+
+FEATURE = Feature(
+    {
+        types.TEXT_DOCUMENT_DIAGNOSTIC: (
+            _asked,
+            types.DiagnosticOptions(
+                inter_file_dependencies=True, workspace_diagnostics=False, identifier="yarc"
+            ),
+        )
+    },
+    listens=_arrived,
+)

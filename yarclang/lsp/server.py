@@ -1,0 +1,147 @@
+"""The server: what the client opens and changes, and the features that answer."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Generator
+from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any
+
+from lsprotocol import types
+from pygls.lsp.server import LanguageServer
+from pygls.protocol import LanguageServerProtocol
+from pygls.protocol.language_server import lsp_method
+
+from yarclang import __version__
+from yarclang.assist.view import View
+from yarclang.lsp import features
+from yarclang.lsp.analyses import Analyses, Analysis
+from yarclang.lsp.checks import Checks
+from yarclang.lsp.documents import Document, changed
+from yarclang.lsp.feature import Feature
+from yarclang.lsp.modules import Modules
+from yarclang.pipeline.inputs import Options
+
+_LOG = logging.getLogger(__name__)
+
+
+class Protocol(LanguageServerProtocol):
+    """The protocol, with texts of our own: those of pygls part lines at more characters than the protocol does."""
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
+    def lsp_text_document__did_open(
+        self, params: types.DidOpenTextDocumentParams
+    ) -> Generator[Any, Any, None]:
+        """Only what the server does."""
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
+    def lsp_text_document__did_change(
+        self, params: types.DidChangeTextDocumentParams
+    ) -> Generator[Any, Any, None]:
+        """Only what the server does."""
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
+    def lsp_text_document__did_close(
+        self, params: types.DidCloseTextDocumentParams
+    ) -> Generator[Any, Any, None]:
+        """Only what the server does."""
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
+
+
+class Server(LanguageServer):
+    """A server of one client."""
+
+    def __init__(self, options: Options) -> None:
+        super().__init__("yarc", __version__, protocol_cls=Protocol, max_workers=2)
+        self.documents: dict[str, Document] = {}
+        self.options = options
+        self.modules = Modules(self.documents)
+        self.checks = Checks(options)
+        self.analyses = Analyses(self.checks, self._arrived)
+        self.answering = ThreadPoolExecutor(1, thread_name_prefix="answers")
+        self.listeners: list[Any] = []
+        self.owed: set[str] = set()
+        """The texts of which the client has only got what was known without planning."""
+        self._views: dict[str, tuple[Document, Analysis | None, View]] = {}
+        for feature in found_features():
+            feature.register(self)
+
+    @property
+    def encoding(self) -> str:
+        """The units in which client and server count columns."""
+        return str(self.server_capabilities.position_encoding or types.PositionEncodingKind.Utf16)
+
+    def view(self, uri: str) -> View | None:
+        """What is known of the newest version of an open text; None of one that isn't open."""
+        document = self.documents.get(uri)
+        if document is None:
+            return None
+        analysis = self.analyses.of(uri)
+        known = self._views.get(uri)
+        if known is not None and known[0] is document and known[1] is analysis:
+            return known[2]
+        robot = None
+        for one in (analysis, self.analyses.last(uri)):
+            if robot is None and one is not None and one.checked.opened is not None:
+                robot = one.checked.opened.request.robot
+        checked = analysis.checked if analysis else None
+        view = View(document.sketch, checked, robot, self.modules.beside(document))
+        self._views[uri] = document, analysis, view
+        return view
+
+    async def answer(self, work: Any, *arguments: Any) -> Any:
+        """Do some work in a thread, so that the next message is read meanwhile."""
+        return await asyncio.get_running_loop().run_in_executor(self.answering, work, *arguments)
+
+    # texts
+
+    def opened(self, document: Document) -> None:
+        """The client has a text open."""
+        self.documents[document.uri] = document
+        self._lay_out()
+        self.analyses.put(document)
+        self.modules.changed(document, self.analyses)
+
+    def edited(self, params: types.DidChangeTextDocumentParams) -> None:
+        """The client has changed a text."""
+        uri = params.text_document.uri
+        before = self.documents.get(uri)
+        if before is None:
+            _LOG.warning("a text was changed that isn't open: %s", uri)
+            return
+        self.opened(changed(before, params.content_changes, params.text_document.version, self.encoding))
+
+    def closed(self, uri: str) -> None:
+        """The client has closed a text."""
+        document = self.documents.pop(uri, None)
+        self._views.pop(uri, None)
+        self.owed.discard(uri)
+        self.analyses.drop(uri)
+        self._lay_out()
+        if document is not None:
+            self.modules.changed(document, self.analyses)
+
+    def _lay_out(self) -> None:
+        """The open texts, where the checks look for modules, cells and robots."""
+        self.checks.texts = {one.path: one.source for one in self.documents.values() if one.path}
+
+    def _arrived(self, analysis: Analysis) -> None:
+        for listener in self.listeners:
+            listener(self, analysis)
+
+    def shutdown(self) -> None:
+        """End all work."""
+        self.analyses.close()
+        self.answering.shutdown(wait=False, cancel_futures=True)
+        super().shutdown()  # type: ignore[no-untyped-call]
+
+
+def found_features() -> tuple[Feature, ...]:
+    """The features: each file of lsp/features that has a FEATURE."""
+    names = sorted(module.name for module in iter_modules(features.__path__))
+    return tuple(import_module(f"{features.__name__}.{name}").FEATURE for name in names)

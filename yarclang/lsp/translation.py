@@ -1,0 +1,75 @@
+"""Findings as the protocol has them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from lsprotocol import types
+
+from yarclang.diagnostics import Diagnostic, Edit
+from yarclang.lsp.documents import Document
+from yarclang.lsp.positions import position_of, range_of
+from yarclang.source import SourceFile, Span
+
+_SEVERITIES = {
+    "error": types.DiagnosticSeverity.Error,
+    "warning": types.DiagnosticSeverity.Warning,
+    "note": types.DiagnosticSeverity.Information,
+}
+_UNNEEDED = frozenset(["Y0215", "Y0216", "Y1001", "Y1011", "Y1012", "Y1701"])
+"""What could as well be taken away: editors show it pale."""
+
+_OLD = frozenset(["Y0204"])
+
+
+def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> types.Diagnostic:
+    """One finding. What is in another file is told at the beginning of the text, with the place as related information."""
+    own = finding.source is None or finding.source.name == document.source.name
+    message = finding.message + (f"\n{finding.help}" if finding.help else "")
+    related = None
+    if own:
+        range_ = shown_range(document.source, finding.span, encoding)
+    else:
+        assert finding.source is not None
+        range_ = shown_range(document.source, None, encoding)
+        place = finding.source.name + (f":{finding.span.line}" if finding.span else "")
+        message = f"{place}: {message}"
+        inner = shown_range(finding.source, finding.span, encoding)
+        location = types.Location(uri_of(finding.source.name), inner)
+        related = [types.DiagnosticRelatedInformation(location, finding.message)]
+    tags = []
+    if finding.code in _UNNEEDED:
+        tags.append(types.DiagnosticTag.Unnecessary)
+    if finding.code in _OLD:
+        tags.append(types.DiagnosticTag.Deprecated)
+    return types.Diagnostic(
+        range=range_,
+        message=message,
+        severity=_SEVERITIES[finding.severity],
+        code=finding.code,
+        source="yarc",
+        tags=tags or None,
+        related_information=related,
+    )
+
+
+def shown_range(source: SourceFile, span: Span | None, encoding: str) -> types.Range:
+    """Where a finding is shown: without a place, in the first line; an empty place is made one character wide."""
+    if span is None:
+        end = max(len(source.line(1)), 1) + 1
+        return range_of(source, Span.on_line(1, 1, end), encoding)
+    range_ = range_of(source, span, encoding)
+    if range_.start == range_.end:
+        range_.end = position_of(source, span.line, span.column + 1, encoding)
+    return range_
+
+
+def text_edits(source: SourceFile, edits: Iterable[Edit], encoding: str) -> list[types.TextEdit]:
+    """Edits of a text."""
+    return [types.TextEdit(range_of(source, one.span, encoding), one.text) for one in edits]
+
+
+def uri_of(name: str) -> str:
+    """The URI of a file that findings call `name`."""
+    return Path(name).absolute().as_uri()

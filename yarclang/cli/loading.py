@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,43 +12,20 @@ from typing import Any
 from yarclang.certify.judge import certify_text
 from yarclang.cli.outputs import STANDARD
 from yarclang.cli.work import Progress, options_from
+from yarclang.coordinator.programs import Loaded, load_program
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
-from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.inputs import open_program
 from yarclang.pipeline.jobs import Papers, job_of_text
-from yarclang.pipeline.origins import Origins, origins_of_text
-from yarclang.pipeline.parts import chains, motion_number, part
+from yarclang.pipeline.origins import origins_of_text
 from yarclang.pipeline.sources import read_source
-from yarclang.pipeline.stages import Compiled, compile_module
+from yarclang.pipeline.stages import compile_module
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
-from yarclang.runtime.job import Job
 from yarclang.source import SourceFile, Span
 
 _COMPILED = ".pmc"
 _FIRST_WORDS = "; yarcc "
 _AGAIN = "it isn't as yarcc wrote it: compile the program again"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Loaded:
-    """What is to be run.
-
-    Attributes:
-        program: the whole of it.
-        rest: what is run first: all of it, or what `--from` leaves of it.
-        steps: the commands of that one by one, if that is wanted.
-        plan: of the program, if the program itself is known and not only its text.
-        begins_within: whether a command was named to begin with.
-        origins: looks where its commands come from.
-    """
-
-    program: Job
-    rest: Job
-    steps: tuple[Job, ...] = ()
-    plan: MotionPlan | None = None
-    begins_within: bool = False
-    origins: Callable[[], Origins] = lambda: Origins(None, "its source isn't known")
 
 
 Found = tuple[Diagnostic, ...]
@@ -136,44 +112,10 @@ def robot_of_text(source: SourceFile, name: str | None) -> Result[Robot]:
 def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Loaded]:
     with Progress() as progress:
         opened = open_program(file, options_from(options, progress))
-        if opened.value is None:
-            return Result(None, opened.diagnostics)
-        request = opened.value.request
-        compiled = compile_module(opened.value.module, request)
-        found = (*opened.diagnostics, *compiled.diagnostics)
-        if compiled.value is None or has_errors(found):
-            return Result(None, found)
-        plan = compiled.value.plan
+        if opened.value is None or has_errors(opened.diagnostics):
+            compiled = compile_module(opened.value.module, opened.value.request) if opened.value else None
+            found = compiled.diagnostics if compiled else ()
+            return Result(None, (*opened.diagnostics, *found))
         name = "stdin" if file == STANDARD else Path(file).name
-        source = plan.program.source.text
-        program = _job(compiled.value, name, source)
-        number = motion_number(plan, first) if first is not None else 0
-        if isinstance(number, Diagnostic):
-            return Result(None, (*found, number))
-        # what else is to be said of a part was said of the whole
-        shorter = first is not None and plan.motions[number].step > 0
-        wanted = [(number, len(plan.motions))] if shorter else []
-        if options["step"]:
-            wanted += chains(plan, number)
-        parts: list[Job] = []
-        for begin, end in wanted:
-            made = part(plan, request, begin, end, with_lead=first is None)
-            if made.value is None or has_errors(made.diagnostics):
-                return Result(None, (*found, *made.diagnostics))
-            parts.append(_job(made.value, name, source, program.commands[begin].begins))
-    rest = parts.pop(0) if shorter else program
-    origins = Origins(plan.program)
-    return Result(Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins), found)
-
-
-def _job(compiled: Compiled, name: str, source: str, offset: float = 0.0) -> Job:
-    """A compiled program as a job; what yarcc has just written is always readable."""
-    papers = Papers(source, json.dumps(compiled.certificate.to_json()))
-    made = job_of_text(compiled.text, compiled.plan.robot, name, papers, offset)
-    assert made.value is not None, made.diagnostics
-    return made.value
-
-
-def job_of_compiled(compiled: Compiled, name: str) -> Job:
-    """A program of our own, such as an approach, as a job."""
-    return _job(compiled, name, compiled.program.source.text)
+        loaded = load_program(opened.value, name, first, by_steps=options["step"])
+        return Result(loaded.value, (*opened.diagnostics, *loaded.diagnostics))

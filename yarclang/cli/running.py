@@ -18,25 +18,21 @@ from types import TracebackType
 
 import click
 
+from yarclang.coordinator.ordered import OrderedSession
 from yarclang.report.runs.text import PLAIN_EACH, View, notice_text, over, time_text
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job, JobCommand
-from yarclang.runtime.log import RunLog
 from yarclang.runtime.notices import (
     Abort,
     Changed,
-    Fail,
     Hold,
     Notice,
-    Order,
-    Override,
     Progress,
     Remark,
     Resume,
     Stop,
 )
 from yarclang.runtime.operation import Operation
-from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 
 _WIDTH = 80
@@ -51,34 +47,6 @@ _TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms|%)\b)|(?<=\bJ\d) (?=[-+]?\d)"
 
 _VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
 _ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
-
-
-class OrderedSession(Session):
-    """A session that logs what is ordered, and that may pause with nothing moving.
-
-    Attributes:
-        log: where orders are logged, if anywhere.
-        paused: between two commands of `--step`: a hold means nothing, and another pace is for what comes.
-        failure: what failed meanwhile.
-    """
-
-    log: RunLog | None = None
-    paused = False
-    failure: Fail | None = None
-
-    def order(self, order: Order) -> None:
-        """Something that a person wants, at once."""
-        if self.log is not None:
-            self.log.ordered(self._now(), order)
-        if self.paused and isinstance(order, Hold):
-            return
-        if self.paused and isinstance(order, Override):
-            self.operation.override = order.percent / 100.0
-            return
-        if self.paused and isinstance(order, Fail):
-            self.failure = order
-            order = Stop()
-        super().order(order)
 
 
 class Screen:

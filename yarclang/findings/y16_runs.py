@@ -67,4 +67,44 @@ FINDINGS: tuple[Finding, ...] = (
         "by itself as it was planned and proved. A run begins, and --step pauses, at a motion in front of which the robot stands; the message names the "
         "one that begins the chain.",
     ),
+    Finding(
+        "Y1611",
+        "not-the-owner",
+        "error",
+        "somebody else owns the robot",
+        "One client of a coordinator may move the robot, all others watch: two hands on one robot can't know of each other. The owner releases it or gives it "
+        "over. Stop, hold and abort are for everybody.",
+    ),
+    Finding(
+        "Y1612",
+        "robot-busy",
+        "error",
+        "the robot is under way",
+        "A motion is planned from where the robot stands, and carried out when nothing else is: what is under way comes to its end first, or is stopped.",
+    ),
+    Finding(
+        "Y1613",
+        "stale-offer",
+        "error",
+        "what was offered doesn't hold any more",
+        "A motion was planned from where the robot stood then, behind the lines that were there then. The robot was moved since, or a declaration has come: what would "
+        "be done isn't what was shown.",
+    ),
+    Finding(
+        "Y1614",
+        "no-way-back",
+        "error",
+        "there is no motion to take back",
+        "The last motion is taken back along its own path. There is none where nothing has moved yet, where the robot was moved by something else since (a jog, another program), "
+        "or where it was stopped within a spline, whose rest isn't the same curve.",
+    ),
+    Finding(
+        "Y1615",
+        "start-in-a-session",
+        "error",
+        "a session has no START",
+        "START says where the robot stands before a program. In a session each command is planned from where the robot really stands.",
+        "START HOME",
+        "P0010 MOVEJ HOME [50%] (deg,s)",
+    ),
 )

@@ -40,7 +40,7 @@ class Request:
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
-    the modules that the program uses, `load_cell` its cell.
+    the modules that the program uses, `load_cell` its cell. `index_needed` says whether a command must have an index.
     """
 
     robot: Robot
@@ -52,6 +52,7 @@ class Request:
     progress: Progress | None = None
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
+    index_needed: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,16 +67,19 @@ class Compiled:
 
 def check_program(module: Module, request: Request) -> Result[Program]:
     """Syntax tree to checked program."""
-    return check(
-        module,
-        Context(
-            request.robot,
-            profile_names(),
-            request.start,
-            request.fallback_start,
-            request.load,
-            request.load_cell,
-        ),
+    return check(module, context_of(request))
+
+
+def context_of(request: Request) -> Context:
+    """What the checks need to know of a request."""
+    return Context(
+        request.robot,
+        profile_names(),
+        request.start,
+        request.fallback_start,
+        request.load,
+        request.load_cell,
+        request.index_needed,
     )
 
 

@@ -36,6 +36,9 @@ URGENT = (Hold, Stop, Abort, Fail)
 LONGEST_SLEEP = 10.0
 """A process that stood still for longer doesn't go on with a motion by itself [s]."""
 
+POSITIONS_EACH = 0.04
+"""Time between two looks at the positions [s]: 25 Hz, if nobody wants them more often."""
+
 _AGAIN = 0.02
 """When a busy controller is asked again [s]."""
 
@@ -73,6 +76,7 @@ class Operation:
         settled: no motor's rest before counts [s]: the time base may still be on its way to 0.
         longest_sleep: when the clock jumps by more [s], this process stood still.
         slept: by how much it has jumped then [s]; 0 once that was looked at.
+        positions_each: time between two looks at the positions [s], if the link allows.
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -86,6 +90,7 @@ class Operation:
         self.patience = PATIENCE
         self.override = 1.0
         self.settled = -math.inf
+        self.positions_each = POSITIONS_EACH
 
     @property
     def now(self) -> float:

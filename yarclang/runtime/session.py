@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import TypeVar
 
 from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
@@ -20,6 +20,8 @@ from yarclang.runtime.transports.tcp import Wire, connect
 
 T = TypeVar("T")
 Listener = Callable[[Notice], None]
+Connector = Callable[[str, int, float], Awaitable[Wire]]
+"""Makes a connection: to a host and a port, within a time [s]."""
 
 REPLY_TIME = 1.0
 """A reply that takes longer is lost [s]."""
@@ -38,15 +40,25 @@ class Session:
         port: likewise.
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
+        connector: makes connections; TCP, but where a controller lives in this very process.
     """
 
-    def __init__(self, host: str, port: int, *, reply_time: float = REPLY_TIME, pace: float = 1.0) -> None:
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        *,
+        reply_time: float = REPLY_TIME,
+        pace: float = 1.0,
+        connector: Connector = connect,
+    ) -> None:
         self.host = host
         self.port = port
         self.pace = pace
         self.operation = Operation()
         self.operation.longest_sleep = max(LONGEST_SLEEP, reply_time + 1.0) * pace
         self._reply_time = reply_time
+        self.connector = connector
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()
         self._wire: Wire | None = None
@@ -59,6 +71,10 @@ class Session:
     def order(self, order: Order) -> None:
         """Something that a person wants, at once."""
         self.operation.orders.append(order)
+        self.wake()
+
+    def wake(self) -> None:
+        """End the wait of the script that is carried out, if it waits: there is something to look at."""
         self._woken.set()
 
     async def perform(self, script: Script[T]) -> T:
@@ -143,7 +159,7 @@ class Session:
         self.close()
         self._connection = Connection()
         try:
-            self._wire = await connect(self.host, self.port, CONNECT_TIME)
+            self._wire = await self.connector(self.host, self.port, CONNECT_TIME)
         except OSError as error:
             reason = os.strerror(error.errno) if error.errno and error.errno > 0 else str(error)
             return Unreachable(f"{self.host}:{self.port} can't be reached: {reason.lower()}")

@@ -22,9 +22,6 @@ from yarclang.runtime.state import Event, State
 from yarclang.runtime.watching import look_at_motors, look_at_program, raise_trouble, sample
 from yarclang.units import MS
 
-POSITIONS_EACH = 0.04
-"""Time between two looks at the positions [s]: 25 Hz, if the link allows."""
-
 STATUS_EACH = 0.1
 """Time between two looks at the status words [s]."""
 
@@ -214,7 +211,7 @@ class Stream:
 
     def _ask_positions(self) -> Script[None]:
         operation, job = self.operation, self.job
-        self._due.positions = operation.now + POSITIONS_EACH
+        self._due.positions = operation.now + operation.positions_each
         found = yield from sample(operation, job.robot, job.offset + self.done)
         operation.notices.append(found)
 

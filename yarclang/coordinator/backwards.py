@@ -1,0 +1,129 @@
+"""The last motions backwards: the same paths from their ends to their starts, as a program that is planned and certified like any other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.hir import (
+    ArcMove,
+    Array,
+    JointGoal,
+    JointMove,
+    LineMove,
+    Motion,
+    Origin,
+    PoseGoal,
+    PoseSplineMove,
+    Program,
+    SplineMove,
+)
+from yarclang.motion.plan import MotionPlan
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile, Span
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passed:
+    """A motion that was carried out, or its beginning.
+
+    `step` is what it did and `waypoints` (k, n) the joint positions that were chosen; `start` and `end` (n,) are where the robot stood before and
+    behind it, all [rad or m]. `middle` (n,) is a place between them. `whole` says whether it came to its end; `flows` whether it flowed into the next one.
+    """
+
+    step: Motion
+    waypoints: Array
+    start: Array
+    middle: Array
+    end: Array
+    whole: bool
+    flows: bool
+
+
+def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> tuple[Passed, ...]:
+    """The motions of a plan that were carried out.
+
+    Args:
+        plan: of what was carried out.
+        stands: (n,) where the robot was stopped on its path [rad or m]; None where it came to its end.
+        done: how far it was then [s].
+    """
+    found: list[Passed] = []
+    starts = plan.starts
+    begin = plan.program.start
+    for number, motion in enumerate(plan.motions):
+        step = plan.program.steps[motion.step]
+        assert isinstance(step, Motion)
+        flows = bool(motion.overlap)
+        if stands is not None and done <= starts[number + 1]:
+            middle = plan.sample(np.array([(starts[number] + done) / 2.0]))[0][0]
+            found.append(Passed(step, motion.waypoints, begin, middle, stands, False, False))
+            return tuple(found)
+        end = motion.waypoints[-1]
+        middle = plan.sample(np.array([(starts[number] + starts[number + 1]) / 2.0]))[0][0]
+        found.append(Passed(step, motion.waypoints, begin, middle, end, True, flows))
+        begin = end
+    return tuple(found)
+
+
+def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
+    """The motions at the end between which the robot didn't stand."""
+    first = len(motions) - 1
+    while first > 0 and motions[first - 1].flows:
+        first -= 1
+    return motions[first:]
+
+
+def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Program | Diagnostic:
+    """The program that takes motions back.
+
+    Args:
+        robot: whose.
+        group: motions between which the robot doesn't stand, in the order in which they were carried out.
+        program: that they belong to; its cell stays around the robot.
+
+    Returns:
+        A finding where there is no way back along the same path.
+    """
+    steps: list[Motion] = []
+    blends = [one.step.blend if one.flows else None for one in group[:-1]]
+    for one, blend in zip(reversed(group), [*reversed(blends), None], strict=True):
+        step = _backwards(robot, one)
+        if isinstance(step, Diagnostic):
+            return step
+        steps.append(replace(step, origin=_origin(one.step, program.source), blend=blend))
+    return Program(program.source, group[-1].end, tuple(steps), (), program.cell)
+
+
+def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:
+    step = one.step
+    match step:
+        case JointMove():
+            return replace(step, goal=JointGoal(one.start))
+        case LineMove(goal=goal):
+            return replace(step, goal=_pose(robot, one.start, goal.flange_from_moving))
+        case ArcMove(goal=goal, via=via):
+            moving = goal.flange_from_moving
+            through = via if one.whole else tool_poses(robot.chain, one.middle[None], moving)[0, :3, 3]
+            return replace(step, via=through, goal=_pose(robot, one.start, moving))
+        case SplineMove() if one.whole:
+            places = [JointGoal(q) for q in (*one.waypoints[-2::-1], one.start)]
+            return replace(step, waypoints=tuple(places))
+        case PoseSplineMove(waypoints=waypoints) if one.whole:
+            first = _pose(robot, one.start, waypoints[0].flange_from_moving)
+            return replace(step, waypoints=(*waypoints[-2::-1], first))
+    what = f"the robot was stopped within {step.origin.name}: what is left of a spline isn't the same curve"
+    return Diagnostic("Y1614", what, help="move back by a command of its own: MOVEJ, MOVEL")
+
+
+def _pose(robot: Robot, q: Array, flange_from_moving: Array) -> PoseGoal:
+    return PoseGoal(tool_poses(robot.chain, q[None], flange_from_moving)[0], flange_from_moving)
+
+
+def _origin(step: Motion, source: SourceFile) -> Origin:
+    origin = step.origin
+    span = origin.span if origin.source == source else Span.on_line(1, 1, 2)
+    return Origin(origin.index, origin.name, origin.source, span)

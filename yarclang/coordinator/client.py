@@ -1,0 +1,425 @@
+"""What one client of a coordinator may do: the API of interpreters, pendants and bridges."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.coordinator.backwards import backwards
+from yarclang.coordinator.events import Began, Finished, Found, Message
+from yarclang.coordinator.history import stands_there
+from yarclang.coordinator.lines import Lines
+from yarclang.coordinator.mailbox import CAPACITY
+from yarclang.coordinator.offers import Offer
+from yarclang.coordinator.programs import Loaded, way_to_start
+from yarclang.coordinator.subscription import Subscription
+from yarclang.coordinator.undertaking import Undertaking
+from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.hir import LineMove, PoseGoal, SetOutput, WaitInput
+from yarclang.pipeline.stages import certified, check_program, plan_program
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Script, Trouble
+from yarclang.runtime.job import Job
+from yarclang.runtime.notices import Override, Resume
+from yarclang.runtime.outcome import Ended
+from yarclang.runtime.performance import off_the_start
+from yarclang.runtime.state import State
+from yarclang.syntax.parse import parse
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Where:
+    """Where the robot stands: `joints` (n,) commanded [rad or m], and `base_from_moving` (4, 4), the moving frame in the frame that was asked for."""
+
+    joints: Array
+    base_from_moving: Array
+
+
+class Client:
+    """One client. What moves the robot, or changes the session, is for its owner: else `NotOwner`.
+
+    What a user does wrong in a text is a finding; what can't be done now is a `Trouble`, which says what, why and what to do.
+
+    Attributes:
+        name: what others know it by.
+    """
+
+    def __init__(self, coordinator: Coordinator, name: str) -> None:
+        self.name = name
+        self._coordinator = coordinator
+
+    # who owns the robot
+
+    @property
+    def owns(self) -> bool:
+        """Whether this client may move the robot."""
+        return self._coordinator.owner == self.name
+
+    def own(self) -> None:
+        """Own the robot from now on.
+
+        Raises:
+            NotOwner: somebody else does.
+        """
+        self._coordinator.own(self.name)
+
+    def give(self, to: str) -> None:
+        """Give the robot over to another client.
+
+        Raises:
+            NotOwner: it isn't this client's, or nobody is called so.
+        """
+        self._coordinator.give(self.name, to)
+
+    def release(self) -> None:
+        """Nobody owns the robot any more; nothing where this client doesn't."""
+        if self.owns:
+            self._coordinator.give(self.name, "")
+
+    def leave(self) -> None:
+        """Go away. If this client owned the robot, it comes to rest on its path."""
+        self._coordinator.detach(self.name)
+
+    def events(self, capacity: int = CAPACITY) -> Subscription:
+        """All events from now on."""
+        return self._coordinator.subscribe(capacity)
+
+    # commands
+
+    async def offer(self, text: str) -> Result[Offer]:
+        """Plan and certify a line, a block or several lines from where the robot stands, behind all that was accepted. Nothing moves.
+
+        Anybody may ask. Empty text gives no offer and no finding.
+
+        Raises:
+            Trouble: the robot is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        start = await coordinator.stands()
+        number = next(coordinator.numbers)
+        made: Result[Offer] = await coordinator.plan(
+            coordinator.planner.offer, text, coordinator.lines, start, number
+        )
+        if made.diagnostics:
+            coordinator.announce(Found(coordinator.now, self.name, text, made.diagnostics))
+        return made
+
+    async def adopt(self, declarations: tuple[str, ...]) -> Result[tuple[str, ...]]:
+        """These declarations hold from now on, in the place of all that were accepted before: of a file, or one of them touched up.
+
+        Returns:
+            None, with findings, where they can't; then those before hold on.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: the robot is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self.name, "to change the session")
+        start = await coordinator.stands()
+        text = "\n".join(declarations)
+        made: Result[Offer] = await coordinator.plan(
+            coordinator.planner.offer, text, Lines(), start, next(coordinator.numbers)
+        )
+        if text and made.value is None:
+            return Result(None, made.diagnostics)
+        coordinator.lines.adopt(declarations)
+        return Result(declarations, made.diagnostics)
+
+    async def offer_back(self) -> Result[Offer]:
+        """The last motion backwards, along the same path, planned and certified like any other; with all that it flowed together with.
+
+        Raises:
+            Trouble: as `offer`.
+        """
+        coordinator = self._coordinator
+        start = await coordinator.stands()
+        last = coordinator.history.last()
+        if last is None or not stands_there(coordinator.robot, start, last[0][-1].end):
+            what = "nothing has moved yet" if last is None else "the robot was moved since its last motion"
+            return Result(None, (Diagnostic("Y1614", f"there is no motion to take back: {what}"),))
+        group, before = last
+        program = backwards(coordinator.robot, group, before)
+        if isinstance(program, Diagnostic):
+            return Result(None, (program,))
+        program = replace(program, start=start)
+        request = coordinator.planner.request(start)
+        number = next(coordinator.numbers)
+        text = f"back: {group[-1].step.origin.name}"
+
+        def work() -> Result[Offer]:
+            planned = plan_program(program, request)
+            if planned.value is None:
+                return Result(None, planned.diagnostics)
+            made = certified(planned.value, request)
+            revision = coordinator.lines.revision
+            return coordinator.planner.offered(number, text, start, made, revision)
+
+        made: Result[Offer] = await coordinator.plan(work)
+        if made.value is None:
+            return made
+        return Result(replace(made.value, takes_back=len(group)), made.diagnostics)
+
+    async def go(self, offer: Offer) -> Ended:
+        """Carry an offer out: its declarations stay from now on, its motions move the robot.
+
+        Returns:
+            How it has ended; a stop, for example, is an end that isn't well.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: something is under way, or what was offered doesn't hold any more.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self.name, "to move the robot")
+        stops = coordinator.stops
+        if offer.revision != coordinator.lines.revision:
+            raise Trouble("a declaration has come since this was offered", "ask for it again", "Y1613")
+        job = offer.job
+        if job is None:
+            coordinator.lines.declare(offer.parts.declarations)
+            return Ended(True, joints=offer.start)
+        here = await coordinator.stands()
+        if off_the_start(job, here):
+            what = "the robot doesn't stand any more where this was planned from"
+            raise Trouble(what, "ask for it again", "Y1613")
+        ended = await self._carry_out(
+            offer.title, job.duration, lambda: coordinator.engine.perform(job), stops
+        )
+        coordinator.history.add(offer, ended)
+        coordinator.lines.count += offer.parts.count
+        if ended.well:
+            coordinator.lines.declare(offer.parts.declarations)
+        return ended
+
+    async def run(self, loaded: Loaded, *, approach: bool = False, times: int | None = 1) -> Ended:
+        """Carry a whole program out; `load_program` makes it, from a command on or command by command, if that is wanted.
+
+        Between two commands that are carried out one by one, and at a HOLD, `resume` goes on.
+
+        Args:
+            loaded: the program.
+            approach: whether to move slowly to its start first, if the robot isn't there.
+            times: how often; None: until somebody stops it.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: something is under way, or the robot isn't where the program starts.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self.name, "to move the robot")
+        stops = coordinator.stops
+        here = await coordinator.stands()
+        way = way_to_start(coordinator.robot, loaded, here)
+        if way.text and not (approach and way.job is not None):
+            remedy = (
+                "approach it first"
+                if not approach
+                else "there is no joint motion to the start: move it there"
+            )
+            raise Trouble(way.text, remedy, code="Y1601")
+        undertaking = Undertaking(
+            loaded, coordinator.engine.session, coordinator.engine.perform, _Telling(self._told), times
+        )
+        duration = loaded.rest.duration * (times or 1) + (way.job.duration if way.job else 0.0)
+        return await self._carry_out(loaded.name, duration, lambda: undertaking.carry_out(way.job), stops)
+
+    async def clear(self) -> None:
+        """Look at the controller behind a fault; where all is well, motions are possible again.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: it isn't well, and why.
+        """
+        self._coordinator.check_owner(self.name, "to clear a fault")
+        await self._coordinator.engine.clear()
+
+    # orders
+
+    def stop(self) -> None:
+        """Come to rest on the path and end what is under way. Overtakes everything; for everybody."""
+        self._coordinator.stop()
+
+    def abort(self) -> None:
+        """Each motor comes to rest at once, off the path. For everybody."""
+        self._coordinator.abort()
+
+    def hold(self) -> None:
+        """Come to rest on the path, ready to go on. For everybody."""
+        self._coordinator.hold()
+
+    def resume(self) -> None:
+        """Go on: behind a hold, at a HOLD of the program, to the next step.
+
+        Raises:
+            NotOwner: this client only watches.
+        """
+        self._coordinator.check_owner(self.name, "to go on")
+        session = self._coordinator.engine.session
+        if session.paused or self._coordinator.state is State.HOLD:
+            session.order(Resume())
+
+    def override(self, percent: float) -> None:
+        """Another pace, for what is under way and what comes: `percent` of the programmed speed, 1 to 100.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: the number isn't one.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self.name, "to change the override")
+        if not 1.0 <= percent <= 100.0:
+            raise Trouble(f"an override of {percent:g} %", "it may be 1 to 100", code="Y1601")
+        engine = coordinator.engine
+        if engine.under_way:
+            engine.session.order(Override(percent))
+        else:
+            engine.operation.override = percent / 100.0
+            coordinator.tell(f"override {percent:g} %")
+
+    # what there is
+
+    async def where(self, base: str = "{B}", moving: str = "{TCP}") -> Result[Where]:
+        """Where the robot stands, as joints and as the pose of a frame in another.
+
+        Args:
+            base: the frame in which the pose is told; any that a motion may name as its base.
+            moving: the frame whose pose it is; any that a motion may move.
+
+        Raises:
+            Trouble: the robot is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        step = self._step_of(f"MOVEL {moving} 0 0 0 0 0 0 [1] (mm,deg,s) {base}")
+        if step.value is None:
+            return Result(None, step.diagnostics)
+        assert isinstance(step.value, LineMove)
+        goal = step.value.goal
+        assert isinstance(goal, PoseGoal)
+        joints = await coordinator.stands()
+        pose = tool_poses(coordinator.robot.chain, joints[None], goal.flange_from_moving)[0]
+        return Result(Where(joints, np.linalg.inv(goal.base_from_moving) @ pose))
+
+    async def read(self, name: str) -> Result[float]:
+        """The value of an input or output that the session declares.
+
+        Raises:
+            Trouble: the robot is under way, or there is no connection.
+        """
+        step = self._step_of(f"WAIT {name} ON [1] (s)")
+        if step.value is None:
+            output = self._step_of(f"SET {name} 1")
+            step = step if output.value is None else output
+        if step.value is None:
+            return Result(None, step.diagnostics)
+        made = step.value
+        assert isinstance(made, WaitInput | SetOutput)
+        signal = made.input if isinstance(made, WaitInput) else made.output
+        return Result(await self._ask_number(signal.variable))
+
+    async def set(self, name: str, value: float | str) -> Result[float]:
+        """Give an output that the session declares a value, at once: a number, `ON` or `OFF`.
+
+        Returns:
+            What the controller says that it is then.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: the robot is under way (then outputs are the program's), or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self.name, "to set an output")
+        given = value if isinstance(value, str) else f"{value:g}"
+        step = self._step_of(f"SET {name} {given}")
+        if step.value is None:
+            return Result(None, step.diagnostics)
+        made = step.value
+        assert isinstance(made, SetOutput)
+        operation = coordinator.engine.operation
+        line = f"{made.output.variable}={made.value:.9g}"
+        await coordinator.engine.ask(lambda: operation.ask(line))
+        return Result(await self._ask_number(made.output.variable))
+
+    def saved(self) -> str:
+        """The session as a program that does the same."""
+        coordinator = self._coordinator
+        return coordinator.history.saved(coordinator.lines)
+
+    def save(self, path: Path) -> None:
+        """Write the session as a program.
+
+        Raises:
+            Trouble: the file can't be written, and why.
+        """
+        try:
+            path.write_text(self.saved(), encoding="utf-8")
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise Trouble(f"{path} can't be written: {reason}", "choose another place") from None
+
+    # of all these
+
+    async def _carry_out(
+        self, name: str, duration: float, work: Callable[[], Awaitable[Ended]], stops: int
+    ) -> Ended:
+        """Carry work out, unless somebody has wanted a stop since there were so many `stops`."""
+        coordinator = self._coordinator
+
+        async def told() -> Ended:
+            if coordinator.stops != stops:
+                return Ended(False, "stopped before it began; nothing moved")
+            coordinator.announce(Began(coordinator.now, name, duration, self.name))
+            ended = await work()
+            coordinator.announce(Finished(coordinator.now, name, ended))
+            return ended
+
+        return await coordinator.engine.move(name, told)
+
+    async def _ask_number(self, variable: str) -> float:
+        operation = self._coordinator.engine.operation
+
+        def asked() -> Script[tuple[float, ...]]:
+            return operation.numbers(variable, 1)
+
+        (value,) = await self._coordinator.engine.ask(asked)
+        return value
+
+    def _step_of(self, text: str) -> Result[object]:
+        """What a command means behind the session's lines: names are looked up where they always are."""
+        coordinator = self._coordinator
+        typed = coordinator.lines.behind(text)
+        parsed = parse(typed.source)
+        assert parsed.value is not None  # parsing always gives a tree
+        checked = check_program(parsed.value, coordinator.planner.request(coordinator.robot.home))
+        found = typed.placed((*parsed.diagnostics, *checked.diagnostics))
+        if checked.value is None or has_errors(found):
+            return Result(None, found)
+        return Result(checked.value.steps[-1], found)
+
+    def _told(self, text: str) -> None:
+        self._coordinator.announce(Message(self._coordinator.now, text))
+
+
+class _Telling:
+    """Tells of a program between its jobs as messages."""
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self._tell = tell
+
+    def begins(self, job: Job, *, instead: str = "", brief: bool = False) -> None:  # noqa: ARG002 (Watcher's)
+        if instead:
+            self._tell(f"{instead}, {job.duration:.1f} s")
+
+    def pauses(self, title: str, number: int, of: int) -> None:
+        self._tell(f"resume goes on with {title}, {number} of {of}")
+
+    def passes(self, number: int, of: int | None) -> None:
+        self._tell(f"pass {number}{f' of {of}' if of else ''}")

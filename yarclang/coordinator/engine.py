@@ -1,0 +1,293 @@
+"""The one task that talks to the controller: looks while nothing is wanted, carries out what is wanted, connects again.
+
+All else hands it work and hears of it by notices; orders to stop go past it, to the session.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import deque
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from yarclang import __version__
+from yarclang.coordinator.ordered import OrderedSession
+from yarclang.pipeline.jobs import items_of
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Lost, Script, Trouble
+from yarclang.runtime.idling import idle
+from yarclang.runtime.inspection import Inspection
+from yarclang.runtime.job import Job
+from yarclang.runtime.log import RunLog
+from yarclang.runtime.notices import Fail, Stop
+from yarclang.runtime.operation import Operation
+from yarclang.runtime.outcome import Ended
+from yarclang.runtime.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.session import Session
+from yarclang.runtime.state import Event, State
+
+T = TypeVar("T")
+
+_AGAIN_EACH = 0.5
+"""How often a lost connection is tried to be made again [s]."""
+
+_RESCUE = 30.0
+"""How long to try to bring a robot to rest behind a bug of ours [s]."""
+
+NO_LOG = Path()
+"""Where nothing is logged."""
+
+
+class NotReady(Trouble):
+    """The controller isn't what the robot needs; `inspection` says what was looked at."""
+
+    def __init__(self, inspection: Inspection) -> None:
+        count = len(inspection.errors)
+        first = inspection.errors[0]
+        super().__init__(
+            f"{count} of {len(inspection.checked)} things aren't as they must be, the first: {first.subject} is {first.found!r}, not {first.wanted!r}",
+            first.remedy or "`yarc doctor` shows all of them",
+        )
+        self.inspection = inspection
+
+
+@dataclass(slots=True, eq=False)
+class _Work:
+    """What is wanted, who waits for it, and whether it moves the robot."""
+
+    do: Callable[[], Awaitable[Any]]
+    done: asyncio.Future[Any]
+    moves: bool
+
+
+class Engine:
+    """Carries out work on one controller, one piece after the other.
+
+    Args:
+        robot: that hangs on it.
+        session: its connection.
+        log: where motions are logged: a file or a folder; None: a new file in yarc-runs/; `NO_LOG`: nowhere.
+        on_bug: called with what was wrong with yarclang itself; the robot was brought to rest before.
+
+    Attributes:
+        under_way: what is carried out: its name, or empty.
+        run_log: of the motions, from the first one on.
+    """
+
+    def __init__(
+        self, robot: Robot, session: OrderedSession, log: Path | None, on_bug: Callable[[BaseException], None]
+    ) -> None:
+        self.robot = robot
+        self.session = session
+        self.under_way = ""
+        self.run_log: RunLog | None = None
+        self._log_place = log
+        self._on_bug = on_bug
+        self._work: deque[_Work] = deque()
+        self._closing = False
+        self._task: asyncio.Task[None] | None = None
+
+    @property
+    def operation(self) -> Operation:
+        """The session's state, orders and notices."""
+        return self.session.operation
+
+    async def start(self) -> Inspection:
+        """Connect, look at everything, and serve from now on.
+
+        Raises:
+            NotReady: the controller isn't what the robot needs.
+            Trouble: it can't be reached, or not be looked at.
+        """
+        await self.session.perform(connect(self.operation))
+        found = await self.look()
+        if found.errors:
+            self.session.close()
+            raise NotReady(found)
+        self._task = asyncio.create_task(self._serve(), name="coordinator")
+        return found
+
+    async def close(self) -> None:
+        """End what is under way, on its path, and the connection."""
+        self._closing = True
+        if self.under_way:
+            self.session.order(Stop())
+        self.session.wake()
+        if self._task is not None:
+            await self._task
+        if self.run_log is not None:
+            self.run_log.close()
+        self.session.close()
+
+    async def ask(self, script: Callable[[], Script[T]]) -> T:
+        """Carry a short script out between two looks; nothing moves meanwhile.
+
+        Raises:
+            Trouble: as the script does; the robot is under way, or there is no connection.
+        """
+        self._refuse_while_under_way()
+        return await self._wait_for(lambda: self.session.perform(script()), moves=False)
+
+    async def move(self, name: str, work: Callable[[], Awaitable[T]]) -> T:
+        """Carry out what moves the robot.
+
+        Args:
+            name: what people call it.
+            work: calls `perform` and the like; begins when all that was asked before is done.
+
+        Raises:
+            Trouble: something else is under way, or the state forbids it.
+        """
+        self._refuse_while_under_way()
+        if self.operation.state is State.FAULT:
+            raise Trouble("nothing moves behind a fault before it was looked at", "clear it", code="Y1612")
+        self.operation.orders.clear()  # they were for something else
+        if not self._closing:
+            self.under_way = name
+        return await self._wait_for(work, moves=True)
+
+    async def perform(self, job: Job) -> Ended:
+        """Carry a job out; for work of `move`."""
+        try:
+            self._log(job)
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            return Ended(False, f"the log can't be made: {reason}; nothing moved", "make room", code="Y1601")
+        return await self.session.perform(perform(self.operation, job))
+
+    async def clear(self) -> None:
+        """Look at the controller behind a fault; where all is well, the fault is forgotten.
+
+        Raises:
+            NotReady: it isn't well.
+            Trouble: something is under way, or there is no connection.
+        """
+        self._refuse_while_under_way()
+        found = await self._wait_for(self.look, moves=False)
+        if found.errors:
+            raise NotReady(found)
+
+    async def look(self) -> Inspection:
+        """Look at the controller; where all is well, a fault is forgotten."""
+        return await self.session.perform(look(self.operation, self.robot, items_of(self.robot)))
+
+    def _refuse_while_under_way(self) -> None:
+        if self.under_way:
+            raise Trouble(f"{self.under_way} is under way", "wait for its end, or stop it", "Y1612")
+
+    # the task
+
+    async def _wait_for(self, do: Callable[[], Awaitable[T]], *, moves: bool) -> T:
+        if self._closing or self._task is None:
+            raise Trouble("the coordinator isn't at work", "start it")
+        done: asyncio.Future[T] = asyncio.get_running_loop().create_future()
+        self._work.append(_Work(do, done, moves))
+        self.session.wake()
+        # a client that goes away doesn't end what it began: somebody else orders that
+        return await asyncio.shield(done)
+
+    async def _serve(self) -> None:
+        while not (self._closing and not self._work):
+            try:
+                if self._work:
+                    await self._carry_out(self._work.popleft())
+                else:
+                    await self.session.perform(idle(self.operation, self.robot, self._wanted))
+            except Lost as lost:
+                await self._reconnect(str(lost))
+            except Exception as error:
+                await self._rescue()
+                self._on_bug(error)
+
+    def _wanted(self) -> bool:
+        return bool(self._work) or self._closing
+
+    async def _carry_out(self, work: _Work) -> None:
+        try:
+            result = await work.do()
+        except Lost as lost:
+            self._end(
+                work, Trouble(f"the connection was lost: {lost}", "wait until it is there again", "Y1606")
+            )
+            raise
+        except Trouble as trouble:
+            self._end(work, trouble)
+        except Exception as error:
+            self._end(work, error)
+            raise
+        else:
+            self._end(work, None)
+            if not work.done.done():
+                work.done.set_result(result)
+
+    def _end(self, work: _Work, error: Exception | None) -> None:
+        """It is over; whoever gave it may be gone."""
+        if work.moves:
+            self.under_way = ""
+            self.operation.orders.clear()
+        if error is not None and not work.done.done():
+            work.done.set_exception(error)
+
+    async def _reconnect(self, why: str) -> None:
+        """Until there is a connection again, or nobody wants one."""
+        operation = self.operation
+        operation.go(Event.LOST, f"the connection was lost: {why}")
+        while not self._closing:
+            while self._work:
+                self._end(
+                    self._work.popleft(), Trouble("there is no connection to the controller", "wait", "Y1606")
+                )
+            try:
+                await self.session.perform(connect(operation))
+                found = await self.look()
+            except Trouble:
+                await asyncio.sleep(_AGAIN_EACH / self.session.pace)
+                continue
+            if found.errors:
+                operation.go(Event.FAULT, str(NotReady(found)))
+            return
+
+    async def _rescue(self) -> None:
+        """Behind a bug of ours: bring the robot to rest and end what runs. Nothing of the session's state is trusted."""
+        session, operation = self.session, self.operation
+        operation.orders.clear()
+        if operation.state in (State.STOP, State.FAULT):
+            return
+        rescuer = Session(session.host, session.port, pace=session.pace, connector=session.connector)
+        session.close()
+        with contextlib.suppress(Exception):
+            async with asyncio.timeout(_RESCUE):
+                await rescuer.perform(connect(rescuer.operation))
+                await rescuer.perform(end_what_runs(rescuer.operation, self.robot, abort=False))
+        rescuer.close()
+        operation.go(Event.FAULT, "a bug of yarclang has ended the motion")
+
+    def _log(self, job: Job) -> None:
+        """Open the log with the first motion.
+
+        Raises:
+            OSError: it can't be made.
+        """
+        if self._log_place is NO_LOG:
+            return
+        if self.run_log is None:
+            loop = asyncio.get_running_loop()
+
+            def failed(reason: str) -> None:
+                what = Fail(f"the log can't be written: {reason}", "make room on the disk")
+                loop.call_soon_threadsafe(self.session.order, what)
+
+            self.run_log = RunLog.open(
+                self._log_place,
+                job,
+                f"{self.session.host}:{self.session.port}",
+                version=__version__,
+                on_failure=failed,
+                pace=self.session.pace,
+            )
+            self.session.listen(self.run_log.take)
+            self.session.log = self.run_log
+        self.run_log.begin(job)

@@ -1,0 +1,139 @@
+"""What a session has done: for the way back, and for the program that does the same. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.coordinator.backwards import Passed, last_group, passed
+from yarclang.coordinator.lines import Lines
+from yarclang.coordinator.offers import Offer
+from yarclang.hir import Array, Program
+from yarclang.robot.actuation import to_counts
+from yarclang.robot.library import list_robots
+from yarclang.robot.model import Robot
+from yarclang.runtime.outcome import Ended
+from yarclang.source import SourceFile
+from yarclang.syntax.parse import parse
+from yarclang.syntax.print import print_module
+from yarclang.syntax.renumber import renumbered
+
+_COUNT = 1.0
+"""Who stands within so many counts of a place stands there."""
+
+_FIRST, _STEP = 10, 10
+"""Indices of a saved program."""
+
+_BRIDGE = "[10%]"
+"""How fast a saved program goes where the robot was moved by something else than its commands."""
+
+
+def stands_there(robot: Robot, here: Array, there: Array) -> bool:
+    """Whether two joint positions (n,) [rad or m] are the same to a count."""
+    return bool((np.abs(to_counts(robot, here) - to_counts(robot, there)) <= _COUNT).all())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Entry:
+    """What was carried out: its commands as they were written, its motions and the program that they belong to; from `start` to `end`
+    (n,) [rad or m]. `whole` says whether it came to its end.
+    """
+
+    commands: tuple[str, ...]
+    motions: tuple[Passed, ...]
+    program: Program | None
+    start: Array
+    end: Array
+    whole: bool
+
+
+class History:
+    """What was carried out and not taken back, oldest first.
+
+    Args:
+        robot: that was moved.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._entries: list[Entry] = []
+
+    def add(self, offer: Offer, ended: Ended) -> None:
+        """An offer was carried out, or begun."""
+        assert offer.compiled is not None
+        if offer.takes_back:
+            self._take_back(offer, ended)
+            return
+        plan = offer.compiled.plan
+        if ended.well:
+            # where it was planned to end: the text has rounded numbers
+            end = plan.motions[-1].waypoints[-1] if plan.motions else offer.start
+            entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, True)
+        elif ended.joints is None or not ended.command:
+            return  # nothing has moved, or nobody knows
+        else:
+            motions = passed(plan, ended.joints, ended.done) if plan.motions else ()
+            entry = Entry((), motions, offer.compiled.program, offer.start, ended.joints, False)
+        self._entries.append(entry)
+
+    def _take_back(self, offer: Offer, ended: Ended) -> None:
+        """What it leaves of the last entry is no command any more."""
+        if not ended.well and (ended.joints is None or not ended.command):
+            return
+        last = self._entries.pop()
+        left = last.motions[: len(last.motions) - offer.takes_back] if ended.well else last.motions[:-1]
+        if left and ended.joints is not None:
+            end = ended.joints
+            self._entries.append(Entry((), left, last.program, last.start, end, False))
+
+    @property
+    def end(self) -> Array | None:
+        """(n,) where the robot stood behind the last of it [rad or m]."""
+        return self._entries[-1].end if self._entries else None
+
+    def last(self) -> tuple[tuple[Passed, ...], Program] | None:
+        """The last motions between which the robot didn't stand, and their program; None where there is none."""
+        while self._entries and not self._entries[-1].motions and not self._entries[-1].whole:
+            self._entries.pop()
+        entry = next((one for one in reversed(self._entries) if one.motions), None)
+        if entry is None or entry is not self._entries[-1] or entry.program is None:
+            return None
+        return last_group(entry.motions), entry.program
+
+    def saved(self, lines: Lines) -> str:
+        """The session as a program: its declarations, and what was carried out to its end.
+
+        Where the robot was moved by something else between two commands, a slow motion of all joints leads to where the next began.
+        """
+        robot = self._robot
+        text = [f"ROBOT {_robot_name(robot)}"]
+        whole = [one for one in self._entries if one.whole]
+        if whole:
+            text.append(f"START {_values(robot, whole[0].start)} {_units(robot, '')}")
+        text += lines.declarations
+        stands = whole[0].start if whole else robot.home
+        for one in whole:
+            if not stands_there(robot, one.start, stands):
+                values = _values(robot, one.start)
+                text.append(f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to where the robot was moved")
+            text += one.commands
+            stands = one.end
+        # numbers of the commands are theirs in the file: what was typed may have had the same one twice
+        module = parse(SourceFile("<session>", "\n".join(text) + "\n")).value
+        assert module is not None  # parsing always gives a tree
+        return print_module(renumbered(module, _FIRST, _STEP))
+
+
+def _robot_name(robot: Robot) -> str:
+    """A name of the library, else where it is."""
+    known = any(one.folder == robot.folder for one in list_robots())
+    return robot.name if known else f'"{robot.folder / "robot.toml"}"'
+
+
+def _values(robot: Robot, q: Array) -> str:
+    return " ".join(f"{value + 0.0:.12g}" for value in np.round(q / robot.axis_units, 9))
+
+
+def _units(robot: Robot, more: str) -> str:
+    return f"({','.join(dict.fromkeys(robot.axis_unit_names))}{more})"

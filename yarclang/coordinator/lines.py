@@ -1,0 +1,153 @@
+"""The lines of a session: declarations stay, commands are carried out. No I/O.
+
+A session is one growing program. A line that is planned stands behind all declarations that were accepted before it; what was carried out
+is told by where the robot stands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Block, Module, Node, Statement, Word
+from yarclang.syntax.blocks import arrange
+from yarclang.syntax.words import DECLARATIONS
+
+SESSION = "<session>"
+"""How findings call the lines that were accepted before."""
+
+TYPED = "<line>"
+"""How findings call the text that somebody gives."""
+
+_STEP = 10
+"""Between two indices."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """A text's top-level declarations and commands, each as it was written, in order."""
+
+    declarations: tuple[str, ...]
+    commands: tuple[str, ...]
+    count: int = 0
+    """How many lines have commands, those of blocks among them."""
+
+
+def parts_of(module: Module) -> Parts:
+    """What of a text stays, and what is carried out: blocks other than SUB are carried out."""
+    nodes = arrange(module).value or ()
+    declarations: list[str] = []
+    commands: list[str] = []
+    for node in nodes:
+        text = _text(node, module.source)
+        (declarations if _stays(node) else commands).append(text)
+    return Parts(tuple(declarations), tuple(commands), sum(map(_commands, nodes)))
+
+
+def numbered(module: Module, before: int, first: int) -> Module:
+    """The same module, whose commands all have an index: those behind its first lines, `before`, from `first` on; those of SUBs in these
+    lines from the beginning.
+    """
+    numbers = {True: first, False: _STEP}
+    statements: list[Statement] = []
+    for one in module.statements:
+        if one.index is None and one.name.name not in DECLARATIONS:
+            own = one.line > before
+            one = replace(one, index=Word(f"P{numbers[own]:04d}", one.name.place))  # noqa: PLW2901
+            numbers[own] += _STEP
+        statements.append(one)
+    return replace(module, statements=tuple(statements))
+
+
+def _commands(node: Node) -> int:
+    if isinstance(node, Block):
+        return sum(map(_commands, (*node.body, *(node.otherwise or ()))))
+    return int(not _stays(node))
+
+
+def _stays(node: Node) -> bool:
+    if isinstance(node, Block):
+        return node.head.name.name == "SUB"
+    return node.index is None and node.name.name in DECLARATIONS
+
+
+def _text(node: Node, source: SourceFile) -> str:
+    """The lines of a statement or a block."""
+    first = node.head if isinstance(node, Block) else node
+    last = _last(node)
+    return "\n".join(source.lines[first.line - 1 : last.line - 1 + last.rows])
+
+
+def _last(node: Node) -> Statement:
+    if not isinstance(node, Block):
+        return node
+    if node.end is not None:
+        return node.end
+    inside = node.otherwise or node.body
+    return _last(inside[-1]) if inside else node.head
+
+
+@dataclass(frozen=True, slots=True)
+class Typed:
+    """A text behind the session's declarations: `source` is both, the text begins behind `before` lines."""
+
+    source: SourceFile
+    before: int
+
+    def placed(self, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
+        """Findings with their places in the text itself; those about a line of the session keep theirs."""
+        typed = SourceFile(TYPED, "\n".join(self.source.lines[self.before :]) + "\n")
+        return tuple(self._placed(one, typed) for one in found)
+
+    def _placed(self, one: Diagnostic, typed: SourceFile) -> Diagnostic:
+        span, fix = one.span, one.fix
+        if one.source != self.source or span is None or span.line <= self.before:
+            return one
+        if fix is not None:
+            edits = tuple(Edit(self._moved(edit.span), edit.text) for edit in fix.edits)
+            within = all(edit.span.line > 0 for edit in edits)
+            fix = (
+                Fix(fix.title, edits) if within else None
+            )  # what changes the session's lines is for nobody to apply
+        return replace(one, source=typed, span=self._moved(span), fix=fix)
+
+    def _moved(self, span: Span) -> Span:
+        return replace(span, line=span.line - self.before, end_line=span.end_line - self.before)
+
+
+class Lines:
+    """The declarations of a session, in their order.
+
+    Attributes:
+        declarations: as they were written.
+        count: how many commands were carried out.
+        revision: grows with each change of the declarations: what was planned before may not hold any more.
+    """
+
+    def __init__(self) -> None:
+        self.declarations: list[str] = []
+        self.count = 0
+        self.revision = 0
+
+    def behind(self, text: str) -> Typed:
+        """A text behind all declarations."""
+        before = "".join(f"{one}\n" for one in self.declarations)
+        count = sum(one.count("\n") + 1 for one in self.declarations)
+        return Typed(SourceFile(SESSION, before + text + "\n"), count)
+
+    @property
+    def next_number(self) -> int:
+        """The index that a command gets that has none."""
+        return _STEP * (self.count + 1)
+
+    def declare(self, declarations: tuple[str, ...]) -> None:
+        """They stay from now on."""
+        if declarations:
+            self.declarations += declarations
+            self.revision += 1
+
+    def adopt(self, declarations: tuple[str, ...]) -> None:
+        """These, and no others, from now on."""
+        self.declarations = list(declarations)
+        self.revision += 1

@@ -1,0 +1,266 @@
+"""A text to an offer: what would be done, planned from where the robot stands, and certified. Pure: nothing moves by it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.certify.certificate import Certificate, CommandCertificate
+from yarclang.coordinator.lines import Lines, Parts, numbered, parts_of
+from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.hir import JointMove, PoseGoal, Program
+from yarclang.lint.engine import lint
+from yarclang.lint.rule import Surroundings
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.cells import cell_loader
+from yarclang.pipeline.checking import settled
+from yarclang.pipeline.jobs import Papers, job_of_text
+from yarclang.pipeline.modules import loader
+from yarclang.pipeline.project import Project, find_project
+from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_checked
+from yarclang.robot.kinematics.inverse import branches
+from yarclang.robot.kinematics.nearest import beyond
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.job import Job
+from yarclang.semantics.declarations import declared_robot
+from yarclang.syntax.ast import Module
+from yarclang.syntax.parse import parse
+
+NAME = "session"
+"""What a program that is made of a session is called."""
+
+_SAME = 1e-6
+"""Joint positions that are nearer to each other [rad or m] are one."""
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedMotion:
+    """One motion of an offer: `title` is its index and name, `seconds` how long it takes, `branch` which of the solutions of a pose it goes to
+    (empty where there was nothing to choose), `proved` what the certificate says of it: peaks, path, clearance.
+    """
+
+    title: str
+    seconds: float
+    branch: str
+    proved: CommandCertificate
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Offer:
+    """What would be done, if the owner says so.
+
+    Attributes:
+        number: each offer of a coordinator has its own.
+        text: as it was given.
+        parts: its declarations and commands.
+        start: (n,) from where it was planned [rad or m].
+        motions: the motions in order; empty where nothing moves.
+        findings: warnings and notes; an offer has no errors.
+        compiled: text, program, plan and certificate; None where there are only declarations.
+        job: what would be streamed; likewise.
+        revision: of the session's lines that it was planned behind.
+        takes_back: how many of the motions that were carried out it takes back.
+    """
+
+    number: int
+    text: str
+    parts: Parts
+    start: Array
+    motions: tuple[OfferedMotion, ...]
+    findings: tuple[Diagnostic, ...]
+    compiled: Compiled | None
+    job: Job | None
+    revision: int
+    takes_back: int = 0
+
+    @property
+    def duration(self) -> float:
+        """Of all motions [s]."""
+        return 0.0 if self.job is None else self.job.duration
+
+    @property
+    def end(self) -> Array:
+        """(n,) where the robot stands behind it [rad or m]."""
+        return self.start if self.job is None else self.job.end
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """What was proved."""
+        return None if self.compiled is None else self.compiled.certificate
+
+    @property
+    def plan(self) -> MotionPlan | None:
+        """The joints as a function of time."""
+        return None if self.compiled is None else self.compiled.plan
+
+    @property
+    def title(self) -> str:
+        """What it is called while it is carried out."""
+        return " ".join(self.text.split())[:60]
+
+
+class Planner:
+    """Makes offers for one robot, in one folder: modules and cells are looked for there, and yarc.toml.
+
+    Args:
+        robot: whose motions they are.
+        folder: where the session is at home.
+        tm: longest segment time [ms]; None: the robot's.
+    """
+
+    def __init__(self, robot: Robot, folder: Path, tm: float | None = None) -> None:
+        self.robot = robot
+        self.folder = folder
+        self._request = Request(
+            robot, tm=tm, load=loader(folder), load_cell=cell_loader(folder, robot), index_needed=False
+        )
+        self._project: Project = find_project(folder).value or Project(folder)
+
+    def request(self, start: Array) -> Request:
+        """How a text is compiled from where the robot stands (n,) [rad or m]."""
+        return replace(self._request, start=start)
+
+    def offer(self, text: str, lines: Lines, start: Array, number: int) -> Result[Offer]:
+        """Plan and certify a text behind the lines of a session.
+
+        Args:
+            text: one command, declaration or block, or several.
+            lines: of the session.
+            start: (n,) where the robot stands [rad or m].
+            number: of the offer.
+
+        Returns:
+            None where a finding forbids it. Findings have their places in the text.
+        """
+        typed = lines.behind(text)
+        revision = lines.revision
+        parsed = parse(typed.source)
+        module = parsed.value
+        assert module is not None  # parsing always gives a tree
+        parts = _new_parts(module, typed.before)
+        if not parts.commands and not parts.declarations and not parsed.diagnostics:
+            return Result(None, ())
+        found = (*parsed.diagnostics, *self._of_robot(module))
+        compiled: Compiled | None = None
+        if not has_errors(found):
+            # a command in a loop is told by its index
+            made = self._staged(numbered(module, typed.before, lines.next_number), start, parts)
+            compiled, found = made.value, (*found, *made.diagnostics)
+        told = settled(found, typed.source, self._project)
+        own = tuple(one for one in told if one.is_error or one.span is None or one.span.line > typed.before)
+        placed = typed.placed(own)
+        if has_errors(told) or (parts.commands and compiled is None):
+            return Result(None, placed)
+        return Result(self._made(number, text, parts, start, placed, compiled, revision), placed)
+
+    def offered(
+        self, number: int, text: str, start: Array, made: Result[Compiled], revision: int
+    ) -> Result[Offer]:
+        """The offer of a program that wasn't written by anybody, such as a way back."""
+        if made.value is None or has_errors(made.diagnostics):
+            return Result(None, made.diagnostics)
+        parts = Parts((), ())
+        return Result(
+            self._made(number, text, parts, start, made.diagnostics, made.value, revision), made.diagnostics
+        )
+
+    def _made(
+        self,
+        number: int,
+        text: str,
+        parts: Parts,
+        start: Array,
+        found: tuple[Diagnostic, ...],
+        compiled: Compiled | None,
+        revision: int,
+    ) -> Offer:
+        motions: tuple[OfferedMotion, ...] = ()
+        job: Job | None = None
+        if compiled is not None:
+            motions = _motions(compiled)
+            papers = Papers(text, json.dumps(compiled.certificate.to_json()))
+            read = job_of_text(compiled.text, self.robot, NAME, papers)
+            assert read.value is not None, read.diagnostics  # what was just written is readable
+            job = read.value
+        return Offer(number, text, parts, start, motions, found, compiled, job, revision)
+
+    def _of_robot(self, module: Module) -> tuple[Diagnostic, ...]:
+        """A ROBOT line must name this very robot; START is for files."""
+        found: list[Diagnostic] = []
+        declared = declared_robot(module)
+        if declared is not None and declared[0].upper() != self.robot.name.upper():
+            from yarclang.robot.description import load_robot
+
+            other = load_robot(declared[0]).value
+            if other is None or other.fingerprint != self.robot.fingerprint:
+                message = f"the session moves {self.robot.name}, not {declared[0]}"
+                found.append(
+                    Diagnostic("Y1392", message, module.source, declared[1], "leave the ROBOT line out")
+                )
+        for one in module.statements:
+            if one.index is None and one.name.name == "START":
+                message = "START is for files: in a session each command starts where the robot stands"
+                help_ = "move there: MOVEJ with these values"
+                found.append(Diagnostic("Y1615", message, module.source, one.whole_span, help_))
+        return tuple(found)
+
+    def _staged(self, module: Module, start: Array, parts: Parts) -> Result[Compiled]:
+        """All stages, and the rules."""
+        request = self.request(start)
+        checked = check_program(module, request)
+        program = checked.value
+        assert program is not None  # a check always gives a program
+        products: list[object] = [module, program]
+        if not parts.commands:
+            # Y0104, a file without a command, is what declarations of a session are
+            found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
+            return Result(None, found)
+        planned = plan_checked(checked, request)
+        found, compiled = planned.diagnostics, None
+        if planned.value is not None:
+            made = certified(planned.value, request)
+            found, compiled = (*found, *made.diagnostics), made.value
+            products.append(planned.value)
+            if compiled is not None:
+                products.append(compiled.certificate)
+        around = Surroundings(module, self.robot, program.steps, self._project.teach)
+        off = {code for code, level in self._project.levels.items() if level == "off"}
+        return Result(compiled, (*found, *lint(products, around, found, off)))
+
+
+def _new_parts(module: Module, before: int) -> Parts:
+    """The parts of the text behind the session's lines."""
+    own = replace(module, statements=tuple(one for one in module.statements if one.line > before))
+    return parts_of(own)
+
+
+def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
+    plan, program = compiled.plan, compiled.program
+    answer = []
+    for planned, proved in zip(plan.motions, compiled.certificate.commands, strict=True):
+        begin = planned.curve.points[0]
+        branch = _branch(plan.robot, program, planned.step, begin, planned.waypoints[-1])
+        title = f"{proved.index} {proved.name}".replace("- ", "", 1).strip()
+        answer.append(OfferedMotion(title, proved.duration, branch, proved))
+    return tuple(answer)
+
+
+def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
+    """Which solution of a free pose was taken: `nearest of 8`."""
+    step = program.steps[number]
+    if not (isinstance(step, JointMove) and isinstance(step.goal, PoseGoal)):
+        return ""
+    goal = step.goal
+    base_from_flange = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
+    found, reached = branches(robot.chain, base_from_flange[None], hold=begin)
+    within = [
+        q for q, good in zip(found[0], reached[0], strict=True) if good and not beyond(robot.limits, q).any()
+    ]
+    reference = begin if goal.near is None else goal.near
+    distance = float(((chosen - reference) ** 2).sum())
+    nearer = sum(float(((q - reference) ** 2).sum()) < distance - _SAME for q in within)
+    place = {0: "nearest", 1: "second nearest", 2: "third nearest"}.get(nearer, f"number {nearer + 1}")
+    return f"{place} of {max(len(within), nearer + 1)}"

@@ -1,0 +1,62 @@
+"""A stream of events for one who watches."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+
+from yarclang.coordinator.events import Event
+from yarclang.coordinator.mailbox import Mailbox
+
+
+class Subscription:
+    """Events as an asynchronous iterator, which ends when the coordinator or the subscription is closed.
+
+    Args:
+        capacity: events that wait at most; what comes beyond is counted, and told as `Missed`.
+        leave: called when it is closed.
+    """
+
+    def __init__(self, capacity: int, leave: Callable[[Subscription], object]) -> None:
+        self._mailbox = Mailbox(capacity)
+        self._leave: Callable[[Subscription], object] | None = leave
+        self._arrived = asyncio.Event()
+
+    def put(self, event: Event) -> None:
+        """Called by the coordinator; never waits."""
+        self._mailbox.put(event)
+        self._arrived.set()
+
+    def close(self) -> None:
+        """No more events; those that wait can still be taken."""
+        if self._leave is not None:
+            leave, self._leave = self._leave, None
+            leave(self)
+            self._arrived.set()
+
+    async def next(self) -> Event | None:
+        """The oldest event, when there is one; None at the end."""
+        while True:
+            if (event := self._mailbox.take()) is not None:
+                return event
+            if self._leave is None:
+                return None
+            self._arrived.clear()
+            await self._arrived.wait()
+
+    def waiting(self) -> tuple[Event, ...]:
+        """All that waits, without waiting for more."""
+        found: list[Event] = []
+        while (event := self._mailbox.take()) is not None:
+            found.append(event)
+        return tuple(found)
+
+    async def __aiter__(self) -> AsyncIterator[Event]:
+        while (event := await self.next()) is not None:
+            yield event
+
+    def __enter__(self) -> Subscription:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -24,14 +24,14 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
 
     def load(name: str) -> Result[Module]:
         unsaved = [path for path in texts if path.parent == folder.absolute() and path.suffix == SUFFIX]
-        places = [*unsaved, *_modules_in(folder), *_modules_in(library_folder())]
+        places = [*unsaved, *modules_in(folder), *modules_in(library_folder())]
         for path in places:
             if path.stem.upper() == name:
                 if (text := texts.get(path.absolute())) is not None:
                     return parse(text)
                 read = read_source(str(path))
                 return Result(None, read.diagnostics) if read.value is None else parse(read.value)
-        known = sorted({path.stem.upper() for path in _modules_in(library_folder())})
+        known = sorted({path.stem.upper() for path in modules_in(library_folder())})
         help_ = suggest(name, [path.stem.upper() for path in places])
         help_ = (
             help_
@@ -47,7 +47,8 @@ def library_folder() -> Path:
     return stdlib_folder() / "modules"
 
 
-def _modules_in(folder: Path) -> list[Path]:
+def modules_in(folder: Path) -> list[Path]:
+    """The files of a folder that may be modules; none where the folder can't be read."""
     try:
         return sorted(path for path in folder.iterdir() if path.suffix == SUFFIX and path.is_file())
     except OSError:

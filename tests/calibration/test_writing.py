@@ -52,6 +52,15 @@ def test_a_tip_in_an_old_and_in_a_new_frame(folder, name):
     np.testing.assert_allclose(robot.flange_from_frame[name][:3, :3], np.eye(3), atol=1e-12)
 
 
+def test_ends_of_lines_stay(folder):
+    text = source(folder).text.replace("\n", "\r\n")
+    new = with_offsets(SourceFile("robot.toml", text), np.arange(6.0))
+    assert new.count("\r\n") == new.count("\n") == text.count("\n")
+    without = text.replace("a0 = [0, 0, 0, 0, 0, 0]  # counts\r\n", "")
+    new = with_offsets(SourceFile("robot.toml", without), np.arange(6.0))
+    assert new.count("\r\n") == new.count("\n") == text.count("\n")
+
+
 def test_an_array_over_several_lines(folder):
     text = source(folder).text.replace(
         "a0 = [0, 0, 0, 0, 0, 0]", "a0 = [\n  0, 0, 0,  # first\n  0, 0, 0,\n]"

@@ -38,12 +38,13 @@ def _with_value(file: SourceFile, table: str, key: str, value: str) -> str:
     """The text with another value of a table's key, or with the key, right below the table's header, where it isn't there."""
     places = find_places(file)
     path = tuple(table.split("."))
-    lines = file.text.replace("\r\n", "\n").split("\n")
+    lines = file.text.split("\n")  # a carriage return stays at its line's end
     if span := places.values.get((*path, key)):
         behind = lines[span.end_line - 1][span.end_column - 1 :]
         lines[span.line - 1 : span.end_line] = [lines[span.line - 1][: span.column - 1] + value + behind]
     else:
-        lines.insert(places.keys[path].line, f"{key} = {value}")
+        header = places.keys[path].line
+        lines.insert(header, f"{key} = {value}" + "\r" * lines[header - 1].endswith("\r"))
     return "\n".join(lines)
 
 

@@ -1,0 +1,63 @@
+"""An interpreter on a coordinator in virtual time, and a person who types."""
+
+import asyncio
+import contextlib
+
+from coordinator.virtual import coordinating
+
+from yarclang.repl.interpreter import PROMPT, Interpreter
+
+
+class Person:
+    """Types, and reads what is said.
+
+    Attributes:
+        said: all that was said since it was last taken.
+    """
+
+    def __init__(self, world, coordinator, client, folder, asks):
+        self.world, self.coordinator, self.said = world, coordinator, []
+        self.interpreter = Interpreter(coordinator, client, self.said.append, folder, asks=asks)
+
+    async def type(self, *texts, within=200.0):
+        """Type one after the other, each when the one before is done or asks something; what was said."""
+        for text in texts:
+            self.interpreter.typed(text)
+            await self.settled(within)
+        return self.taken()
+
+    async def settled(self, within=200.0):
+        await self.world.until(lambda: self.interpreter.idle or self.interpreter.asked, within)
+
+    async def begin(self, text):
+        """Type something that takes a while, and go on when the robot moves."""
+        self.interpreter.typed(text)
+        await self.world.until(lambda: self.world.moving)
+
+    def taken(self):
+        text = "\n".join(self.said)
+        self.said.clear()
+        return text
+
+    @property
+    def asked(self):
+        return self.interpreter.prompt if self.interpreter.prompt != PROMPT else ""
+
+
+@contextlib.asynccontextmanager
+async def talking(folder, *, asks=False, **options):
+    """A person at a robot."""
+    async with coordinating(folder=folder, **options) as (world, coordinator, client):
+        person = Person(world, coordinator, client, folder, asks)
+        served = asyncio.create_task(person.interpreter.serve())
+        with coordinator.subscribe() as events:
+            heard = asyncio.create_task(_hear(events, person.interpreter))
+            yield person
+            heard.cancel()
+        person.interpreter.leave()
+        await served
+
+
+async def _hear(events, interpreter):
+    async for event in events:
+        interpreter.hear(event)

@@ -1,0 +1,161 @@
+"""Programs in files: loaded, run, stepped through, saved, touched up."""
+
+import asyncio
+
+import pytest
+from coordinator.virtual import run
+from repl.talking import talking
+
+PROGRAM = """\
+ROBOT INDUSTRIAL6
+START HOME
+JOINTS READY 0 10 10 0 30 0 (deg)   ! above the table
+FRAME {PICK} 0 1174.4 1100 0 0 0 (mm,deg) {B}  ! the first part
+P0010 MOVEJ READY [2] (s)
+P0020 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)
+P0030 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "cell.yarc").write_text(PROGRAM)
+    return tmp_path
+
+
+def test_load_and_run(folder):
+    async def session():
+        async with talking(folder) as person:
+            told = await person.type(".load cell.yarc")
+            assert "3 commands, P0010 to P0030; its 2 declarations" in told
+            assert "done" in await person.type(".run")
+            assert person.world.stands() == pytest.approx([10, 10, 10, 0, 30, 0], abs=1e-3)
+            assert "done" in await person.type("MOVEJ READY [1] (s)")
+
+    run(session())
+
+
+def test_run_from_a_command_asks_for_the_approach(folder):
+    async def session():
+        async with talking(folder) as person:
+            await person.type(".load cell.yarc")
+            told = await person.type(".run p0030")
+            assert "doesn't stand where" in told
+            assert person.asked.startswith("approach it slowly first")
+            assert "nothing moved" in await person.type("n")
+            assert person.world.stands() == pytest.approx([0] * 6, abs=1e-4)
+            assert "done" in await person.type(".run P0030", "y")
+            assert person.world.stands() == pytest.approx([10, 10, 10, 0, 30, 0], abs=1e-3)
+
+    run(session())
+
+
+def test_step_by_step(folder):
+    async def session():
+        async with talking(folder) as person:
+            await person.type(".load cell.yarc")
+            person.interpreter.typed(".step")
+            stops = []
+            for _ in range(3):
+                await person.world.until(lambda: person.world.moving)
+                await person.world.until(lambda: not person.world.moving)
+                await asyncio.sleep(1.0)
+                stops.append(person.world.stands()[0])
+                person.interpreter.typed("")
+            await person.settled()
+            assert stops == pytest.approx([0, 5, 10], abs=1e-3)
+
+    run(session())
+
+
+def test_what_is_wrong_with_a_file(folder):
+    async def session():
+        async with talking(folder) as person:
+            assert "no program is loaded" in await person.type(".run")
+            assert "can't be read" in await person.type(".load nothing.yarc")
+            assert "a file is missing" in await person.type(".load")
+            (folder / "bad.yarc").write_text("P0010 MOVEJ 1 2 3 [1] (deg,s)\n")
+            assert "bad.yarc:1" in await person.type(".load bad.yarc")
+            assert "no program is loaded" in await person.type(".run")
+            await person.type(".load cell.yarc")
+            (folder / "cell.yarc").unlink()
+            assert "can't be read" in await person.type(".run")
+
+    run(session())
+
+
+def test_a_file_that_changes_is_run_as_it_is(folder):
+    async def session():
+        async with talking(folder) as person:
+            await person.type(".load cell.yarc")
+            (folder / "cell.yarc").write_text(PROGRAM.replace("[2]", "[4]"))
+            assert "6.00 s" in await person.type(".run")
+
+    run(session())
+
+
+def test_a_saved_session_does_the_same(folder):
+    async def session():
+        async with talking(folder) as person:
+            await person.type(
+                "JOINTS UP 0 10 10 0 30 0 (deg)", "MOVEJ UP [2] (s)", "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)"
+            )
+            there = person.world.stands()
+            assert "does what this session did" in await person.type(".save mine.yarc")
+            assert "is there already" in await person.type(".save mine.yarc")
+            assert "must end with .yarc" in await person.type(".save mine.txt")
+        async with talking(folder) as person:
+            await person.type(".load mine.yarc", ".run")
+            assert person.world.stands() == pytest.approx(there, abs=1e-4)
+
+    run(session())
+
+
+def test_teaching_declares(folder):
+    async def session():
+        async with talking(folder, joints=[0, 0, 0, 0, 30, 0]) as person:
+            assert "it holds" in await person.type(".teach here")
+            assert "it holds" in await person.type(".teach {there}")
+            await person.type(
+                "MOVEJ 10 0 0 0 30 0 [1] (deg,s)", "MOVEL {TCP} 0 0 0 0 0 0 [2] (mm,deg,s) {THERE}"
+            )
+            assert person.world.stands() == pytest.approx([0, 0, 0, 0, 30, 0], abs=1e-2)
+            await person.type("MOVEJ 10 0 0 0 30 0 [1] (deg,s)", "MOVEJ HERE [1] (s)")
+            assert person.world.stands() == pytest.approx([0, 0, 0, 0, 30, 0], abs=1e-3)
+            assert "a name is missing" in await person.type(".teach")
+            assert "has no frame" in await person.type(".teach HERE {B}")
+
+    run(session())
+
+
+def test_touching_up_changes_the_line_of_the_file(folder):
+    async def session():
+        async with talking(folder, joints=[0, 5, 5, 0, 40, 0]) as person:
+            await person.type(".load cell.yarc")
+            told = await person.type(".teach READY")
+            assert "- JOINTS READY 0 10 10 0 30 0 (deg)" in told
+            assert "+ JOINTS READY 0 5 5 0 40 0 (deg) ! above the table" in told
+            assert "nothing was changed" in await person.type("n")
+            assert (folder / "cell.yarc").read_text() == PROGRAM
+            assert "cell.yarc:3 is changed" in await person.type(".teach READY", "y")
+            lines = (folder / "cell.yarc").read_text().splitlines()
+            assert lines[2] == "JOINTS READY 0 5 5 0 40 0 (deg) ! above the table"
+            assert [one for one in lines if one != lines[2]] == [
+                one for one in PROGRAM.splitlines() if not one.startswith("JOINTS")
+            ]
+            assert "done" in await person.type("MOVEJ READY [1] (s)")
+            assert person.world.stands() == pytest.approx([0, 5, 5, 0, 40, 0], abs=1e-3)
+            assert "cell.yarc:4 is changed" in await person.type(".teach {PICK}", "y")
+
+    run(session())
+
+
+def test_touching_up_keeps_crlf(folder):
+    async def session():
+        (folder / "cell.yarc").write_bytes(PROGRAM.replace("\n", "\r\n").encode())
+        async with talking(folder, joints=[0, 5, 5, 0, 40, 0]) as person:
+            await person.type(".load cell.yarc", ".teach READY", "y")
+            content = (folder / "cell.yarc").read_bytes()
+            assert content.count(b"\r\n") == content.count(b"\n") == PROGRAM.count("\n")
+
+    run(session())

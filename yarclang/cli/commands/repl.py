@@ -1,0 +1,103 @@
+"""`yarc repl`."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from yarclang.cli.address import SIM, Address, AddressType
+from yarclang.cli.options import Numbers, PositiveNumber, robot_option, tm_option
+
+
+@click.command("repl")
+@robot_option
+@click.option(
+    "--to",
+    type=AddressType(),
+    default=SIM,
+    metavar="sim|tcp://HOST[:PORT]",
+    help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
+)
+@click.option(
+    "--start",
+    type=Numbers("Q1,Q2,..."),
+    help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
+)
+@click.option("--go", is_flag=True, help="Move without asking, as .go does.")
+@click.option(
+    "--log",
+    type=click.Path(path_type=Path),
+    help="Where to write the run log (default: a new file in yarc-runs/).",
+)
+@click.option("--no-log", is_flag=True, help="Move without a log.")
+@click.option(
+    "--rate", type=PositiveNumber("N"), help="How fast the simulator's time passes (default: real time)."
+)
+@tm_option
+def command(to: Address | None, **options: Any) -> None:
+    """Work with a robot live: each line is planned from where it stands, certified, shown, and carried out.
+
+    .help lists what else can be typed; Ctrl-C stops the robot. Standard input that is no terminal is read line by line.
+    """
+    from yarclang.cli.show import show_findings
+    from yarclang.pipeline.inputs import joint_position, robot_for
+
+    if options["log"] and options["no_log"]:
+        raise click.UsageError("--log and --no-log exclude each other")
+    if to is not None and (given := [f"--{name}" for name in ("rate", "start") if options[name] is not None]):
+        raise click.UsageError(f"{', '.join(given)}: only with the simulator")
+    found = robot_for(Path.cwd(), options["robot"])
+    show_findings(found.diagnostics)
+    if found.value is None:
+        raise SystemExit(1)
+    robot = found.value
+    placed = joint_position(robot, options["start"], "--start")
+    show_findings(placed.diagnostics)
+    if placed.value is None:
+        raise SystemExit(1)
+    from yarclang.cli.controllers import controller
+
+    with controller(to, robot, placed.value, options["rate"]) as address:
+        raise SystemExit(asyncio.run(_session(robot, address, options)))
+
+
+async def _session(robot: Any, address: Address, options: dict[str, Any]) -> int:
+    from yarclang import __version__
+    from yarclang.cli.table import checked_table
+    from yarclang.coordinator.coordinator import Coordinator
+    from yarclang.coordinator.engine import NO_LOG, NotReady
+    from yarclang.coordinator.ordered import OrderedSession
+    from yarclang.repl.console import converse
+    from yarclang.repl.interpreter import Interpreter, trouble_text
+    from yarclang.runtime.actions import Trouble
+
+    terminal = sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
+    session = OrderedSession(address.host, address.port, pace=options["rate"] or 1.0)
+    log = NO_LOG if options["no_log"] else options["log"]
+    coordinator = Coordinator(robot, session, folder=Path.cwd(), tm=options["tm"], log=log)
+    try:
+        await coordinator.start()
+    except NotReady as trouble:
+        click.echo(checked_table(trouble.inspection.errors), err=True)
+        click.echo(f"{address} isn't what {robot.name} needs", err=True)
+        return 1
+    except Trouble as trouble:
+        click.echo(trouble_text(trouble), err=True)
+        return 1
+    try:
+        client = coordinator.attach("repl")
+        client.own()
+        interpreter = Interpreter(coordinator, client, click.echo, Path.cwd(), asks=not options["go"])
+        if terminal:
+            click.echo(
+                f"yarc {__version__}: {robot.name} at {address}. .help lists what can be typed; Ctrl-C stops the robot, Ctrl-D ends."
+            )
+        await converse(interpreter, coordinator, terminal=terminal)
+        client.leave()
+    finally:
+        await coordinator.close()
+    return int(interpreter.failed and not terminal)

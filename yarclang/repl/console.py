@@ -1,0 +1,186 @@
+"""The terminal: a prompt with completion and history, the line at the bottom, and keys; or, without a terminal, lines of standard input."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.subscription import Subscription
+from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.toolbar import Toolbar
+from yarclang.repl.whole import is_whole
+
+if TYPE_CHECKING:
+    from prompt_toolkit import PromptSession
+    from prompt_toolkit.input import Input
+    from prompt_toolkit.key_binding import KeyBindings
+    from prompt_toolkit.output import Output
+
+_REDRAWN_EACH = 0.1
+"""How often the prompt and the line at the bottom are drawn anew [s]."""
+
+_LOOKED_EACH = 0.01
+"""How often lines of standard input look whether they may go on [s]."""
+
+_ENDING = (signal.SIGTERM, signal.SIGHUP)
+
+
+def history_file() -> Path:
+    """Where lines that were typed are kept (XDG base directories)."""
+    home = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
+    return Path(home) / "yarc" / "history"
+
+
+async def converse(interpreter: Interpreter, coordinator: Coordinator, *, terminal: bool) -> None:
+    """Take what a person types until the person goes, or what stands on standard input to its end.
+
+    Args:
+        interpreter: of the session.
+        coordinator: that owns the robot.
+        terminal: whether there is one.
+    """
+    toolbar = Toolbar(coordinator)
+    loop = asyncio.get_running_loop()
+    for number in _ENDING:
+        loop.add_signal_handler(number, interpreter.leave)
+    served = asyncio.create_task(interpreter.serve(), name="interpreter")
+    try:
+        with coordinator.subscribe() as events:
+            heard = asyncio.create_task(_hear(events, interpreter, toolbar), name="events")
+            try:
+                await (_prompted(interpreter, toolbar, served) if terminal else _read(interpreter, served))
+            finally:
+                heard.cancel()
+    finally:
+        for number in _ENDING:
+            loop.remove_signal_handler(number)
+        interpreter.leave()
+        await served
+
+
+async def _hear(events: Subscription, interpreter: Interpreter, toolbar: Toolbar) -> None:
+    async for event in events:
+        toolbar.hear(event)
+        interpreter.hear(event)
+
+
+async def _prompted(interpreter: Interpreter, toolbar: Toolbar, served: asyncio.Task[None]) -> None:
+    from prompt_toolkit.patch_stdout import patch_stdout
+
+    session = prompt_session(interpreter, toolbar)
+    with patch_stdout(raw=True):
+        while not interpreter.ended:
+            typed = asyncio.create_task(session.prompt_async())
+            await asyncio.wait((typed, served), return_when=asyncio.FIRST_COMPLETED)
+            if not typed.done():
+                session.app.exit(exception=EOFError)
+            try:
+                interpreter.typed(await typed)
+            except EOFError:
+                interpreter.leave()
+
+
+def prompt_session(
+    interpreter: Interpreter, toolbar: Toolbar, source: Input | None = None, output: Output | None = None
+) -> PromptSession[str]:
+    """The prompt; `source` and `output` are the terminal's, unless given."""
+    from prompt_toolkit import PromptSession
+    from prompt_toolkit.history import FileHistory, InMemoryHistory
+
+    from yarclang.repl.completion import Completion
+
+    path = history_file()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        history: FileHistory | InMemoryHistory = FileHistory(str(path))
+    except OSError:  # a home that can't be written is no reason not to work
+        history = InMemoryHistory()
+    session: PromptSession[str] = PromptSession(
+        message=lambda: interpreter.prompt,
+        history=history,
+        completer=Completion(interpreter),
+        complete_while_typing=False,
+        multiline=True,
+        prompt_continuation=lambda width, *_: "... ".rjust(width),
+        bottom_toolbar=lambda: toolbar.text(_columns(session)),
+        refresh_interval=_REDRAWN_EACH,
+        key_bindings=_keys(interpreter),
+        input=source,
+        output=output,
+    )
+    return session
+
+
+def _columns(session: PromptSession[str]) -> int:
+    return session.app.output.get_size().columns
+
+
+def _keys(interpreter: Interpreter) -> KeyBindings:
+    from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
+
+    keys = KeyBindings()
+
+    @keys.add("enter")
+    def _(event: KeyPressEvent) -> None:
+        buffer = event.current_buffer
+        if buffer.complete_state is not None and buffer.complete_state.current_completion is not None:
+            buffer.complete_state = None  # Enter takes what is chosen
+        elif is_whole(buffer.text):
+            buffer.validate_and_handle()
+        else:
+            buffer.insert_text("\n")
+
+    @keys.add("c-c")
+    def _(event: KeyPressEvent) -> None:
+        event.current_buffer.reset()
+        interpreter.interrupt()
+
+    @keys.add("c-z")
+    def _(event: KeyPressEvent) -> None:  # noqa: ARG001
+        interpreter.client.hold()
+        interpreter.say("this process can't sleep while it looks after a robot; Ctrl-D ends it")
+
+    return keys
+
+
+async def _read(interpreter: Interpreter, served: asyncio.Task[None]) -> None:
+    """Lines of standard input one after the other: each waits for what the one before began."""
+    loop = asyncio.get_running_loop()
+    loop.add_signal_handler(signal.SIGINT, _interrupted(interpreter))
+    try:
+        text = ""
+        while not interpreter.ended and (line := await asyncio.to_thread(sys.stdin.readline)):
+            text += line
+            if not is_whole(text):
+                continue
+            await _until_wanted(interpreter, served)
+            interpreter.typed(text.rstrip("\n"))
+            text = ""
+        if text:
+            interpreter.typed(text.rstrip("\n"))
+        while not (interpreter.idle or interpreter.ended):
+            interpreter.answer_nothing()
+            await asyncio.sleep(_LOOKED_EACH)
+    finally:
+        loop.remove_signal_handler(signal.SIGINT)
+
+
+async def _until_wanted(interpreter: Interpreter, served: asyncio.Task[None]) -> None:
+    while not (interpreter.idle or interpreter.asked or interpreter.ended or served.done()):
+        await asyncio.sleep(_LOOKED_EACH)
+
+
+def _interrupted(interpreter: Interpreter) -> Callable[[], None]:
+    def interrupted() -> None:
+        if interpreter.coordinator.under_way:
+            interpreter.interrupt()
+        else:
+            interpreter.leave()
+
+    return interrupted

@@ -1,0 +1,73 @@
+"""A declaration that comes from the robot: put into the session, in the place of the one that is there, and into the loaded file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from yarclang.assist.sketch import sketch_of
+from yarclang.assist.symbols import Symbol
+from yarclang.repl.texts import read_exactly, write_exactly
+from yarclang.source import SourceFile
+
+if TYPE_CHECKING:
+    from yarclang.repl.interpreter import Interpreter
+
+
+async def declare(interpreter: Interpreter, name: str, line: str, *, is_frame: bool) -> bool:
+    """Declare a name, or change what it means; whether that was done.
+
+    Where the loaded file declares it, its line is changed there as well: the person is asked first.
+
+    Args:
+        interpreter: of the session.
+        name: in upper case, a frame's without braces.
+        line: the whole declaration.
+        is_frame: whether it is a frame's name.
+    """
+    lines = interpreter.coordinator.lines.declarations
+    known = next((at for at, text in enumerate(lines) if _declared(text, name, is_frame)), None)
+    if known is None:
+        return await interpreter.carry_out(line)
+    old = lines[known]
+    new = _kept_comment(old, line)
+    interpreter.say(f"- {old.strip()}\n+ {new.strip()}")
+    if not await interpreter.agrees("change it?"):
+        interpreter.say("nothing was changed")
+        return False
+    adopted = await interpreter.client.adopt((*lines[:known], new, *lines[known + 1 :]))
+    interpreter.show(adopted.diagnostics)
+    if adopted.value is None:
+        return False
+    _in_file(interpreter, name, is_frame, line)
+    return True
+
+
+def _in_file(interpreter: Interpreter, name: str, is_frame: bool, line: str) -> None:
+    """Change the line of the loaded file that declares it, if there is one."""
+    file = interpreter.file
+    if file is None:
+        return
+    text = read_exactly(file.path)
+    symbol = _declared(text, name, is_frame)
+    if symbol is None:
+        return
+    lines = text.splitlines(keepends=True)
+    first, rows = symbol.statement.line - 1, symbol.statement.rows
+    old = "".join(lines[first : first + rows])
+    ending = old[len(old.rstrip("\r\n")) :]
+    lines[first : first + rows] = [_kept_comment(old.rstrip("\r\n"), line) + ending]
+    write_exactly(file.path, "".join(lines))
+    interpreter.say(f"{file.path}:{first + 1} is changed")
+
+
+def _declared(text: str, name: str, is_frame: bool) -> Symbol | None:
+    """The declaration of a name in a text, outside of blocks."""
+    return sketch_of(SourceFile("<declaration>", text)).names.declared(name, is_frame)
+
+
+def _kept_comment(old: str, line: str) -> str:
+    """A new line with what stood in front of the old one, and its comment."""
+    indent = old[: len(old) - len(old.lstrip())]
+    statements = sketch_of(SourceFile("<declaration>", old)).module.statements
+    comments = [comment.text for statement in statements for comment in statement.comments]
+    return " ".join([indent + line, *comments])

@@ -1,0 +1,169 @@
+"""Calibration by touching: tools, frames, joints."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import numpy as np
+
+from yarclang.calibration.writing import frame_line, with_offsets, with_tip
+from yarclang.repl.declaring import declare
+from yarclang.repl.dot import DotCommand, Misused
+from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.texts import read_exactly, write_exactly
+from yarclang.repl.touching import FrameTouching, HomeTouching, TipTouching, Touching
+from yarclang.robot.library import list_robots
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile
+
+_NAME = re.compile(r"\{?([A-Za-z_]\w*)\}?")
+_KINDS = ("tcp", "frame", "home")
+
+
+def _calibrate(interpreter: Interpreter, rest: str) -> None:
+    kind, *words = rest.split() or [""]
+    robot = interpreter.coordinator.robot
+    match kind.lower():
+        case "tcp":
+            touching: Touching = TipTouching(robot, _name(words))
+        case "frame":
+            name = _name(words[:1])
+            tip = _name(words[1:]) if words[1:] else "TCP"
+            frame = interpreter.scope().frame(tip)
+            if frame is None or not frame.on_flange:
+                raise Misused(f"{{{tip}}} isn't a frame on the flange: it can't touch")
+            touching = FrameTouching(robot, name, np.asarray(frame.transform))
+        case "home":
+            touching = HomeTouching(robot, _marks(robot, words))
+        case _:
+            raise Misused(f"what is calibrated is {', '.join(_KINDS)}")
+    interpreter.touching = touching
+    interpreter.say(touching.told())
+
+
+async def _touch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    touching = _going_on(interpreter)
+    told = touching.touch(await interpreter.coordinator.stands())
+    interpreter.show(touching.findings)
+    interpreter.say(told)
+
+
+def _untouch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
+    touching = _going_on(interpreter)
+    if not touching.joints:
+        raise Misused("nothing was touched yet")
+    told = touching.untouch()
+    interpreter.show(touching.findings)
+    interpreter.say(told)
+
+
+def _cancel(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
+    _going_on(interpreter)
+    interpreter.touching = None
+    interpreter.say("the calibration is forgotten; nothing was written")
+
+
+async def _done(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
+    touching = _going_on(interpreter)
+    match touching:
+        case TipTouching(value=found) if found is not None:
+            written = await _write_tip(interpreter, touching.name, touching)
+        case FrameTouching(value=found) if found is not None:
+            line = frame_line(touching.name, found.base_from_frame, "B")
+            written = await declare(interpreter, touching.name, line, is_frame=True)
+        case HomeTouching(value=found) if found is not None:
+            written = await _write_robot(interpreter, lambda file: with_offsets(file, found.offsets))
+        case _:
+            interpreter.refuse(f"there is no result yet\n  {touching.told()}")
+            return
+    if written:
+        interpreter.touching = None
+
+
+async def _write_tip(interpreter: Interpreter, name: str, touching: TipTouching) -> bool:
+    """Into robot.toml where the robot brings a frame of this name, else as a FRAME line."""
+    assert touching.value is not None
+    tip = touching.value.flange_from_tip
+    robot = interpreter.coordinator.robot
+    if name in robot.flange_from_frame:
+        return await _write_robot(interpreter, lambda file: with_tip(file, name, tip))
+    pose = np.eye(4)
+    pose[:3, 3] = tip
+    return await declare(interpreter, name, frame_line(name, pose, "FLANGE"), is_frame=True)
+
+
+async def _write_robot(interpreter: Interpreter, change: Callable[[SourceFile], str]) -> bool:
+    robot = interpreter.coordinator.robot
+    path = robot.folder / "robot.toml"
+    if any(one.folder == robot.folder for one in list_robots()):
+        interpreter.refuse(
+            f"{robot.name} is a robot of the standard library, which isn't changed\n"
+            f"  help: copy {robot.folder} beside your program, and start with --robot and its path"
+        )
+        return False
+    old = read_exactly(path)
+    new = change(SourceFile(str(path), old))
+    changed = [
+        (before, after)
+        for before, after in zip(old.splitlines(), new.splitlines(), strict=False)
+        if before != after
+    ]
+    interpreter.say(
+        "\n".join(f"- {before}\n+ {after}" for before, after in changed[:3]) or new[len(old) :].strip()
+    )
+    if not await interpreter.agrees(f"write {path}?"):
+        interpreter.say("nothing was written")
+        return False
+    write_exactly(path, new)
+    interpreter.say(
+        f"{path} is written. This session goes on with the robot as it was: end it, load `yarc settings` into the controller again, and begin anew"
+    )
+    return True
+
+
+def _going_on(interpreter: Interpreter) -> Touching:
+    if interpreter.touching is None:
+        raise Misused("no calibration goes on: .calibrate tcp NAME")
+    return interpreter.touching
+
+
+def _name(words: list[str]) -> str:
+    found = _NAME.fullmatch(words[0]) if len(words) == 1 else None
+    if found is None:
+        raise Misused("one name is needed")
+    return found[1].upper()
+
+
+def _marks(robot: Robot, words: list[str]) -> dict[str, float]:
+    """Joints and their positions at the marks, in deg or mm."""
+    if not words or len(words) % 2:
+        raise Misused("joints and their positions at the marks are needed: J2 0 J3 90")
+    marks = {}
+    for name, value in zip(words[::2], words[1::2], strict=True):
+        if name.upper() not in robot.joint_names:
+            raise Misused(f"{robot.name} has no joint {name}; its joints are {', '.join(robot.joint_names)}")
+        try:
+            number = float(value)
+        except ValueError:
+            raise Misused(f"{value!r} isn't a position") from None
+        marks[name.upper()] = number * float(robot.axis_units[robot.joint_names.index(name.upper())])
+    return marks
+
+
+COMMANDS = (
+    DotCommand(
+        ".calibrate",
+        "tcp NAME | frame NAME [TOOL] | home J2 0 ...",
+        "begin a calibration; move and .touch, then .done",
+        "calibration",
+        _calibrate,
+        complete=lambda _, begun: (one for one in _KINDS if one.startswith(begun)),
+        doc="tcp: the tip of a tool, from four or more touches of one point. frame: from its origin, a point on x, and points of its plane.\n"
+        "home: the motors' offsets, from joints that stand at their marks. Between two touches the robot is moved by whatever moves it.",
+    ),
+    DotCommand(".touch", "", "the robot stands at the next point", "calibration", _touch),
+    DotCommand(".untouch", "", "forget the last touch", "calibration", _untouch),
+    DotCommand(".done", "", "write what was calibrated", "calibration", _done),
+    DotCommand(".cancel", "", "forget the calibration", "calibration", _cancel),
+)

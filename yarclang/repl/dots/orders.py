@@ -1,0 +1,62 @@
+"""Orders to what moves: they overtake everything."""
+
+from __future__ import annotations
+
+from yarclang.repl.dot import DotCommand, Misused
+from yarclang.repl.interpreter import Interpreter
+
+
+def _hold(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    interpreter.client.hold()
+
+
+def _resume(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
+    interpreter.client.resume()
+
+
+def _stop(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
+    interpreter.drop()
+    interpreter.client.stop()
+
+
+def _abort(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
+    interpreter.drop()
+    interpreter.client.abort()
+
+
+def _override(interpreter: Interpreter, rest: str) -> None:
+    if not rest:
+        interpreter.say(f"override {interpreter.coordinator.override:g} %")
+        return
+    try:
+        percent = float(rest.removesuffix("%"))
+    except ValueError:
+        raise Misused(f"{rest!r} isn't a percentage") from None
+    interpreter.client.override(percent)
+
+
+COMMANDS = (
+    DotCommand(".hold", "", "rest on the path, ready to go on", "orders", _hold, overtakes=True),
+    DotCommand(
+        ".resume", "", "go on behind a hold, or to the next step (Enter)", "orders", _resume, overtakes=True
+    ),
+    DotCommand(
+        ".stop", "", "rest on the path, and end what is under way (Ctrl-C)", "orders", _stop, overtakes=True
+    ),
+    DotCommand(
+        ".abort",
+        "",
+        "each motor rests at once, off the path (Ctrl-C again)",
+        "orders",
+        _abort,
+        overtakes=True,
+    ),
+    DotCommand(
+        ".override",
+        "[PERCENT]",
+        "the pace, in percent of the programmed speed",
+        "orders",
+        _override,
+        overtakes=True,
+    ),
+)

@@ -1,0 +1,53 @@
+"""What would happen, backwards, and as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from yarclang.repl.dot import DotCommand, Misused
+from yarclang.repl.interpreter import Interpreter
+from yarclang.report.pictures.plot import Format
+
+_PICTURE = "yarc-plot.png"
+_FORMATS: tuple[Format, ...] = ("png", "svg", "pdf")
+
+
+async def _plan(interpreter: Interpreter, rest: str) -> None:
+    if not rest:
+        raise Misused("a command is missing")
+    offer = await interpreter.offered(rest)
+    if offer is not None and offer.job is None:
+        interpreter.say("a declaration: nothing would move")
+
+
+async def _back(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    await interpreter.carry_out_back()
+
+
+def _plot(interpreter: Interpreter, rest: str) -> None:
+    from yarclang.report.pictures.plot import draw
+
+    if interpreter.plan is None:
+        interpreter.refuse("nothing was planned yet")
+        return
+    path = interpreter.folder / (rest or _PICTURE)
+    kind = next((one for one in _FORMATS if path.suffix.lower() == f".{one}"), None)
+    if kind is None:
+        raise Misused(f"{path.name} must end with .png, .svg or .pdf")
+    _write(interpreter, path, draw(interpreter.plan, kind))
+
+
+def _write(interpreter: Interpreter, path: Path, content: bytes) -> None:
+    try:
+        path.write_bytes(content)
+    except OSError as error:
+        interpreter.refuse(f"{path} can't be written: {(error.strerror or str(error)).lower()}")
+        return
+    interpreter.say(f"{path} is drawn: what was planned last")
+
+
+COMMANDS = (
+    DotCommand(".plan", "COMMAND", "show what a command would do; nothing moves", "motions", _plan),
+    DotCommand(".back", "", "the last motion backwards, on the same path", "motions", _back),
+    DotCommand(".plot", "[FILE]", f"draw what was planned last ({_PICTURE})", "looking", _plot),
+)

@@ -1,0 +1,61 @@
+"""Where the robot stands gets a name."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from yarclang.calibration.writing import frame_line
+from yarclang.repl.declaring import declare
+from yarclang.repl.dot import DotCommand, Misused
+from yarclang.repl.interpreter import Interpreter
+from yarclang.robot.model import Array, Robot
+
+_NAME = re.compile(r"(\{)?([A-Za-z_]\w*)(?(1)\})")
+
+
+async def _teach(interpreter: Interpreter, rest: str) -> None:
+    words = rest.split()
+    found = _NAME.fullmatch(words[0]) if words else None
+    if found is None:
+        raise Misused("a name is missing: {PICK} for a frame, READY for a joint position")
+    name, is_frame = found[2].upper(), bool(found[1])
+    if not is_frame:
+        if len(words) > 1:
+            raise Misused("a joint position has no frame")
+        joints = await interpreter.coordinator.stands()
+        await declare(
+            interpreter, name, joints_line(name, interpreter.coordinator.robot, joints), is_frame=False
+        )
+        return
+    base, moving = (
+        *(f"{{{word.strip('{}').upper()}}}" for word in words[1:3]),
+        *("{B}", "{TCP}")[len(words) - 1 :],
+    )
+    where = await interpreter.client.where(base, moving)
+    interpreter.show(where.diagnostics)
+    if where.value is not None:
+        await declare(
+            interpreter, name, frame_line(name, where.value.base_from_moving, base.strip("{}")), is_frame=True
+        )
+
+
+def joints_line(name: str, robot: Robot, joints: Array) -> str:
+    """`JOINTS NAME q1 ... (deg)` of joint positions (n,) [rad or m], to 0.0001 deg or mm."""
+    values = " ".join(
+        f"{value:.4f}".rstrip("0").rstrip(".") for value in np.round(joints / robot.axis_units, 4) + 0.0
+    )
+    return f"JOINTS {name} {values} ({','.join(dict.fromkeys(robot.axis_unit_names))})"
+
+
+COMMANDS = (
+    DotCommand(
+        ".teach",
+        "NAME | {NAME} [BASE [MOVING]]",
+        "name where the robot stands: its joints, or the tool's pose as a frame",
+        "teaching",
+        _teach,
+        doc="A name that is declared already is touched up: the person sees both lines and is asked, and the loaded file's line is changed as well.",
+    ),
+)

@@ -1,0 +1,63 @@
+"""The program that a session works with: a file, its declarations, its commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from yarclang.coordinator.lines import parts_of
+from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.pipeline.inputs import Opened, Options, open_program
+from yarclang.pipeline.stages import check_program
+from yarclang.robot.model import Array, Robot
+from yarclang.syntax.ast import Module
+
+_OF_FILES = ("ROBOT", "START")
+"""Declarations that a session has no use for: its robot is there, and stands where it stands."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedFile:
+    """A program's file as it was read: its top-level `declarations` as they are written, and the indices of its `commands`."""
+
+    path: Path
+    module: Module
+    declarations: tuple[str, ...]
+    commands: tuple[str, ...]
+
+
+def open_file(path: Path, robot: Robot, stands: Array) -> Result[Opened]:
+    """Read a program, to be run from where the robot stands unless the file says START.
+
+    Args:
+        path: of the file.
+        robot: that it must be for.
+        stands: (n,) [rad or m].
+    """
+    opened = open_program(str(path), Options(robot=str(robot.folder)))
+    if opened.value is None or has_errors(opened.diagnostics):
+        return Result(None, opened.diagnostics)
+    request = opened.value.request
+    if request.fallback_start is None:
+        request = replace(request, fallback_start=stands)
+    return Result(replace(opened.value, request=request), opened.diagnostics)
+
+
+def load_file(path: Path, robot: Robot, stands: Array) -> Result[LoadedFile]:
+    """Read and check a program.
+
+    Returns:
+        None where a finding forbids to work with it; what only planning tells isn't asked here.
+    """
+    opened = open_file(path, robot, stands)
+    if opened.value is None:
+        return Result(None, opened.diagnostics)
+    module = opened.value.module
+    checked = check_program(module, opened.value.request)
+    found: tuple[Diagnostic, ...] = (*opened.diagnostics, *checked.diagnostics)
+    if has_errors(found):
+        return Result(None, found)
+    parts = parts_of(module)
+    kept = tuple(one for one in parts.declarations if one.split(maxsplit=1)[0].upper() not in _OF_FILES)
+    commands = tuple(one.index.name for one in module.statements if one.index is not None)
+    return Result(LoadedFile(path, module, kept, commands), found)

@@ -1,0 +1,39 @@
+"""Files that are changed in place: every byte that isn't meant stays, ends of lines too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from yarclang.runtime.actions import Trouble
+
+
+def read_exactly(path: Path) -> str:
+    """The text of a file with its ends of lines as they are.
+
+    Raises:
+        Trouble: it can't be read, and why.
+    """
+    try:
+        return path.read_bytes().decode("utf-8")
+    except OSError as error:
+        raise Trouble(f"{path} can't be read: {_reason(error)}", "nothing was changed") from None
+    except UnicodeDecodeError:
+        raise Trouble(f"{path} isn't UTF-8 text any more", "nothing was changed") from None
+
+
+def write_exactly(path: Path, text: str) -> None:
+    """Write a file's text.
+
+    Raises:
+        Trouble: it can't be written, and why.
+    """
+    try:
+        path.write_bytes(text.encode("utf-8"))
+    except OSError as error:
+        raise Trouble(
+            f"{path} can't be written: {_reason(error)}", "look at its rights, and at the disk"
+        ) from None
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()

@@ -1,6 +1,7 @@
 """The way back, and the session as a program that compiles to the same motions."""
 
 import asyncio
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -58,7 +59,7 @@ def _apart(one, other):
     """How far the places of one path are from the other [deg], by the nearest sample on a fine grid."""
     from scipy.spatial import cKDTree
 
-    fine = np.concatenate([np.linspace(a, b, 8) for a, b in zip(one[:-1], one[1:], strict=True)])
+    fine = np.concatenate([np.linspace(a, b, 8) for a, b in pairwise(one)])
     return float(cKDTree(fine).query(other)[0].max())
 
 
@@ -99,7 +100,7 @@ def test_a_saved_session_compiles_to_the_same_motions(tmp_path):
     plans = []
 
     async def session():
-        async with coordinating() as (world, _, client):
+        async with coordinating() as (_, _, client):
             await done(client, "DEFAULT {TCP} [50%] (mm,deg,s) {B}")
             await done(client, "JOINTS READY 0 10 10 0 40 0 (deg)\nOUTPUT GRIP M1 OFF")
             for line in ("P0010 MOVEJ READY", "DMOVE 50 0 -50 0 5 0 [2]", "SET GRIP ON", "P0010 MOVEJ HOME"):

@@ -12,10 +12,13 @@ from yarclang.cli.address import Address
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Array, Robot
 
+SIMULATED_REPLY_TIME = 20.0
+"""A simulator of our own isn't lost before [s]: where it is late, this computer has much to do."""
+
 
 @contextlib.contextmanager
 def controller(
-    to: Address | None, robot: Robot, stands: Array, rate: float | None = None
+    to: Address | None, robot: Robot, stands: Array, rate: float | None = None, *, tells: bool = True
 ) -> Iterator[Address]:
     """The address to talk to.
 
@@ -24,6 +27,7 @@ def controller(
         robot: that hangs on it.
         stands: (n,) where a simulated robot stands [rad or m].
         rate: how fast a simulator's time passes.
+        tells: whether it is said that the robot is simulated.
     """
     if to is not None:
         yield to
@@ -34,7 +38,8 @@ def controller(
 
     machine = commissioned(robot, settings_text(robot))
     stand(machine, robot, stands)
-    click.echo(f"{robot.name} is simulated", err=True)
+    if tells:
+        click.echo(f"{robot.name} is simulated", err=True)
     with EmbeddedSimulator(machine, rate=rate or 1.0) as simulator:
         yield Address("127.0.0.1", simulator.port)
 

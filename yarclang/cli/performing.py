@@ -10,7 +10,7 @@ import click
 
 from yarclang import __version__
 from yarclang.cli.address import Address, trouble_is_said
-from yarclang.cli.controllers import robot_argument
+from yarclang.cli.controllers import SIMULATED_REPLY_TIME, robot_argument
 from yarclang.cli.ending import Ending, error_text
 from yarclang.cli.running import Display, Screen, Terminal
 from yarclang.cli.show import show_findings
@@ -40,10 +40,6 @@ from yarclang.runtime.transports.local import ControlSocket, controller_lock
 
 _RESCUE = 30.0
 """How long to try to bring a robot to rest behind a bug of ours [s]."""
-
-
-_SIMULATED_REPLY_TIME = 20.0
-"""A simulator of our own isn't lost before [s]: where it is late, this computer has much to do."""
 
 
 def perform_run(loaded: Loaded, address: Address, options: dict[str, Any], again: str | None) -> int:
@@ -107,7 +103,7 @@ class _Run:
         self.session = OrderedSession(
             address.host,
             address.port,
-            reply_time=_SIMULATED_REPLY_TIME if again is None else REPLY_TIME,
+            reply_time=SIMULATED_REPLY_TIME if again is None else REPLY_TIME,
             pace=options["rate"] or 1.0,
         )
         self.screen = Screen()

@@ -13,6 +13,7 @@ _COMMANDS = {
     "diff": "Compare two programs by path and time.",
     "doc": "Print the reference of a module.",
     "doctor": "Look at a controller before a program is run.",
+    "exec": "Run a program without a terminal, events as JSON.",
     "explain": "Explain a finding's code.",
     "fmt": "Write programs in their usual form.",
     "hold": "Hold a run on its path.",

@@ -75,6 +75,7 @@ class Engine:
     Attributes:
         under_way: what is carried out: its name, or empty.
         run_log: of the motions, from the first one on.
+        ended: how the last of them has ended, as the log tells in the end.
     """
 
     def __init__(
@@ -84,6 +85,7 @@ class Engine:
         self.session = session
         self.under_way = ""
         self.run_log: RunLog | None = None
+        self.ended: Ended | None = None
         self._log_place = log
         self._on_bug = on_bug
         self._work: deque[_Work] = deque()
@@ -119,7 +121,7 @@ class Engine:
         if self._task is not None:
             await self._task
         if self.run_log is not None:
-            self.run_log.close()
+            self.run_log.close(self.ended)
         self.session.close()
 
     async def ask(self, script: Callable[[], Script[T]]) -> T:
@@ -156,7 +158,8 @@ class Engine:
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             return Ended(False, f"the log can't be made: {reason}; nothing moved", "make room", code="Y1601")
-        return await self.session.perform(perform(self.operation, job))
+        self.ended = await self.session.perform(perform(self.operation, job))
+        return self.ended
 
     async def clear(self) -> None:
         """Look at the controller behind a fault; where all is well, the fault is forgotten.

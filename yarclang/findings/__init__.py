@@ -23,6 +23,7 @@ FAMILIES = {
     "15": "imported files, new projects",
     "16": "runs on a controller",
     "17": "suppressed findings",
+    "18": "dynamics",
     "19": "calibration",
 }
 """The families of the codes by their two digits."""

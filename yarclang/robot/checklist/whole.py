@@ -10,6 +10,7 @@ from yarclang.robot.checklist.drives import drive_items
 from yarclang.robot.checklist.geometry import geometry_items
 from yarclang.robot.checklist.item import Item
 from yarclang.robot.checklist.limits import limit_items
+from yarclang.robot.checklist.masses import mass_items
 from yarclang.robot.checks import MOST_JOINTS
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import find_robot
@@ -48,6 +49,7 @@ def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) 
     items += limit_items(robot)
     items += geometry_items(robot)
     items += drive_items(robot)
+    items += mass_items(robot)
     for points in further:
         items += points(robot)
     items += _guesses(name_or_path)

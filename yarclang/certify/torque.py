@@ -1,0 +1,177 @@
+"""What motions ask of the motors: joint torques along the text's segments against efforts, bounded between the places that are calculated."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bounds import Cubics, segment_max
+from yarclang.certify.certificate import IDLE, Load
+from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.certify.limits import RELATIVE
+from yarclang.certify.moments import pose_text
+from yarclang.certify.torque_bounds import torque_bends
+from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
+from yarclang.robot.dynamics import holding_torques, torques
+from yarclang.robot.model import Array, Dynamics, Robot
+from yarclang.units import UNITS
+
+REMAINDER = 0.003
+"""What lies between two calculated places adds at most about this share of an effort."""
+PARTS = (2, 64)
+"""The fewest and the most parts into which a segment is cut."""
+ROOM = 0.005
+"""By this share a proposed time is longer than the one at which the effort is used up: another time has other segments."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Samples:
+    """Torques at S instants of neighbouring motions: `row` is the segment, `time` after its begin [s]; `torque` (S, n) and `bound` (S, n), by how much |torque| may be
+    more up to the next instant; `share` (S, n) of the efforts, of both. `first` (G,) is where each motion begins.
+    """
+
+    row: NDArray[np.int64]
+    time: Array
+    q: Array
+    torque: Array
+    bound: Array
+    share: Array
+    first: NDArray[np.int64]
+
+
+def find_torques(layout: Layout, robot: Robot) -> tuple[dict[int, Load], list[Diagnostic]]:
+    """The largest share of an effort of every command by its step, and a finding for each that asks for more than there is.
+
+    Args:
+        layout: the text's segments.
+        robot: its masses and efforts; without, nothing is judged.
+    """
+    dynamics = robot.dynamics
+    if dynamics is None or not dynamics.is_checked:
+        return {}, []
+    loads: dict[int, Load] = {place.step: IDLE for place in layout.places}
+    findings: list[Diagnostic] = []
+    for places in chunks([place for place in layout.places if place.size]):
+        base = places[0].first
+        cubics = layout.cubics(base, places[-1].last)
+        starts = np.array([place.first - base for place in places])
+        samples = _sampled(cubics, starts, robot, dynamics)
+        peaks = segment_max(samples.share, samples.first)
+        ends = [*samples.first[1:].tolist(), len(samples.row)]
+        for number, place in enumerate(places):
+            worst = int(np.argmax(peaks[number]))
+            loads[place.step] = Load(robot.joint_names[worst], float(peaks[number, worst]))
+            if peaks[number, worst] > 1.0 + RELATIVE:
+                chosen = slice(int(samples.first[number]), ends[number])
+                findings.append(_finding(layout, place, samples, chosen, robot, dynamics))
+    return loads, list(grouped(findings))
+
+
+def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
+    """Torques so close together that what lies between hardly counts."""
+    count = len(cubics.h)
+    lower, upper = cubics.position_range()
+    travel = np.maximum(np.abs(lower), np.abs(upper)).max(axis=0)
+    peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
+    bends = torque_bends(robot.chain, dynamics, travel, peaks)
+    # a function is above the line between two of its values by d^2 / 8 of its second derivative at most
+    whole = bends * (cubics.h[:, None] ** 2 / 8.0)
+    wanted = np.sqrt((whole / (REMAINDER * dynamics.effort)).max(axis=1))
+    parts = np.clip(np.ceil(wanted), *PARTS).astype(np.int64)
+    ends = np.append(starts[1:], count) - 1
+    number = parts.copy()
+    number[ends] += 1  # the end of a motion is looked at as well
+    row = np.repeat(np.arange(count), number)
+    offsets = np.concatenate([[0], np.cumsum(number)])
+    time = (np.arange(len(row)) - offsets[row]) * (cubics.h / parts)[row]
+    segments = cubics.take(row)
+    q, v = segments.at(time)
+    a = segments.a + time[:, None] * segments.j
+    torque = torques(robot.chain, dynamics, q, v, a)
+    bound = (whole / (parts**2)[:, None])[row]
+    bound[offsets[ends + 1] - 1] = 0.0
+    size = np.abs(torque)
+    there = size + bound
+    there[:-1] = np.maximum(there[:-1], np.where(bound[:-1] > 0.0, size[1:] + bound[:-1], 0.0))
+    return _Samples(row, time, q, torque, bound, there / dynamics.effort, offsets[starts])
+
+
+def _finding(
+    layout: Layout, place: Place, samples: _Samples, chosen: slice, robot: Robot, dynamics: Dynamics
+) -> Diagnostic:
+    """Y1801, or, where the arm couldn't even stand there, Y1802."""
+    origin = place.motion.origin
+    torque, bound, q = samples.torque[chosen], samples.bound[chosen], samples.q[chosen]
+    holding = holding_torques(robot.chain, dynamics, q)
+    h = float(layout.time[place.first])
+    time = (samples.row[chosen] - samples.row[chosen][0]) * h + samples.time[chosen]
+    held = np.abs(holding) / dynamics.effort
+    if held.max() > 1.0:
+        at, joint = divmod(int(np.argmax(held)), robot.size)
+        message = (
+            f"{_needs(robot, dynamics, joint, abs(float(holding[at, joint])))} only to hold the arm against gravity, "
+            f"{_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}"
+        )
+        return Diagnostic("Y1802", message, origin.source, origin.span, _TOO_HEAVY, place=origin.place)
+    at, joint = divmod(int(np.argmax(samples.share[chosen])), robot.size)
+    most = float(samples.share[chosen][at, joint] * dynamics.effort[joint])
+    still = abs(float(holding[at, joint]))
+    message = (
+        f"{_needs(robot, dynamics, joint, most)}, {_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}; "
+        f"{_number(still)} {_unit(robot, joint)} of it would hold the arm where it is"
+    )
+    help_, fix = _slower(place, place.size * h, _stretched(torque, holding, bound, dynamics))
+    return Diagnostic("Y1801", message, origin.source, origin.span, help_, fix, place=origin.place)
+
+
+def _needs(robot: Robot, dynamics: Dynamics, joint: int, size: float) -> str:
+    effort = float(dynamics.effort[joint])
+    return (
+        f"{robot.joint_names[joint]} needs {_number(size)} {_unit(robot, joint)}, {size / effort:.1%} of its "
+        f"effort of {effort:g} {_unit(robot, joint)},"
+    )
+
+
+def _when(time: float, duration: float) -> str:
+    return f"{time:.3f} s after its start ({100.0 * time / duration:.0f} %)"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def _unit(robot: Robot, joint: int) -> str:
+    return "N" if robot.joint_kinds[joint] == "prismatic" else "N m"
+
+
+def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
+    """By which factor the motion has to take longer, so that no effort is exceeded; infinite where it doesn't help.
+
+    On the same way in a time that is s times as long, all that isn't gravity's is s^2 times smaller.
+    """
+    moving = torque - holding
+    against = np.where(moving >= 0.0, holding, -holding)  # gravity, in the direction of the rest
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # the bound shrinks as well, but not by so much where gravity changes
+        least = np.where(moving != 0.0, (dynamics.effort - bound - against) / np.abs(moving), np.inf)
+    share = float(least.min())
+    return math.sqrt(max(1.0, 1.0 / share)) * (1.0 + ROOM) if share > 0.0 else math.inf
+
+
+def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | None]:
+    """What to do about a motion of a duration [s] that should take `longer` by a factor, and a fix that writes a time that works."""
+    if not math.isfinite(longer):
+        return f"no time works: {_TOO_HEAVY}", None
+    if place.before is not None or place.behind is not None:
+        return f"all that flows together has to take about {longer:.2f} times as long; or carry less", None
+    origin = place.motion.origin
+    value = math.ceil(longer * duration / UNITS[origin.time_unit].factor * 1e3) / 1e3
+    text = f"[{value:.10g}]"
+    fix = Fix(f"write {text}", (Edit(origin.time_span, text),)) if origin.time_span is not None else None
+    return f"the shortest time that works is about {text} ({origin.time_unit}); or carry less", fix
+
+
+_TOO_HEAVY = "carry less, or stay nearer to the joint's axis; if the effort or a mass isn't right, correct it in the URDF, or effort in robot.toml"

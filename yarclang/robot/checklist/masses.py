@@ -1,0 +1,51 @@
+"""Whether motions are held against the motors' efforts, and what the arm needs to stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.robot.checklist.item import Item, listed
+from yarclang.robot.dynamics import holding_torques
+from yarclang.robot.kinematics.search import within
+from yarclang.robot.model import Dynamics, Robot
+
+POSITIONS = 500
+"""Joint positions, spread over the limits, in which the arm is held."""
+
+
+def mass_items(robot: Robot) -> Iterator[Item]:
+    """Masses, efforts, and the largest torques of an arm that stands."""
+    dynamics = robot.dynamics
+    if dynamics is None:
+        return
+    reason = _reason(robot, dynamics)
+    if reason:
+        remedy = "give <inertial> and <limit effort=...> in the URDF, or effort in [joints.NAME]"
+        yield Item("torques", "note", f"torques aren't checked: {reason}", remedy)
+        return
+    total = f"{dynamics.mass.sum():.3g} kg move"
+    known = np.isfinite(dynamics.effort)
+    q = within(robot.chain, robot.limits, POSITIONS)
+    held = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
+    joint = int(np.argmax(held.max(axis=0)))
+    most = f"to stand, {robot.joint_names[joint]} needs up to {held.max():.0%} of its effort in {POSITIONS} positions"
+    free = [name for name, one in zip(robot.joint_names, known, strict=True) if not one]
+    without = f"; {listed(free)} have no effort" if free else ""
+    if held.max() > 1.0:
+        remedy = "check masses (kg), effort (N m), gravity, and what the tools weigh"
+        yield Item("torques", "note", f"{total}; {most}{without}", remedy)
+    else:
+        yield Item("torques", "ok", f"{total}; {most}{without}")
+
+
+def _reason(robot: Robot, dynamics: Dynamics) -> str:
+    """Why nothing is checked; empty where it is."""
+    if not dynamics.wanted:
+        return "robot.toml says so"
+    light = dynamics.mass <= 0.0
+    if light.any():
+        joints = [name for name, one in zip(robot.joint_names, light, strict=True) if one]
+        return f"what {listed(joints, 3)} move has no mass"
+    return "" if np.isfinite(dynamics.effort).any() else "no joint has an effort"

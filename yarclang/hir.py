@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field, fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -321,7 +322,7 @@ class Program:
 
 
 def fingerprint(program: Program) -> str:
-    """A hash of what the program does: layout, comments, the file's name and how a command is spelled don't enter.
+    """A hash of what the program does, among which obstacles and zones: layout, comments, the file's name and how a command is spelled don't enter.
 
     Returns:
         The SHA-256 as 64 hex digits.
@@ -331,12 +332,18 @@ def fingerprint(program: Program) -> str:
     _feed(digest, program.outputs)
     for step in program.steps:
         _feed(digest, step)
+    if program.cell is not None:
+        # its names are in the steps, as far as they are used
+        _feed(digest, program.cell.obstacles)
+        _feed(digest, program.cell.zones)
     return digest.hexdigest()
 
 
 def _feed(digest: Any, value: object) -> None:
     if isinstance(value, Origin):
         digest.update(f"{value.label};".encode())
+    elif isinstance(value, Path):
+        pass  # where a mesh's file stands; its bytes have a digest of their own
     elif isinstance(value, np.ndarray):
         digest.update(str(value.shape).encode() + (value + 0.0).tobytes())
     elif isinstance(value, tuple):

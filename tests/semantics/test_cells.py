@@ -44,7 +44,7 @@ def test_the_example_compiles_for_both_robots(robot):
 
     opened = open_program(str(EXAMPLES / "09_fixture_cell.yarc"), Options(robot=robot))
     made = compile_module(opened.value.module, opened.value.request)
-    assert codes(made.diagnostics) == ["Y0905"]
+    assert codes(made.diagnostics) == []
     assert [one.name for one in made.value.program.cell.zones] == ["FLOOR", "AT_FIXTURE"]
     assert [(one.signal.name, one.safe) for one in made.value.program.outputs] == [
         ("GRIP", None),
@@ -68,6 +68,62 @@ def test_a_program_with_a_cell_is_the_one_with_its_declarations(tmp_path):
     assert fingerprint(one) == fingerprint(other)
     link = one.steps[1].origin.base
     assert (link.name, link.parent.name, link.span.line) == ("FIXTURE", "B", 3)
+
+
+BODIES = """
+[[obstacles]]
+name = "POST"
+shape = "cylinder"
+frame = "B"
+xyz = [3000, 0, 0]
+radius = 60
+length = 100
+margin = 10
+[[obstacles]]
+name = "PRESS"
+shape = "mesh"
+file = "press.stl"
+frame = "FIXTURE"
+[[zones]]
+name = "FLOOR"
+rule = "allowed"
+shape = "half-space"
+frame = "B"
+normal = [0, 0, 1]
+watch = ["tool", "elbow"]
+"""
+
+
+def test_another_cell_is_another_program(tmp_path):
+    """Obstacles, margins and zones are in the hash; comments, and where the files stand, aren't."""
+    from yarclang.hir import fingerprint
+
+    def print_of(name, cell=CELL + BODIES, press=b"solid a\nendsolid a\n"):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "press.stl").write_bytes(press)
+        made, found = program(folder, f'{DEFAULT}CELL "cell.toml"\nP0010 MOVEJ READY', cell=cell)
+        assert codes(found) == []
+        return fingerprint(made)
+
+    first = print_of("first")
+    assert print_of("second") == first
+    assert print_of("third", CELL + BODIES + "# a comment\n") == first
+    others = [
+        print_of(f"other{at}", CELL + BODIES.replace(*change))
+        for at, change in enumerate(
+            [
+                ("margin = 10", "margin = 11"),
+                ("radius = 60", "radius = 61"),
+                ("xyz = [3000, 0, 0]", "xyz = [3000, 0, 1]"),
+                ('rule = "allowed"', 'rule = "forbidden"'),
+                ('watch = ["tool", "elbow"]', 'watch = ["tool"]'),
+                ("normal = [0, 0, 1]", "normal = [0, 0, 1]\nxyz = [0, 0, 1]"),
+            ]
+        )
+    ]
+    others += [print_of("mesh", press=b"solid b\nendsolid b\n"), print_of("bare", CELL)]
+    assert len({first, *others}) == 1 + len(others)
 
 
 @pytest.mark.parametrize(

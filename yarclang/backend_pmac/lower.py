@@ -70,10 +70,11 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
 
 
 def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
-    """The speed that a motion keeps [m/s]; infinite where none was asked for."""
-    step = plan.program.steps[motion.step]
+    """The speed that a motion keeps, or that of the slowest zone that it may have to keep [m/s]; infinite where there is none."""
+    step, cell = plan.program.steps[motion.step], plan.program.cell
     speed = step.timing.speed if isinstance(step, Motion) else None
-    return np.inf if speed is None or speed.length is None else speed.length * motion.kept
+    slow = min((zone.speed for zone in cell.zones if zone.speed), default=np.inf) if cell else np.inf
+    return slow if speed is None or speed.length is None else min(slow, speed.length * motion.kept)
 
 
 def _commands(plan: MotionPlan) -> Iterator[Command]:

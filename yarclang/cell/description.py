@@ -116,6 +116,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         tuple(one for one in obstacles if one is not None),
         tuple(one for one in zones if one is not None),
         MappingProxyType(_places(file, table)),
+        MappingProxyType(_zone_places(file, table)),
     )
     return Result(cell, findings)
 
@@ -204,4 +205,13 @@ def _places(file: TomlFile, table: CellTable) -> Mapping[tuple[str, str], Span]:
         (str(path[0]), name.upper()): file.places.of_key(path)
         for path, name in _named(table)
         if len(path) == 2
+    }
+
+
+def _zone_places(file: TomlFile, table: CellTable) -> Mapping[str, Span]:
+    """Where the names of zones stand."""
+    return {
+        zone.name.upper(): file.places.of_value(("zones", at, "name"))
+        for at, zone in enumerate(table.zones)
+        if zone.name is not None
     }

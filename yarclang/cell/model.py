@@ -7,7 +7,7 @@ neighbours cancel: `base_from_x` maps coordinates of x to the robot's {B}, `flan
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -119,7 +119,8 @@ class Cell:
     """A cell for a robot: names for programs, and bodies and zones in the order of the file.
 
     Names are in upper case. `frames` has parents before what hangs on them; `joints` are joint positions (n,) [rad or m]; `inputs` are
-    the controller's variables. `places` says where a name stands in `source`, by the table (frames, joints, inputs, outputs) and the name.
+    the controller's variables. `places` says where a name stands in `source`, by the table (frames, joints, inputs, outputs) and the name; `zone_places`
+    where the name of a zone does.
     """
 
     source: SourceFile
@@ -130,3 +131,4 @@ class Cell:
     obstacles: tuple[Obstacle, ...]
     zones: tuple[Zone, ...]
     places: Mapping[tuple[str, str], Span]
+    zone_places: Mapping[str, Span] = field(default_factory=dict)

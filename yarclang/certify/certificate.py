@@ -133,6 +133,30 @@ class Clearance:
 
 
 @dataclass(frozen=True, slots=True)
+class ZoneSpeed:
+    """How fast something goes at most while it is in a slow zone [m/s], a proved bound: `part` in `zone`, where `limit` is allowed."""
+
+    largest: float
+    limit: float
+    part: str
+    zone: str
+
+    @property
+    def share(self) -> float:
+        """How much of what is allowed."""
+        return self.largest / self.limit
+
+    def to_json(self) -> dict[str, Any]:
+        """In mm/s."""
+        return {
+            "largest_mm_s": _number(self.largest / MM),
+            "limit_mm_s": _number(self.limit / MM),
+            "part": self.part,
+            "zone": self.zone,
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class CommandCertificate:
     """What was proved for one motion command.
 
@@ -142,7 +166,9 @@ class CommandCertificate:
     is the most that a hold in the worst moment asks of a joint, |a| + |v| / hold time, against the
     acceleration of an emergency stop: stated, not judged. `tool_speed` is that of Cartesian motions; `blended` is the blend behind
     the command. The jerk of a time-optimal motion (profile TOPP), and of blends with one, is stated as well, and not judged: `jerk_judged`.
-    `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves; None where there is nothing.
+    `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves, `zone_clearance` how near what zones
+    watch comes to borders that it must not cross (its bodies are what is watched, and the zone), `zone_speed` how fast it is in slow zones, where that is nearest to
+    what is allowed; None where there is nothing.
     """
 
     step: int
@@ -167,6 +193,8 @@ class CommandCertificate:
     jerk_judged: bool = True
     clearance: Clearance | None = None
     own_clearance: Clearance | None = None
+    zone_clearance: Clearance | None = None
+    zone_speed: ZoneSpeed | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the unit in each name."""
@@ -194,6 +222,8 @@ class CommandCertificate:
             "jerk_judged": self.jerk_judged,
             "clearance": self.clearance.to_json() if self.clearance else None,
             "own_clearance": self.own_clearance.to_json() if self.own_clearance else None,
+            "zone_clearance": self.zone_clearance.to_json() if self.zone_clearance else None,
+            "zone_speed": self.zone_speed.to_json() if self.zone_speed else None,
         }
 
 

@@ -19,6 +19,7 @@ from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, lay_out
 from yarclang.certify.read import read
 from yarclang.certify.text import ControllerText, Unreadable
+from yarclang.certify.zones import NO_ZONES
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot, Tolerance
@@ -77,6 +78,7 @@ def certify(
         blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)
     apart = judge.clearances(layout)
+    zones = judge.zones(layout)
     commands = tuple(
         judge.command(
             layout,
@@ -86,6 +88,7 @@ def certify(
             proofs.speeds.get(place.step),
             blends.get(place.step),
             apart.get(place.step, NOTHING_NEAR),
+            zones.get(place.step, NO_ZONES),
         )
         for place in layout.places
     )

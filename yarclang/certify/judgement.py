@@ -19,6 +19,7 @@ from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, RELATIVE, Loads, check_limits
 from yarclang.certify.speed import KEPT
 from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
+from yarclang.certify.zones import NO_ZONES, InZones, find_zones
 from yarclang.diagnostics import Diagnostic
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
@@ -221,6 +222,12 @@ class Judge:
         self.findings.extend(findings)
         return apart
 
+    def zones(self, layout: Layout) -> dict[int, InZones]:
+        """What zones watch keeps to them."""
+        told, findings = find_zones(layout, self.program, self.robot)
+        self.findings.extend(findings)
+        return told
+
     # the table
 
     def command(
@@ -232,6 +239,7 @@ class Judge:
         speed: ToolSpeed | None = None,
         blended: Blended | None = None,
         apart: Apart = NOTHING_NEAR,
+        zones: InZones = NO_ZONES,
     ) -> CommandCertificate:
         """What was proved for one command."""
         step = place.motion
@@ -258,6 +266,8 @@ class Judge:
             jerk_judged=step.profile != TIME_OPTIMAL and not any(_beside_time_optimal(layout, place)),
             clearance=apart.cell,
             own_clearance=apart.own,
+            zone_clearance=zones.clearance,
+            zone_speed=zones.speed,
         )
 
 

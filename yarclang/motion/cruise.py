@@ -144,7 +144,7 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
     if math.floor(2.0 * cruise) < cruise + FEWEST_IN_BLEND:
         return None
     trial = trials.fastest(math.floor(2.0 * cruise))
-    speeds = [one for one in trial.demands if one.kind in ("velocity", "motor speed")]
+    speeds = [one for one in trial.demands if one.kind in ("velocity", "motor speed", "zone speed")]
     demand = max(speeds, key=lambda one: one.segment)
     return refusal_of(trial, demand, segment) if demand.segment > segment else None
 

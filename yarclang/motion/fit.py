@@ -226,7 +226,7 @@ def curve_of(trial: Trial, segment: float) -> Curve:
 
 def refusal_of(trial: Trial, demand: Demand, segment: float) -> TooFast:
     """Where and by how much a trial breaks a limit at a segment time [s]; no shorter time is known yet."""
-    order = {"velocity": 1, "motor speed": 1, "acceleration": 2, "jerk": 3}[demand.kind]
+    order = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}[demand.kind]
     # a difference of order r from control point i on belongs to knots i + r/2 - 1 (points stand one knot ahead)
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(trial.segments))
     s = float(np.interp(knot, np.arange(trial.segments + 1), knot_values(trial.control)))

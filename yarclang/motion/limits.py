@@ -7,16 +7,25 @@ from typing import Literal
 
 import numpy as np
 
+from yarclang.collision.zones.workspace import Watch
 from yarclang.hir import Array
 from yarclang.motion.curve import FEWEST_SEGMENTS
+from yarclang.motion.zones import HEADROOM as ZONE_HEADROOM
+from yarclang.motion.zones import SlowZones
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.model import Robot
 
-LimitKind = Literal["velocity", "motor speed", "acceleration", "jerk"]
+LimitKind = Literal["velocity", "motor speed", "acceleration", "jerk", "zone speed"]
 
 # What printing the control points with finitely many decimals may add, as shares of the limits:
 # the backend chooses the decimals so that this is enough.
-HEADROOM: dict[LimitKind, float] = {"velocity": 2e-4, "motor speed": 2e-4, "acceleration": 1e-3, "jerk": 1e-2}
+HEADROOM: dict[LimitKind, float] = {
+    "velocity": 2e-4,
+    "motor speed": 2e-4,
+    "acceleration": 1e-3,
+    "jerk": 1e-2,
+    "zone speed": ZONE_HEADROOM,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +33,14 @@ class Demand:
     """What a limit asks of the segment time: `segment` [s] is the least at which control points keep it.
 
     `row` is the joint, or the motor for `motor speed`; `at` is the first control point of the
-    difference that asks most.
+    difference that asks most. A `zone speed` has what is watched in the slow zone, `watch`, and no row.
     """
 
     kind: LimitKind
     segment: float
     row: int
     at: int
+    watch: Watch | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +48,7 @@ class Bounds:
     """The limits of a robot, less the headroom.
 
     Joint limits (n,) in rad (m) per s, s^2, s^3; `motor_velocity` (n,) in counts/s, for the motors
-    of `counts` (n, n) counts per rad (m).
+    of `counts` (n, n) counts per rad (m). `zones` are the slow zones of the cell, whose speeds are never reduced.
     """
 
     velocity: Array
@@ -46,6 +56,7 @@ class Bounds:
     jerk: Array
     counts: Array
     motor_velocity: Array
+    zones: SlowZones | None = None
 
     def reduced(self, share: float, ramp: float) -> Bounds:
         """A share of all limits, and a further one of acceleration and jerk."""
@@ -57,6 +68,7 @@ class Bounds:
             self.jerk * (share * ramp),
             self.counts,
             self.motor_velocity * share,
+            self.zones,
         )
 
     def without_jerk(self) -> Bounds:
@@ -64,16 +76,24 @@ class Bounds:
         return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:
-        """What each kind of limit asks for control points (N, n), by the convex hull property."""
+        """What each kind of limit asks for control points (N, n), by the convex hull property; slow zones are the last, and only where they ask most."""
         first = np.diff(points, axis=0)
         second = np.diff(first, axis=0)
         third = np.diff(second, axis=0)
-        return (
+        demands = (
             _demand("velocity", first, self.velocity, 1),
             _demand("motor speed", first @ self.counts.T, self.motor_velocity, 1),
             _demand("acceleration", second, self.acceleration, 2),
             _demand("jerk", third, self.jerk, 3),
         )
+        if self.zones is None:
+            return demands
+        most = max(demand.segment for demand in demands)
+        asked = max(self.zones.asked(points, most), key=lambda one: one[0], default=None)
+        if asked is None:
+            return demands
+        segment, at, watch = asked
+        return (*demands, Demand("zone speed", segment, 0, at, watch))
 
 
 def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> Demand:

@@ -198,6 +198,7 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
         help_ = f"the shortest time that works is {shortest}; [MIN] takes the shortest there is"
     span = origin.time_span or origin.span
     demand = fitted.demand
+    code = "Y0912" if demand is not None and demand.watch is not None else "Y0601"
     if demand is None:
         message = (
             f"this duration can't be divided into segments: the controller takes {FEWEST_SEGMENTS} or more, "
@@ -210,12 +211,19 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     )
     if near is not None:
         message += f"; {_beside(robot, near)}"
-    return "Y0601", message, span, help_, fix
+    return code, message, span, help_, fix
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:
     """What would break a limit, and by how much."""
     limits, row = robot.limits, demand.row
+    if demand.watch is not None and demand.watch.item is not None:
+        zone = demand.watch.zone
+        limit = (zone.speed or 0.0) / MM
+        return (
+            f"{demand.watch.item.name} would go at {limit * used_share:,.4g} mm/s in the zone {zone.name}, {_percent(used_share - 1)} above "
+            f"the {limit:,.4g} mm/s that it allows"
+        )
     if demand.kind == "motor speed":
         limit = robot.actuation.velocity[row] * MS
         what, unit, whose = "speed", "counts/ms", f"motor {robot.controller.motors[row]}"
@@ -242,21 +250,22 @@ def too_fast_a_cruise(
     """A speed of the moving frame that can't be held."""
     origin, broken = step.origin, fitted.broken
     span = origin.time_span or origin.span
-    message = "no segments are short enough for this speed"
+    message, code = "no segments are short enough for this speed", "Y0605"
     if broken is not None and broken.demand is not None:
         message = f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % of the way"
+        code = "Y0912" if broken.demand.watch is not None else code
     if near is not None:
         message += f"; {_beside(robot, near)}"
     if not fitted.share:
         return (
-            "Y0605",
+            code,
             message,
             span,
             "no speed works: the path passes too near a singularity, go round it",
             None,
         )
     text, fix = _slower(fitted.share, origin)
-    return "Y0605", message, span, f"the highest speed that works is about {text}", fix
+    return code, message, span, f"the highest speed that works is about {text}", fix
 
 
 def speed_not_reached(share: float, step: Motion) -> Message:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
 from yarclang.motion import messages
@@ -22,6 +23,7 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.motion.profile import load_profile
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
+from yarclang.motion.zones import slow_zones
 from yarclang.robot.model import Robot, Tolerance
 
 
@@ -48,7 +50,7 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
     steps = steps[:end]
     router = Router(robot, steps, program.start)
-    planner = _Planner(robot, settings, bounds_of(robot))
+    planner = _Planner(robot, settings, bounds_of(robot), program.cell)
     for number in range(end):
         planner.tell(number / 2)
         router.advance()
@@ -99,6 +101,7 @@ class _Planner:
     robot: Robot
     settings: Settings
     bounds: Bounds
+    cell: Cell | None
 
     def tell(self, done: float) -> None:
         """Tell who wants to hear of progress."""
@@ -114,7 +117,8 @@ class _Planner:
         if isinstance(path, JointPath) and bool((path.slope <= NO_WAY * self.robot.axis_units).all()):
             findings.add(*messages.no_motion(step.origin))
         profile = load_profile(step.profile)
-        bounds = self.bounds.reduced(timing.share, timing.ramp)
+        zones = slow_zones(self.robot, self.cell, step)
+        bounds = replace(self.bounds, zones=zones).reduced(timing.share, timing.ramp)
         full: float | None = None
         grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | CruiseBroken

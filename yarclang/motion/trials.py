@@ -138,8 +138,8 @@ class Trials:
         """
         had = self.law.strain(trial.segments, np.array([trial.form], dtype=np.int64))[0]
         gets = self.law.strain(segments or trial.segments, forms)
-        velocity, motors, acceleration, jerk = (demand.segment for demand in trial.demands)
-        asked = np.array([max(velocity, motors), acceleration, jerk])
+        velocity, motors, acceleration, jerk, *zones = (demand.segment for demand in trial.demands)
+        asked = np.array([max(velocity, motors, *zones), acceleration, jerk])
         needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from yarclang.cell.description import Names, load_cell, read_cell
 from yarclang.cell.model import Cell
-from yarclang.diagnostics import Diagnostic, Result, in_order
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.pipeline.sources import NO_TEXTS
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import DESCRIPTION
@@ -49,7 +49,7 @@ def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> 
         folder: where it stands; mesh files are seen from there.
         robot: for which joint values are checked; without one, all is checked that holds for any.
     """
-    return in_order(read_cell(source, folder, Names(is_word, robot)).diagnostics)
+    return _whole(read_cell(source, folder, Names(is_word, robot)), robot)
 
 
 def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ...]:
@@ -67,4 +67,26 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
         if found.value is None:
             return found.diagnostics
         robot = found.value
-    return in_order(load_cell(Path(path), Names(is_word, robot)).diagnostics)
+    return _whole(load_cell(Path(path), Names(is_word, robot)), robot)
+
+
+def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
+    """All that is to be said of a cell by itself."""
+    found = [*loaded.diagnostics]
+    if robot is not None:
+        found += _of_zones(loaded, robot)
+        if loaded.value is not None and not has_errors(found):
+            from yarclang.collision.zones.possible import home_in_zones
+
+            found += home_in_zones(robot, loaded.value)
+    return in_order(found)
+
+
+def _of_zones(loaded: Result[Cell], robot: Robot) -> list[Diagnostic]:
+    """What is wrong with zones that are right in form."""
+    cell = loaded.value
+    if cell is None or not cell.zones or has_errors(loaded.diagnostics):
+        return []
+    from yarclang.collision.zones.possible import impossible_zones
+
+    return list(impossible_zones(robot, cell))

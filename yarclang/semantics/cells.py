@@ -73,12 +73,6 @@ class Cells:
         if cell is None:
             self._unread = True
             return []
-        if is_new and cell.zones:
-            zones = ", ".join(zone.name for zone in cell.zones)
-            message = f"the zones of {cell.source.name} aren't watched by this version: {zones}"
-            findings.add(
-                "Y0905", message, line.span, "nothing keeps the robot in or out of them, or slow there"
-            )
         self._told.add(cell.source.name)
         self.cell = self.cell or cell
         outputs, clashes = declare_cell(cell, scope, self._context.robot, signals)

@@ -25,8 +25,8 @@ from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
 from yarclang.shapes import Array
 
-STILL = 1e-8
-"""Pieces on which nothing moves by more [m] aren't halved any more; no motion is known that needs it."""
+MOST = 500_000
+"""Where a watch needs more pieces than this, nothing can be told of what is left, and it counts as broken: only what no robot can do needs so many."""
 BLOCK = 2048
 """Pieces that are looked at together."""
 _SAME = 1e-10
@@ -98,16 +98,21 @@ class _Search:
         bounds = self.bounds.setdefault(id(item), rates(self.scene.chain, self.course, item))
         look = self._inside if watch.zone.rule == "allowed" else self._outside
         near = self._rough(watch, item, bounds)
+        done = 0
         waiting = [(self.pieces.take(near), tuple(arm.take(near) for arm in self.ends))]
         while waiting:
             pieces, ends = waiting.pop()
             if not len(pieces.segment):
                 continue
             assert len(ends) == 2
-            least, seen, when = look(watch, item, bounds, pieces, (ends[0], ends[1]))
-            still = bounds.first[pieces.segment] * (pieces.end - pieces.begin) <= STILL
-            found = np.where(still, seen, least), seen, when
+            found = look(watch, item, bounds, pieces, (ends[0], ends[1]))
             left = self._learn(number, pieces.segment, found, watch.zone.margin, hit)
+            done += len(pieces.segment)
+            if done > MOST:
+                self._break(
+                    number, pieces.segment[left], np.ones(len(left), np.bool_), pieces.middle[left], hit
+                )
+                continue
             for part in _blocks(pieces.take(left).halves()):
                 arms = (part.arm(self.scene, self.course, time) for time in (part.begin, part.end))
                 waiting.append((part, tuple(arms)))

@@ -133,7 +133,7 @@ def _steepest(beyond: Array) -> Array:
     """The gradient (P, K) of that."""
     positive = np.maximum(beyond, 0.0)
     inside = np.eye(beyond.shape[1])[np.argmax(beyond, axis=1)]
-    gradient: Array = np.where(positive.any(axis=1, keepdims=True), positive, inside)
+    gradient: Array = np.where((positive > _TINY).any(axis=1, keepdims=True), positive, inside)
     return gradient
 
 

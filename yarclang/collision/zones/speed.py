@@ -18,7 +18,7 @@ from yarclang.collision.zones.gaps import least_outside, roughly_outside
 from yarclang.collision.zones.moved import Arm, Pieces, Rates, joints, rates
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
-from yarclang.collision.zones.windows import room_on
+from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
 from yarclang.shapes import Array
 
@@ -131,12 +131,9 @@ class _Search:
         region = self.watch.zone.region
         if isinstance(region, JointWindow):
             q = joints(self.course, pieces.segment, pieces.middle)[0]
-            within = (q >= region.lower - WINDOW_SLACK) & (q <= region.upper + WINDOW_SLACK)
-            inside: NDArray[np.bool_] = within.all(axis=1)
-            return np.zeros(len(q), dtype=np.bool_), inside
+            return np.zeros(len(q), dtype=np.bool_), room(region, q).min(axis=1) >= -WINDOW_SLACK
         least, seen = least_outside(region, self.item, pieces, self.course, self.scene, ends, self.bounds)
-        inside = seen <= self.margin + SLACK / 2.0
-        return least > self.margin, inside
+        return least > self.margin, seen <= self.margin + SLACK / 2.0
 
     def _learn(self, pieces: Pieces, speed: Array) -> None:
         """Keep the largest speed of each motion, and where it is."""

@@ -112,6 +112,7 @@ class Overlaps:
             acceleration=np.maximum(one.acceleration, other.acceleration),
             jerk=np.maximum(one.jerk, other.jerk),
             motor_velocity=np.maximum(one.motor_velocity, other.motor_velocity),
+            zones=one.zones.together(other.zones) if one.zones else other.zones,
         )
 
     def cut(

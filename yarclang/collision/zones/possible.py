@@ -1,0 +1,144 @@
+"""Whether anything can keep to the zones of a cell at all, and whether the robot's HOME does: what is to be said of a cell before any program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.cell.model import Cell, HalfSpace, JointWindow, ShapeRegion, Zone
+from yarclang.collision.zones.regions import Place, coal_of, faces_of, reach
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.collision.zones.windows import room
+from yarclang.collision.zones.workspace import Watch, broken_at
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.model import Limits, Robot
+from yarclang.shapes import Box, Cylinder
+from yarclang.units import MM
+
+
+def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
+    """A finding for each zone of a cell that nothing can keep to, by itself or beside an earlier one."""
+    for at, zone in enumerate(cell.zones):
+        why = _by_itself(robot, zone)
+        for other in cell.zones[:at]:
+            why = why or _beside(robot, other, zone)
+        if why is not None:
+            yield _told("Y0913", cell, zone, f"nothing can keep to the zone {zone.name}: {why}.", _REMEDY)
+
+
+def home_in_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
+    """A finding for each zone that the robot's HOME breaks, with {TCP} as the tool."""
+    told: set[str] = set()
+    for watch, slack in broken_at(robot, cell, tool_frame(robot), robot.home):
+        if watch.zone.name not in told:
+            told.add(watch.zone.name)
+            message = f"{robot.name}'s HOME breaks the zone {watch.zone.name}: {_how(robot, watch, slack)}."
+            help_ = (
+                "A program that starts in HOME can't keep to it: give it another START, or correct the zone."
+            )
+            yield _told("Y0914", cell, watch.zone, message, help_)
+
+
+_REMEDY = "Correct its size, place or margin, or what it watches."
+
+
+def _told(code: str, cell: Cell, zone: Zone, message: str, help_: str) -> Diagnostic:
+    return Diagnostic(
+        code, message[0].upper() + message[1:], cell.source, cell.zone_places.get(zone.name), help_
+    )
+
+
+def _by_itself(robot: Robot, zone: Zone) -> str | None:
+    """Why a zone by itself is impossible; None where it isn't."""
+    for window in (zone.region, zone.posture):
+        if isinstance(window, JointWindow) and (zone.rule in ("allowed", "posture")):
+            joint = _joint_without(robot, window, robot.limits)
+            if joint is not None:
+                return f"its window for {joint} is outside of that joint's limits"
+    region, limits = zone.region, robot.limits
+    if isinstance(region, JointWindow):
+        covered = ((region.lower <= limits.lower) & (limits.upper <= region.upper)).all()
+        return (
+            "its window takes all positions of its joints" if zone.rule == "forbidden" and covered else None
+        )
+    if zone.rule == "allowed" and isinstance(region, ShapeRegion) and _depth(region) <= zone.margin > 0.0:
+        return f"its margin of {zone.margin / MM:.4g} mm leaves no room in it"
+    return None
+
+
+def _depth(region: ShapeRegion) -> float:
+    """How far the point farthest inside is from the border [m]."""
+    match region.shape:
+        case Box(size=size):
+            return float(size.min()) / 2.0
+        case Cylinder(radius=radius, length=length):
+            return min(radius, length / 2.0)
+        case shape:
+            return shape.radius
+
+
+def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
+    """Why two zones can't both be kept to; None where they can."""
+    one, other = first.region, second.region
+    rules = {first.rule, second.rule}
+    if isinstance(one, JointWindow) and isinstance(other, JointWindow):
+        joint = _joint_without(robot, one, other) if rules == {"allowed"} else None
+        return f"its window for {joint} has nothing in common with that of {first.name}" if joint else None
+    if (
+        isinstance(one, JointWindow)
+        or isinstance(other, JointWindow)
+        or not set(first.watch) & set(second.watch)
+    ):
+        return None
+    if rules == {"allowed"} and _apart(one, other, first.margin + second.margin):
+        return f"it has no room in common with {first.name}, which is allowed as well"
+    if rules == {"allowed", "forbidden"}:
+        allowed, forbidden = (one, other) if first.rule == "allowed" else (other, one)
+        if _within(allowed, forbidden):
+            whole = first.name if first.rule == "forbidden" else "it"
+            return f"{'it' if whole != 'it' else first.name} lies in {whole}, which is forbidden"
+    return None
+
+
+def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) -> str | None:
+    """A joint that has no position in a window and in another one, or in its limits."""
+    low, high = np.maximum(one.lower, other.lower), np.minimum(one.upper, other.upper)
+    (empty,) = np.nonzero(low > high)
+    return robot.joint_names[int(empty[0])] if len(empty) else None
+
+
+def _apart(one: Place, other: Place, margin: float) -> bool:
+    """Whether two regions have nothing in common; of a half space, less the margins."""
+    if isinstance(one, HalfSpace) or isinstance(other, HalfSpace):
+        half, rest = (one, other) if isinstance(one, HalfSpace) else (other, one)
+        assert isinstance(half, HalfSpace)
+        return float(reach(rest, half.normal[None])[0]) < half.offset + margin
+    import coal
+
+    request, answer = coal.DistanceRequest(), coal.DistanceResult()
+    (shape, placed), (second, there) = coal_of(one), coal_of(other)
+    return float(coal.distance(shape, placed, second, there, request, answer)) > 0.0
+
+
+def _within(inner: Place, outer: Place) -> bool:
+    """Whether a region lies in one with flat faces."""
+    faces = faces_of(outer)
+    return faces is not None and bool((reach(inner, faces.normals) <= faces.offsets).all())
+
+
+def _how(robot: Robot, watch: Watch, slack: float) -> str:
+    """What is wrong with HOME."""
+    zone, q = watch.zone, robot.home
+    window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
+    if window is not None and zone.rule in ("allowed", "posture"):
+        out = -room(window, q[None])[0] / robot.axis_units
+        joint = int(np.argmax(out))
+        return f"{robot.joint_names[joint]} is {out[joint]:.4g} {robot.axis_unit_names[joint]} outside of its window"
+    if watch.item is None:
+        return "the joints are in its window"
+    what = "out of it" if zone.rule == "allowed" else "in it"
+    beyond = -(slack + zone.margin)
+    if beyond <= 0.0:
+        return f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is {zone.margin / MM:.4g} mm"
+    return f"{watch.item.name} is {beyond / MM:.4g} mm {what}"

@@ -1,0 +1,95 @@
+"""Slow zones of the cell: how slow a curve has to be in them. They are limits like any other; the control points don't depend on the segment time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.collision.course import Course
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.zones.speed import fastest_inside
+from yarclang.collision.zones.watched import Moving, tool_frame
+from yarclang.collision.zones.workspace import SLACK, Watch, watches_of
+from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, PoseSplineMove, SplineMove
+from yarclang.robot.model import Robot
+from yarclang.transforms import constant
+
+HEADROOM = 4e-4
+"""The share of a zone's speed that is left for printing with finitely many decimals."""
+
+_LARGER = 2.0 * SLACK
+"""Zones count as larger by this [m]: the printed curve may enter them where this one doesn't."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SlowZones:
+    """What slow zones watch while a motion is under way."""
+
+    scene: Scene
+    watches: tuple[Watch, ...]
+
+    def asked(self, points: Array, segment: float) -> Iterator[tuple[float, int, Watch]]:
+        """What zones ask of control points (N, n) beyond a segment time [s]: the segment time, and the first control point of the difference that asks for it."""
+        if not self.watches or len(points) < 4:
+            return
+        course = _in_knots(points)
+        span = np.array([[0, len(course.x)]])
+        for watch in self.watches:
+            limit = (watch.zone.speed or 0.0) * (1.0 - HEADROOM)
+            found = fastest_inside(self.scene, course, span, watch, least=limit * segment, beyond=_LARGER)
+            if found.segment[0] >= 0:
+                yield float(found.speed[0]) / limit, int(found.segment[0]) + 1, watch
+
+    def together(self, other: SlowZones | None) -> SlowZones:
+        """What is watched where two motions overlap."""
+        if other is None or other is self:
+            return self
+        known = {(one.zone.name, one.item.name if one.item else "") for one in self.watches}
+        more = [
+            one for one in other.watches if (one.zone.name, one.item.name if one.item else "") not in known
+        ]
+        return SlowZones(self.scene, (*self.watches, *more)) if more else self
+
+
+def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | None:
+    """The slow zones that a motion has to keep; None where there are none."""
+    if cell is None or not any(zone.rule == "slow" for zone in cell.zones):
+        return None
+    made = scene_of(robot, cell)
+    if made.value is None:
+        return None  # a mesh can't be read: nothing is emitted
+    watches = watches_of(robot, cell, _moving(robot, motion))
+    return SlowZones(made.value, tuple(one for one in watches if one.zone.rule == "slow"))
+
+
+def _moving(robot: Robot, motion: Motion) -> Moving:
+    """The frame that a motion moves."""
+    link = motion.origin.moving
+    if link is None:
+        return tool_frame(robot)
+    name = link.name
+    goals = motion.waypoints if isinstance(motion, SplineMove | PoseSplineMove) else (motion.goal,)
+    for goal in goals:
+        if isinstance(goal, PoseGoal | PoseDelta):
+            return Moving(name, goal.flange_from_moving)
+    placed = np.eye(4)
+    while link is not None and link.parent is not None:
+        placed = link.parent_from_frame @ placed
+        link = link.parent
+    return Moving(name, constant(placed))
+
+
+def _in_knots(points: Array) -> Course:
+    """The curve of control points (N, n) with segments of 1 s."""
+    f0, f1, f2, f3 = (points[at : len(points) - 3 + at] for at in range(4))
+    steps = f1 - f0, f2 - f1, f3 - f2
+    first, second = steps[1] - steps[0], steps[2] - steps[1]
+    # the velocity's Bezier points bound it
+    peaks = np.maximum.reduce(
+        [np.abs(steps[0] + steps[1]) / 2.0, np.abs(steps[1]), np.abs(steps[1] + steps[2]) / 2.0]
+    )
+    velocity, ones = (steps[0] + steps[1]) / 2.0, np.ones(len(f0))
+    return Course.of(f1 + first / 6.0, velocity, first, second - first, ones, peaks)

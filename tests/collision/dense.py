@@ -7,6 +7,19 @@ import pinocchio as pin
 from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 
 
+def shape_of(shape):
+    """A shape as coal has it."""
+    match shape:
+        case Box(size=size):
+            return coal.Box(*size)
+        case Sphere(radius=radius):
+            return coal.Sphere(radius)
+        case Cylinder(radius=radius, length=length):
+            return coal.Cylinder(radius, length)
+        case Capsule(radius=radius, length=length):
+            return coal.Capsule(radius, length)
+
+
 class Dense:
     """A robot of the library, or in a folder, with obstacles of a cell (no meshes)."""
 
@@ -22,7 +35,7 @@ class Dense:
             placed = one.mount.transform
             carried = one.mount.on_flange
             pose = pin.SE3(flange @ placed if carried else base @ placed)
-            shape = pin.GeometryObject(one.name, joint if carried else 0, pose, self._shape(one.shape))
+            shape = pin.GeometryObject(one.name, joint if carried else 0, pose, shape_of(one.shape))
             self.geometry.addGeometryObject(shape)
         self.margin = np.array([0.0] * self.links + [one.margin for one in (cell.obstacles if cell else ())])
         objects = self.geometry.geometryObjects
@@ -47,17 +60,6 @@ class Dense:
             for end in ("flange", "base")
         ]
         return frames[0].parentJoint, frames[0].placement.homogeneous, frames[1].placement.homogeneous
-
-    def _shape(self, shape):
-        match shape:
-            case Box(size=size):
-                return coal.Box(*size)
-            case Sphere(radius=radius):
-                return coal.Sphere(radius)
-            case Cylinder(radius=radius, length=length):
-                return coal.Cylinder(radius, length)
-            case Capsule(radius=radius, length=length):
-                return coal.Capsule(radius, length)
 
     def distances(self, q):
         """(P, K) [m]."""

@@ -1,7 +1,5 @@
 """No collision is missed: random motions in random cells, and bodies thinner than any step, against fine samples of Pinocchio and coal."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -18,8 +16,8 @@ from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 from yarclang.source import SourceFile
 from yarclang.transforms import rpy_rotation
 
-COUNT = int(os.environ.get("YARCLANG_RANDOM_CELLS", "24"))
-"""How many cells are drawn; for a night, YARCLANG_RANDOM_CELLS=5000."""
+COUNT = 24
+"""How many cells are drawn; test_dense.py draws many more."""
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
 
@@ -33,19 +31,20 @@ def cell_of(*obstacles):
     return Cell(SourceFile("cell.toml", ""), {}, {}, {}, {}, obstacles, (), {})
 
 
+def some_shape(random, largest):
+    """Any of the shapes without a file, up to a size."""
+    a, b, c = random.uniform(0.002, largest, 3)
+    return [Box(np.array([a, b, c])), Sphere(a / 2), Cylinder(a / 2, b), Capsule(a / 2, b)][
+        random.integers(4)
+    ]
+
+
 def drawn(random, count=6):
     """A cell of obstacles of all shapes around the robot, and a tool."""
-
-    def shape():
-        a, b, c = random.uniform(0.002, 0.5, 3)
-        return [Box(np.array([a, b, c])), Sphere(a / 2), Cylinder(a / 2, b), Capsule(a / 2, b)][
-            random.integers(4)
-        ]
-
     standing = [
         Obstacle(
             f"O{at}",
-            shape(),
+            some_shape(random, 0.5),
             mount(random.uniform([-1.6, -1.6, 0], [1.6, 1.6, 2.2]), random.uniform(-3, 3, 3)),
             float(random.choice([0.0, 0.01, 0.05])),
         )

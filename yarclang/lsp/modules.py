@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from yarclang.assist.sketch import Sketch, sketch_of
-from yarclang.lsp.documents import DESCRIPTION, Document
-from yarclang.pipeline.modules import loader
+from yarclang.lsp.documents import PROGRAM, Document
+from yarclang.pipeline.modules import loader, modules_in
+from yarclang.pipeline.sources import read_source
 
 if TYPE_CHECKING:
     from yarclang.lsp.analyses import Analyses
+
+
+_MOST_FILES = 2_000
+"""Files that are read for one folder, and that are kept."""
 
 
 class Modules:
@@ -19,34 +25,72 @@ class Modules:
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._documents = documents
+        self._sketches: dict[Path, tuple[int, Sketch]] = {}
 
-    def beside(self, document: Document) -> Callable[[str], Sketch | None]:
-        """How the modules of a text are found: by name in upper case, each read once."""
-        open_ = {one.path: one for one in self._documents.values() if one.path is not None}
-        load = loader(document.folder, {path: one.source for path, one in open_.items()})
+    def in_folder(self, folder: Path) -> Callable[[str], Sketch | None]:
+        """How the modules of texts in a folder are found: by name in upper case, each read once."""
+        open_ = self._open()
+        load = loader(folder, {path: one.source for path, one in open_.items()})
         known: dict[str, Sketch | None] = {}
 
         def find(name: str) -> Sketch | None:
             if name not in known:
                 module = load(name).value
-                one = open_.get(Path(module.source.name)) if module is not None else None
+                one = open_.get(Path(module.source.name).absolute()) if module is not None else None
                 known[name] = one.sketch if one else sketch_of(module.source) if module else None
             return known[name]
 
         return find
 
+    def files(self, folder: Path, names: Iterable[str] = ()) -> Iterator[Sketch]:
+        """The programs and modules that are saved in a folder, and other files by their names; the open ones are left out."""
+        open_ = self._open()
+        for path in dict.fromkeys([*modules_in(folder), *map(Path, names)]):
+            if path.absolute() not in open_ and (sketch := self._saved(path)) is not None:
+                yield sketch
+
+    def everywhere(self, roots: Iterable[Path]) -> list[Sketch]:
+        """All programs and modules below some folders, and the open ones."""
+        open_ = self._open()
+        found = [one.sketch for one in open_.values() if one.is_program]
+        for root in roots:
+            paths = islice(root.rglob(f"*{PROGRAM}"), _MOST_FILES)
+            saved = (self._saved(path) for path in paths if path.absolute() not in open_)
+            found += [sketch for sketch in saved if sketch is not None]
+        return found
+
+    def _open(self) -> dict[Path, Document]:
+        return {one.path: one for one in list(self._documents.values()) if one.path is not None}
+
+    def _saved(self, path: Path) -> Sketch | None:
+        """A saved file, read again only if it has changed."""
+        try:
+            stamp = path.stat().st_mtime_ns
+        except OSError:
+            return None
+        known = self._sketches.get(path)
+        if known is not None and known[0] == stamp:
+            return known[1]
+        read = read_source(str(path)).value
+        if read is None:
+            return None
+        sketch = sketch_of(read)
+        if len(self._sketches) >= _MOST_FILES:
+            self._sketches.pop(next(iter(self._sketches)))
+        self._sketches[path] = stamp, sketch
+        return sketch
+
     def changed(self, document: Document, analyses: Analyses) -> None:
-        """Have the open texts looked at again that speak of a text."""
-        for other in self._documents.values():
-            if other.uri != document.uri and other.is_program and _speaks_of(other, document):
+        """Have the open texts looked at again that may speak of a text."""
+        for other in list(self._documents.values()):
+            if other.uri != document.uri and _may_speak_of(other, document):
                 analyses.again(other.uri)
 
 
-def _speaks_of(user: Document, used: Document) -> bool:
-    """Whether what is said of a text may depend on another one."""
+def _may_speak_of(user: Document, used: Document) -> bool:
+    """Whether what is said of a text may depend on another one: on a module of its folder by name, on any description."""
     if used.path is None:
         return False
-    text = user.text.upper()
-    if not used.is_program:
-        return used.path.name.upper() in text or DESCRIPTION.upper() not in text
-    return used.folder == user.folder and used.path.stem.upper() in text
+    if used.path.suffix.lower() != PROGRAM:
+        return True
+    return used.folder == user.folder and user.is_program and used.path.stem.upper() in user.text.upper()

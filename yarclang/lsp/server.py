@@ -6,16 +6,21 @@ import asyncio
 import logging
 from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from lsprotocol import types
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol
 from pygls.protocol.language_server import lsp_method
+from pygls.uris import to_fs_path
 
 from yarclang import __version__
+from yarclang.assist.hints import ShortestTimes
 from yarclang.assist.view import View
 from yarclang.lsp import features
 from yarclang.lsp.analyses import Analyses, Analysis
@@ -23,6 +28,7 @@ from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document, changed
 from yarclang.lsp.feature import Feature
 from yarclang.lsp.modules import Modules
+from yarclang.lsp.translation import uri_of
 from yarclang.pipeline.inputs import Options
 
 _LOG = logging.getLogger(__name__)
@@ -65,8 +71,11 @@ class Server(LanguageServer):
         self.analyses = Analyses(self.checks, self._arrived)
         self.answering = ThreadPoolExecutor(1, thread_name_prefix="answers")
         self.listeners: list[Any] = []
+        self.shortest_times = ShortestTimes()
         self.owed: set[str] = set()
         """The texts of which the client has only got what was known without planning."""
+        self.settings: dict[str, Any] = {}
+        self._folder: TemporaryDirectory[str] | None = None
         self._views: dict[str, tuple[Document, Analysis | None, View]] = {}
         for feature in found_features():
             feature.register(self)
@@ -90,9 +99,52 @@ class Server(LanguageServer):
             if robot is None and one is not None and one.checked.opened is not None:
                 robot = one.checked.opened.request.robot
         checked = analysis.checked if analysis else None
-        view = View(document.sketch, checked, robot, self.modules.beside(document))
+        view = View(document.sketch, checked, robot, self.modules.in_folder(document.folder))
         self._views[uri] = document, analysis, view
         return view
+
+    def program_view(self, uri: str) -> View | None:
+        """What is known of an open program or module; None of other texts."""
+        document = self.documents.get(uri)
+        return self.view(uri) if document is not None and document.is_program else None
+
+    def views_beside(self, uri: str, *others: str) -> list[View]:
+        """What is known of the programs and modules of a text's folder, and of other files by their names; the open ones as they are open."""
+        document = self.documents[uri]
+        views: dict[str, View] = {}
+        for one in self.documents.values():
+            view = self.view(one.uri) if one.is_program else None
+            if view is not None and (
+                one.uri == uri or one.folder == document.folder or one.source.name in others
+            ):
+                views[one.source.name] = view
+        for sketch in self.modules.files(document.folder, others):
+            name = sketch.source.name
+            if name not in views:
+                views[name] = View(sketch, module=self.modules.in_folder(Path(name).parent))
+        return list(views.values())
+
+    def uri_of(self, name: str) -> str:
+        """The URI of a file that findings call `name`: that under which the client has it open, if it has."""
+        open_ = next((one.uri for one in self.documents.values() if one.source.name == name), None)
+        return open_ or uri_of(name)
+
+    def roots(self) -> list[Path]:
+        """The folders that the client works in; without any, those of the open texts."""
+        uris = [*self.workspace.folders] or ([self.workspace.root_uri] if self.workspace.root_uri else [])
+        paths = [Path(path) for uri in uris if (path := to_fs_path(uri))]
+        return paths or list(dict.fromkeys(one.folder for one in self.documents.values()))
+
+    @property
+    def shows_documents(self) -> bool:
+        """Whether the client lets the server show files: initialization option `showDocuments`, true unless it says otherwise."""
+        return self.settings.get("showDocuments") is not False
+
+    @cached_property
+    def files(self) -> Path:
+        """A folder for what is written for people to look at; it goes with the server."""
+        self._folder = TemporaryDirectory(prefix="yarc-lsp-")
+        return Path(self._folder.name)
 
     async def answer(self, work: Any, *arguments: Any) -> Any:
         """Do some work in a thread, so that the next message is read meanwhile."""
@@ -126,6 +178,10 @@ class Server(LanguageServer):
         if document is not None:
             self.modules.changed(document, self.analyses)
 
+    def touched(self, uri: str) -> None:
+        """A file was changed outside of the client's texts, or saved."""
+        self.modules.changed(self.documents.get(uri) or Document(uri, 0, ""), self.analyses)
+
     def _lay_out(self) -> None:
         """The open texts, where the checks look for modules, cells and robots."""
         self.checks.texts = {one.path: one.source for one in self.documents.values() if one.path}
@@ -138,6 +194,8 @@ class Server(LanguageServer):
         """End all work."""
         self.analyses.close()
         self.answering.shutdown(wait=False, cancel_futures=True)
+        if self._folder is not None:
+            self._folder.cleanup()
         super().shutdown()  # type: ignore[no-untyped-call]
 
 

@@ -6,6 +6,7 @@ import gc
 import logging
 import sys
 
+from yarclang.lsp.refusal import keep_quiet_about_refusals
 from yarclang.lsp.server import Server
 from yarclang.pipeline.inputs import Options
 
@@ -18,6 +19,7 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
         robot: the robot of programs that name none.
     """
     logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(levelname)s: %(message)s")
+    keep_quiet_about_refusals()
     gc.set_threshold(
         50_000, 20, 20
     )  # trees of a long program are no garbage, and were looked through again and again

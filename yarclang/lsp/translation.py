@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -68,6 +69,16 @@ def shown_range(source: SourceFile, span: Span | None, encoding: str) -> types.R
 def text_edits(source: SourceFile, edits: Iterable[Edit], encoding: str) -> list[types.TextEdit]:
     """Edits of a text."""
     return [types.TextEdit(range_of(source, one.span, encoding), one.text) for one in edits]
+
+
+def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
+    """A text in Markdown for a client that takes these formats; without its marks for one that takes plain text only."""
+    kinds = [getattr(one, "value", one) for one in formats or ()]
+    if types.MarkupKind.Markdown.value in kinds:
+        return types.MarkupContent(types.MarkupKind.Markdown, text)
+    lines = [line for line in text.splitlines() if not line.startswith("```") and line != "---"]
+    plain = re.sub(r"\*\*|`", "", "\n".join(lines))
+    return types.MarkupContent(types.MarkupKind.PlainText, re.sub(r"\n{3,}", "\n\n", plain).strip())
 
 
 def uri_of(name: str) -> str:

@@ -1,0 +1,190 @@
+"""Candidates of a completion, and those that are names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from yarclang.assist.cursor import Cursor
+from yarclang.assist.declared import module_lines, sub_lines
+from yarclang.assist.snippets import plain_text
+from yarclang.assist.symbols import Symbol
+from yarclang.assist.view import View
+from yarclang.assist.vocabulary import FRAMES, OTHERS, entry_text
+from yarclang.pipeline.modules import library_folder, modules_in
+from yarclang.semantics.scope import BASE, JointPosition, Library, Named
+from yarclang.source import Span
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.words import FUNCTIONS
+
+Kind = Literal[
+    "command",
+    "declaration",
+    "frame",
+    "number",
+    "joints",
+    "input",
+    "output",
+    "sub",
+    "module",
+    "parameter",
+    "unit",
+    "option",
+    "time",
+    "function",
+    "word",
+    "robot",
+    "finding",
+]
+_AMOUNTS = ("number", "parameter")
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Something that may stand at a place.
+
+    `label` is what is shown and compared with what is typed, `detail` a few words, `documentation` Markdown, `text` what is written (with
+    holes), `span` what it is written over. `rank` sorts: the smaller the earlier.
+    """
+
+    label: str
+    kind: Kind
+    detail: str
+    documentation: str
+    text: str
+    span: Span
+    rank: int = 0
+
+    @property
+    def plain(self) -> str:
+        """What is written, without holes."""
+        return plain_text(self.text)
+
+
+class NameMaker:
+    """Makes candidates of the names that are known at a place.
+
+    Args:
+        view: what is known of the text.
+        cursor: the place.
+        span: what a candidate is written over.
+        behind: the character behind the place.
+    """
+
+    def __init__(self, view: View, cursor: Cursor, span: Span, behind: str) -> None:
+        self.view = view
+        self.cursor = cursor
+        self.span = span
+        self.behind = behind
+
+    def numbers(self) -> Iterator[Candidate]:
+        """Names that stand for a number."""
+        for symbol in self.symbols():
+            if symbol.kind in _AMOUNTS and not symbol.is_frame:
+                yield self._symbol(symbol)
+        yield from self._of_modules("number")
+
+    def functions(self) -> Iterator[Candidate]:
+        """What expressions may have besides."""
+        for name in FUNCTIONS:
+            entry = OTHERS[name]
+            yield self.make(name, "function", entry.summary, entry_text(name, entry), f"{name}(${{1}})", 1)
+        yield self.make("PI", "number", OTHERS["PI"].summary, entry_text("PI", OTHERS["PI"]), "PI", 1)
+
+    def frames(self, *, closing: bool = True) -> Iterator[Candidate]:
+        """Frames in their braces."""
+        seen: set[str] = set()
+        for symbol in self.symbols():
+            if symbol.is_frame and symbol.name not in seen:
+                seen.add(symbol.name)
+                yield self._frame(symbol.name, _line_of(self.view, symbol), closing)
+        scope = self.view.scope
+        names = list(scope.frame_names()) if scope is not None else []
+        if self.view.robot is not None:
+            names += [BASE, *self.view.robot.flange_from_frame]
+        for name in dict.fromkeys([*names, *FRAMES]):
+            if name not in seen and not self._is_own(name, True):
+                seen.add(name)
+                yield self._frame(name, FRAMES[name].summary if name in FRAMES else "", closing, 1)
+        for module, inner in self._module_symbols():
+            if inner.is_frame:
+                yield self._frame(f"{module}.{inner.name}", "", closing, 2)
+
+    def _frame(self, name: str, detail: str, closing: bool, rank: int = 0) -> Candidate:
+        text = f"{{{name}" + ("}" if closing else "")
+        return self.make(f"{{{name}}}", "frame", detail, "", text, rank)
+
+    def known(self, kind: type[Named], called: Kind) -> Iterator[Candidate]:
+        """Names of a kind: of the file, of its modules, of the cell and the robot."""
+        for symbol in self.symbols():
+            if (
+                not symbol.is_frame
+                and symbol.kind in {called, "parameter"}
+                and not (called == "sub" and symbol.kind == "parameter")
+            ):
+                yield self._symbol(symbol)
+        yield from self._of_modules(called)
+        scope = self.view.scope
+        for name in dict.fromkeys(scope.names(kind)) if scope is not None else ():
+            if not self._is_own(name, False) and (scope is None or not isinstance(scope.name(name), Library)):
+                yield self.make(name, called, "", "", name, 1)
+        robot = self.view.robot
+        if kind is JointPosition and robot is not None:
+            for name in robot.positions:
+                yield self.make(name, called, "a joint position of the robot", "", name, 1)
+
+    def _of_modules(self, kind: str) -> Iterator[Candidate]:
+        for module, inner in self._module_symbols():
+            if inner.kind == kind and not inner.is_frame:
+                name = f"{module}.{inner.name}"
+                sketch = self.view.module(module)
+                documentation = "\n".join(sub_lines(sketch, inner.name)) if sketch and kind == "sub" else ""
+                yield self.make(name, inner.kind, f"of the module {module}", documentation, name, 1)
+
+    def _module_symbols(self) -> Iterator[tuple[str, Symbol]]:
+        """What the modules declare that are used above."""
+        for symbol in self.symbols():
+            module = self.view.module(symbol.name) if symbol.kind == "module" else None
+            for inner in module.names.symbols if module else ():
+                if module and module.names.declared(inner.name, inner.is_frame) is inner:
+                    yield symbol.name, inner
+
+    def modules(self) -> Iterator[Candidate]:
+        """Files that USE may name: those that have a SUB."""
+        folder = Path(self.view.sketch.source.name).parent
+        own = Path(self.view.sketch.source.name).stem.upper()
+        for place in (folder, library_folder()):
+            for path in modules_in(place):
+                name = path.stem.upper()
+                if (
+                    name != own
+                    and re.fullmatch(r"[A-Z_][A-Z0-9_]*", name)
+                    and (module := self.view.module(name))
+                ) and any(one.kind == "sub" for one in module.names.symbols):
+                    yield self.make(name, "module", "a module", "\n".join(module_lines(module)), name)
+
+    def symbols(self) -> Iterable[Symbol]:
+        """What the file declares that is known at the place."""
+        return self.view.sketch.names.known_in(self.cursor.line)
+
+    def _is_own(self, name: str, is_frame: bool) -> bool:
+        """Whether a name is declared somewhere in the file: where it is known was looked at."""
+        return any((one.name, one.is_frame) == (name, is_frame) for one in self.view.sketch.names.symbols)
+
+    def _symbol(self, symbol: Symbol) -> Candidate:
+        lines = sub_lines(self.view.sketch, symbol.name) if symbol.kind == "sub" else []
+        return self.make(symbol.name, symbol.kind, _line_of(self.view, symbol), "\n".join(lines), symbol.name)
+
+    def make(
+        self, label: str, kind: Kind, detail: str, documentation: str, text: str, rank: int = 0
+    ) -> Candidate:
+        """A candidate that is written over what is typed."""
+        return Candidate(label, kind, detail, documentation, text, self.span, rank)
+
+
+def _line_of(view: View, symbol: Symbol) -> str:
+    """The line that declares a name, without its comment."""
+    return code_of(view.sketch.source.line(symbol.statement.line)).strip()

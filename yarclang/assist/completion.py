@@ -1,0 +1,217 @@
+"""What may stand at a place: commands, names, frames, units, options, modules, each with its documentation.
+
+In a text the places of values are holes, as `${1:x}`: who can't fill holes takes `plain`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from yarclang.assist.candidates import Candidate, NameMaker
+from yarclang.assist.cursor import cursor_at
+from yarclang.assist.snippets import command_snippet, declaration_snippet, next_index, plain_text
+from yarclang.assist.view import View
+from yarclang.assist.vocabulary import (
+    ACTIONS,
+    DECLARED,
+    OPTIONS,
+    OTHERS,
+    TIMES,
+    command_names,
+    command_of,
+    command_text,
+    entry_text,
+    unit_text,
+)
+from yarclang.hir import Output
+from yarclang.robot.library import list_robots
+from yarclang.semantics.scope import Input, JointPosition, Routine
+from yarclang.source import Span
+from yarclang.syntax.words import STATES
+from yarclang.units import UNITS
+
+
+def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
+    """What may stand at a place (from 1), of the kinds that fit there; what is typed of it already isn't looked at."""
+    cursor = cursor_at(view.sketch, line, column)
+    text = view.sketch.source.line(line)
+    maker = _Maker(view, cursor, Span.on_line(line, cursor.start, column), text[column - 1 : column])
+    unique = {(one.label, one.kind): one for one in maker.candidates()}
+    return tuple(unique.values())
+
+
+class _Maker(NameMaker):
+    """What may stand at a place."""
+
+    def candidates(self) -> Iterator[Candidate]:
+        cursor = self.cursor
+        if cursor.is_comment:
+            yield from self._suppressions()
+        elif (cursor.kind in {"number", "index"} and not cursor.is_glued) or cursor.kind == "string":
+            return
+        elif cursor.kind == "open_frame":
+            yield from self.frames(closing=self.behind != "}")
+        elif cursor.is_glued:
+            yield from self.numbers()
+        elif cursor.is_expression:
+            yield from self.numbers()
+            yield from self.functions()
+        elif cursor.is_head:
+            yield from self._heads()
+        elif cursor.bracket == "[":
+            yield from self._times()
+        elif cursor.bracket == "(":
+            yield from self._units()
+        else:
+            yield from self._parts()
+
+    # the head
+
+    def _heads(self) -> Iterator[Candidate]:
+        """Commands, and, where no index stands, the words of declarations."""
+        front = "" if self.cursor.has_index else f"{next_index(self.view.sketch, self.cursor.line)} "
+        typed = self.cursor.text.upper()
+        for name in command_names():
+            found = command_of(name)
+            assert found is not None  # it is a command's name
+            spec, _, _ = found
+            suffixes = name.count("_") - spec.name.count("_")
+            if suffixes and not (typed.startswith(spec.name) and len(typed) >= len(spec.name)):
+                continue  # a long list: they come when the command is written
+            text = front + command_snippet(self.view, name)
+            yield self.make(name, "command", spec.summary, command_text(name), text, suffixes)
+        for name, entry in ACTIONS.items():
+            text = front + declaration_snippet(entry.example)
+            yield self.make(name, "command", entry.summary, entry_text(name, entry), text)
+        if self.cursor.has_index:
+            return
+        for name, entry in DECLARED.items():
+            yield self.make(
+                name,
+                "declaration",
+                entry.summary,
+                entry_text(name, entry),
+                declaration_snippet(entry.example),
+                3,
+            )
+
+    # the parts behind it
+
+    def _parts(self) -> Iterator[Candidate]:
+        cursor = self.cursor
+        match cursor.head:
+            case "ROBOT":
+                for one in list_robots():
+                    yield self.make(one.name, "robot", f"{one.title}, {one.size} joints", "", one.name)
+            case "USE":
+                yield from self.modules()
+            case "START":
+                yield from self.known(JointPosition, "joints")
+            case "SET" | "WAIT" | "WHEN":
+                yield from self._signals()
+            case "CALL":
+                yield from self._arguments()
+            case "DEFAULT" | "FRAME" | "FRAME_QUAT":
+                yield from self.frames()
+            case head if command_of(head) is not None:
+                yield from self._of_command(head)
+
+    def _of_command(self, head: str) -> Iterator[Candidate]:
+        """Frames, joint positions and options."""
+        cursor = self.cursor
+        if cursor.option == "NEAR":
+            yield from self.known(JointPosition, "joints")
+            return
+        if cursor.option:
+            return
+        found = command_of(head)
+        assert found is not None  # it was looked up
+        spec, target, _ = found
+        if not cursor.has("[") and not cursor.has("("):
+            values = spec.targets.get(target)
+            if (
+                values is not None
+                and (values.of_joints or spec.name.startswith("MOVEJ"))
+                and not values.is_delta
+            ):
+                yield from self.known(JointPosition, "joints")
+        if cursor.text == "" or cursor.kind == "open_frame":
+            yield from self.frames()
+        if spec.is_motion and cursor.values:
+            for name, entry in OPTIONS.items():
+                if not any(one.name == name for one in cursor.before):
+                    text = declaration_snippet(entry.example)
+                    yield self.make(name, "option", entry.summary, entry_text(name, entry), text, 1)
+        if spec.is_motion and not cursor.has("[") and cursor.values:
+            for text, entry in (("[MIN]", TIMES["MIN"]), ("[V ${1:250}]", TIMES["V"])):
+                if text != "[V ${1:250}]" or spec.moves_frame:
+                    yield self.make(
+                        plain_text(text), "time", entry.summary, entry_text(entry.example, entry), text, 2
+                    )
+
+    def _signals(self) -> Iterator[Candidate]:
+        """Inputs or outputs, and then their states."""
+        if len(self.cursor.before) == 1:
+            if self.cursor.head == "SET":
+                yield from self.known(Output, "output")
+            else:
+                yield from self.known(Input, "input")
+        elif len(self.cursor.before) == 2:
+            for name in sorted(STATES):
+                yield self.make(name, "word", OTHERS[name].summary, entry_text(name, OTHERS[name]), name)
+
+    def _arguments(self) -> Iterator[Candidate]:
+        """SUBs, and then what may be given to one."""
+        if len(self.cursor.before) == 1:
+            yield from self.known(Routine, "sub")
+            return
+        yield from self.frames()
+        yield from self.known(JointPosition, "joints")
+        yield from self.known(Input, "input")
+        yield from self.known(Output, "output")
+
+    # brackets
+
+    def _times(self) -> Iterator[Candidate]:
+        if self.cursor.inside:
+            return
+        found = command_of(self.cursor.head)
+        closing = "" if self.behind == "]" else "]"
+        for name, entry in TIMES.items():
+            if name == "V" and found is not None and not found[0].moves_frame:
+                continue
+            text = name if name == "MIN" else "V ${1:250}"
+            yield self.make(name, "time", entry.summary, entry_text(name, entry), text + closing)
+
+    def _units(self) -> Iterator[Candidate]:
+        """The units of kinds that aren't there yet."""
+        there = {UNITS[one.text.lower()].kind for one in self.cursor.inside if one.text.lower() in UNITS}
+        for number, unit in enumerate(UNITS.values()):
+            if unit.kind not in there:
+                yield self.make(
+                    unit.name, "unit", f"a unit of {unit.kind}", unit_text(unit.name), unit.name, number
+                )
+
+    # comments
+
+    def _suppressions(self) -> Iterator[Candidate]:
+        """Codes of findings, in a comment that suppresses some."""
+        from yarclang.lint.registry import everything
+
+        match = re.search(
+            r"!\s*yarc\s*:\s*ignore\s*\[(?:[^\]]*[\s,])?([A-Za-z0-9]*)$", self.cursor.text, re.IGNORECASE
+        )
+        if match is None:
+            return
+        column = self.span.end_column - len(match[1])
+        said = {
+            one.code
+            for one in (self.view.checked.diagnostics if self.view.checked else ())
+            if one.span and one.span.line == self.cursor.line
+        }
+        for code, finding in everything().items():
+            if finding.severity != "error":
+                made = self.make(code, "finding", finding.title, finding.why, code, 0 if code in said else 1)
+                yield replace(made, span=replace(self.span, column=column))

@@ -1,0 +1,80 @@
+"""What is shown behind a motion command: the shortest time that works, and how much of the limits it uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from yarclang.assist.motions import first_motion, most_used, pace_in
+from yarclang.assist.view import View
+from yarclang.hir import Motion, Origin, fingerprint
+from yarclang.source import SourceFile, Span
+
+_KEPT = 4096
+"""Shortest times that are kept, of motions that were looked at last."""
+
+_SHORTER = 0.02
+"""A motion that takes less than this share more than the shortest time is as short as it can be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """A few words behind the end of a line (column from 1), and more in Markdown."""
+
+    line: int
+    column: int
+    text: str
+    tooltip: str
+
+
+class ShortestTimes:
+    """The shortest times of motions that were looked at: an edit elsewhere leaves them as they are."""
+
+    def __init__(self) -> None:
+        self._known: dict[Any, float | None] = {}
+
+    def of(self, view: View, number: int) -> float | None:
+        """The shortest time of a motion [s]; None where none works, or it isn't planned."""
+        planned = view.motion(number)
+        step, robot = view.step(number), view.robot
+        if planned is None or robot is None or not isinstance(step, Motion):
+            return None
+        assert view.program is not None
+        nobody = Origin("", "", SourceFile("", ""), Span(1, 1, 1, 1))
+        alone = replace(
+            view.program, start=planned[0].path.start, steps=(replace(step, origin=nobody),), outputs=()
+        )
+        key = robot.fingerprint, fingerprint(alone)
+        if key not in self._known:
+            pace = pace_in(view, number)
+            self._known[key] = pace.shortest if pace else None
+            if len(self._known) > _KEPT:
+                self._known.pop(next(iter(self._known)))
+        return self._known[key]
+
+
+def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterator[Hint]:
+    """The hints of the lines `first` to `last`. Only planned motions have one."""
+    for line in range(first, last + 1):
+        statement = view.sketch.statement_at(line)
+        if statement is None or statement.line != line:
+            continue
+        number = first_motion(view, view.steps_in(line))
+        if number is None or (planned := view.motion(number)) is None:
+            continue
+        duration, shortest = planned[0].curve.duration, times.of(view, number)
+        parts = [f"{duration:.3g} s" if statement.time is None else ""]
+        if shortest is not None and duration > shortest * (1.0 + _SHORTER):
+            parts.append(f"min {shortest:.3g} s")
+        elif statement.time is not None:
+            parts = [f"{duration:.3g} s"]
+        lines = [f"takes {duration:.3f} s"]
+        if shortest is not None:
+            lines.append(f"at least {shortest:.3f} s under the whole limits that the command may use")
+        if (certificate := view.proved(number)) is not None:
+            what, load = most_used(certificate)
+            parts.append(f"{load.share * 100:.0f} %")
+            lines.append(f"uses {load.share * 100:.1f} % of the {what} limit of {load.name}")
+        end = statement.whole_span
+        yield Hint(end.end_line, end.end_column, ", ".join(filter(None, parts)), "\n\n".join(lines))

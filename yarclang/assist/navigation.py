@@ -1,0 +1,193 @@
+"""Where names are declared and used, in a file and in those that use it; a name for another one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+
+from yarclang.assist.sketch import Sketch
+from yarclang.assist.symbols import Symbol, Use
+from yarclang.assist.view import View
+from yarclang.diagnostics import Edit
+from yarclang.semantics.naming import FIXED_FRAMES, is_word
+from yarclang.source import SourceFile, Span
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A stretch of a file."""
+
+    source: SourceFile
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A declaration: a symbol of a file."""
+
+    sketch: Sketch
+    symbol: Symbol
+
+    @property
+    def place(self) -> Place:
+        """Where the name stands."""
+        return Place(self.sketch.source, self.symbol.span)
+
+    def is_same(self, other: Target | None) -> bool:
+        """Whether it is the same declaration, also in another sketch of the same text."""
+        return (
+            other is not None
+            and self.sketch.source.name == other.sketch.source.name
+            and self.symbol.span == other.symbol.span
+        )
+
+
+class RenameError(ValueError):
+    """A name that can't be given; the message says why."""
+
+
+def target_at(view: View, line: int, column: int) -> Target | None:
+    """The declaration that a name at a place (from 1) means, in this file or in a module of it."""
+    named = view.sketch.named_at(line, column)
+    return None if named is None else target_of(view, named)
+
+
+def target_of(view: View, named: Symbol | Use) -> Target | None:
+    """The declaration of a name; None where it isn't one of a program's file."""
+    if isinstance(named, Symbol):
+        return Target(view.sketch, named)
+    if named.symbol is not None:
+        return Target(view.sketch, named.symbol)
+    if not named.module:
+        return None
+    symbol = view.sketch.names.meant(named.module, False, named.span.line)
+    module = view.module(named.module) if symbol and symbol.kind == "module" else None
+    found = module.names.declared(named.name, named.is_frame) if module else None
+    return Target(module, found) if module and found else None
+
+
+def definition_at(view: View, line: int, column: int) -> Place | None:
+    """Where the name at a place is declared: in this file, a module, the cell's or the robot's file. A module's own name leads to its file."""
+    named = view.sketch.named_at(line, column)
+    if named is None:
+        return None
+    found = target_of(view, named)
+    if found is not None:
+        if found.symbol.kind == "module" and (module := view.module(found.symbol.name)):
+            return Place(module.source, Span.on_line(1, 1, 1))
+        return found.place
+    return _outside(view, named)
+
+
+def _outside(view: View, named: Symbol | Use) -> Place | None:
+    """A name of the cell or the robot."""
+    scope, name = view.scope, named.name
+    if scope is not None:
+        where = scope.where_frame(name) if named.is_frame else scope.where(name)
+        if where is not None:
+            return Place(where.source, where.span)
+    robot = view.robot
+    if robot is None:
+        return None
+    known = robot.flange_from_frame if named.is_frame else robot.positions
+    return _in_description(robot.folder, name) if name in known else None
+
+
+def _in_description(folder: Path, name: str) -> Place | None:
+    """Where a robot.toml has a name as a key."""
+    from yarclang.robot.library import DESCRIPTION
+
+    try:
+        text = (folder / DESCRIPTION).read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return None
+    source = SourceFile(str(folder / DESCRIPTION), text)
+    for number, line in enumerate(source.lines, 1):
+        match = re.match(rf"\s*(?:\[\w+\.)?\"?({re.escape(name)})\"?\s*[=\]]", line, re.IGNORECASE)
+        if match:
+            return Place(source, Span.on_line(number, match.start(1) + 1, match.end(1) + 1))
+    return Place(source, Span.on_line(1, 1, 1))
+
+
+def references(target: Target, views: Iterable[View], *, declaration: bool = True) -> Iterator[Place]:
+    """Every use of a declaration in some texts, and itself.
+
+    Args:
+        target: the declaration.
+        views: the file that it is in, and those that may use it.
+        declaration: whether it counts as well.
+    """
+    if declaration:
+        yield target.place
+    for view in views:
+        for use in view.sketch.names.uses:
+            if use.name == target.symbol.name and use.is_frame == target.symbol.is_frame:
+                found = target_of(view, use)
+                if target.is_same(found):
+                    yield Place(view.sketch.source, use.span)
+
+
+def renamable_at(view: View, line: int, column: int) -> Place:
+    """The name at a place, if it can be another one.
+
+    Raises:
+        RenameError: there is none, or it comes from elsewhere.
+    """
+    named = view.sketch.named_at(line, column)
+    if named is None:
+        raise RenameError("no name stands here")
+    target = target_of(view, named)
+    if target is None:
+        shown = f"{{{named.name}}}" if named.is_frame else named.name
+        raise RenameError(f"{shown} isn't declared in a program or module: it can't be renamed here")
+    if target.symbol.kind == "module":
+        raise RenameError(f"{target.symbol.name} is a module: rename its file, and its USE lines")
+    return Place(view.sketch.source, named.span)
+
+
+def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile, list[Edit]]:
+    """Edits that give a declaration and all its uses another name.
+
+    Raises:
+        RenameError: the name can't be given.
+    """
+    views = list(views)
+    new = name.strip().strip("{}").strip()
+    _check(target, views, new)
+    edits: dict[SourceFile, list[Edit]] = {}
+    for place in references(target, views):
+        edits.setdefault(place.source, []).append(Edit(place.span, new))
+    return edits
+
+
+def _check(target: Target, views: list[View], name: str) -> None:
+    """Whether a name may be declared instead of that of a target."""
+    symbol, upper = target.symbol, name.upper()
+    if _NAME.fullmatch(name) is None:
+        raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
+    if not symbol.is_frame and is_word(upper):
+        raise RenameError(f"{upper} is a word of the language")
+    if symbol.is_frame and upper in FIXED_FRAMES:
+        raise RenameError(f"{{{upper}}} comes from the robot and can't be declared")
+    if upper == symbol.name:
+        return
+    for other in target.sketch.names.symbols:
+        if (other.name, other.is_frame) == (upper, symbol.is_frame) and _meet(symbol, other):
+            raise RenameError(f"{upper} is declared already, in line {other.span.line}")
+    own = next((one for one in views if one.sketch.source.name == target.sketch.source.name), None)
+    scope = own.scope if own else None
+    if scope is not None:
+        taken = scope.frame(upper) if symbol.is_frame else scope.name(upper)
+        where = scope.where_frame(upper) if symbol.is_frame else scope.where(upper)
+        if taken is not None and (where is None or where.source.name != target.sketch.source.name):
+            whose = PurePath(where.source.name).name if where else "the robot"
+            raise RenameError(f"{upper} is declared already, in {whose}")
+
+
+def _meet(one: Symbol, other: Symbol) -> bool:
+    """Whether two declarations are known in one line."""
+    return one.first <= other.last and other.first <= one.last

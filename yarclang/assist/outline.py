@@ -1,0 +1,124 @@
+"""What a file consists of, as a tree; and its blocks, which can be folded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from yarclang.assist.sketch import Sketch
+from yarclang.assist.symbols import Symbol
+from yarclang.source import Span
+from yarclang.syntax.ast import Block, Node, Statement
+from yarclang.syntax.lines import code_of
+
+Kind = Literal["frame", "number", "joints", "input", "output", "sub", "module", "block", "command"]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A part of a file: `span` is all of it, `name_span` what is shown when it is gone to."""
+
+    name: str
+    detail: str
+    kind: Kind
+    span: Span
+    name_span: Span
+    children: tuple[Entry, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """Lines `first` to `last` of which only the first is shown; `is_comment` says that they are comments."""
+
+    first: int
+    last: int
+    is_comment: bool = False
+
+
+def outline(sketch: Sketch) -> tuple[Entry, ...]:
+    """Declarations, SUBs and other blocks with what is in them, and commands."""
+    symbols = {one.statement.line: one for one in sketch.names.symbols if one.kind != "parameter"}
+    return tuple(_entries(sketch, sketch.nodes, symbols))
+
+
+def _entries(sketch: Sketch, nodes: Iterable[Node], symbols: dict[int, Symbol]) -> Iterator[Entry]:
+    for node in nodes:
+        if isinstance(node, Block):
+            yield _block(sketch, node, symbols)
+        elif (entry := _entry(sketch, node, symbols)) is not None:
+            yield entry
+
+
+def _block(sketch: Sketch, block: Block, symbols: dict[int, Symbol]) -> Entry:
+    head = block.head
+    inner = (*block.body, *(block.otherwise or ()))
+    children = tuple(_entries(sketch, inner, symbols))
+    last = max([child.span.end_line for child in children] + [head.line + head.rows - 1])
+    if block.end is not None:
+        last = block.end.line
+    span = Span(head.line, 1, last, len(sketch.source.line(last)) + 1)
+    symbol = symbols.get(head.line)
+    if head.name.name == "SUB" and symbol is not None:
+        return Entry(symbol.name, _code(sketch, head), "sub", span, symbol.span, children)
+    return Entry(_code(sketch, head), "", "block", span, head.head_span, children)
+
+
+def _entry(sketch: Sketch, statement: Statement, symbols: dict[int, Symbol]) -> Entry | None:
+    symbol = symbols.get(statement.line)
+    if symbol is not None and symbol.kind != "parameter":
+        name = f"{{{symbol.name}}}" if symbol.is_frame else symbol.name
+        return Entry(name, _code(sketch, statement), symbol.kind, statement.whole_span, symbol.span)
+    if statement.index is None:
+        return None
+    return Entry(
+        f"{statement.index.name} {statement.name.name}",
+        _code(sketch, statement),
+        "command",
+        statement.whole_span,
+        statement.head_span,
+    )
+
+
+def _code(sketch: Sketch, statement: Statement) -> str:
+    return " ".join(code_of(sketch.source.line(statement.line)).split())
+
+
+def folds(sketch: Sketch) -> tuple[Fold, ...]:
+    """Blocks up to the line before their ELSE or END, way-point lists of several lines, and comments of several lines."""
+    return tuple(
+        sorted((*_block_folds(sketch.nodes), *_list_folds(sketch), *_comment_folds(sketch)), key=_order)
+    )
+
+
+def _order(fold: Fold) -> tuple[int, int]:
+    return fold.first, -fold.last
+
+
+def _block_folds(nodes: Iterable[Node]) -> Iterator[Fold]:
+    for node in nodes:
+        if not isinstance(node, Block):
+            continue
+        end = node.end.line - 1 if node.end else None
+        turn = node.otherwise_head.line - 1 if node.otherwise_head else end
+        if turn is not None and turn > node.head.line:
+            yield Fold(node.head.line, turn)
+        if node.otherwise_head is not None and end is not None and end > node.otherwise_head.line:
+            yield Fold(node.otherwise_head.line, end)
+        yield from _block_folds((*node.body, *(node.otherwise or ())))
+
+
+def _list_folds(sketch: Sketch) -> Iterator[Fold]:
+    for one in sketch.module.statements:
+        if one.rows > 1:
+            yield Fold(one.line, one.line + one.rows - 1)
+
+
+def _comment_folds(sketch: Sketch) -> Iterator[Fold]:
+    lines = [line for line, _ in sketch.module.comment_lines]
+    first = 0
+    for number, line in enumerate(lines):
+        if number + 1 == len(lines) or lines[number + 1] != line + 1:
+            if number > first:
+                yield Fold(lines[first], line, is_comment=True)
+            first = number + 1

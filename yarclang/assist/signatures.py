@@ -1,0 +1,178 @@
+"""What the values of a line mean: their names and units, and which of them is being typed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from yarclang.assist.cursor import Cursor, cursor_at
+from yarclang.assist.declared import described_sub
+from yarclang.assist.lexemes import Lexeme
+from yarclang.assist.sketch import Sketch
+from yarclang.assist.view import View
+from yarclang.assist.vocabulary import ACTIONS, DECLARED, command_of
+from yarclang.commands.spec import Values
+from yarclang.syntax.words import OPTIONS
+from yarclang.units import UNITS, Kind
+
+_MEANINGS = {
+    "x": "along the x axis of the base frame",
+    "y": "along the y axis of the base frame",
+    "z": "along the z axis of the base frame",
+    "roll": "about x: R = Rz(yaw) Ry(pitch) Rx(roll)",
+    "pitch": "about y: R = Rz(yaw) Ry(pitch) Rx(roll)",
+    "yaw": "about z: R = Rz(yaw) Ry(pitch) Rx(roll)",
+    "qx": "of the unit quaternion x y z w",
+    "qy": "of the unit quaternion x y z w",
+    "qz": "of the unit quaternion x y z w",
+    "qw": "of the unit quaternion x y z w",
+}
+_DECLARED = {
+    "FRAME": Values.POSE_RPY,
+    "FRAME_QUAT": Values.POSE_QUAT,
+    "JOINTS": Values.JOINTS,
+    "START": Values.JOINTS,
+}
+_WITHOUT_ROBOT = ("J1", "J2", "J3", "J4", "J5", "J6")
+_DEFAULT_UNITS: Mapping[Kind, str] = {"length": "length", "angle": "angle", "time": "time"}
+
+
+@dataclass(frozen=True, slots=True)
+class ValueText:
+    """A value: what it is called, with its unit, and what it means."""
+
+    label: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """The values that a line wants: `active` is the number of the one that is being typed (from 0), None behind the last."""
+
+    head: str
+    values: tuple[ValueText, ...]
+    active: int | None
+    summary: str
+
+
+def signature_at(view: View, line: int, column: int) -> Signature | None:
+    """The signature of the values at a place; None where no values stand."""
+    cursor = cursor_at(view.sketch, line, column)
+    if cursor.is_head or cursor.is_comment or cursor.bracket in {"[", "("} or _is_behind(cursor):
+        return None
+    if cursor.head == "CALL":
+        return _of_call(view, cursor)
+    wanted = _wanted(cursor)
+    if wanted is None:
+        return None
+    values, summary = wanted
+    texts = value_texts(view, values, cursor)
+    if not texts:
+        return None
+    given = list(cursor.values)
+    if _has_frame(cursor):
+        given = given[1:]
+    if cursor.head == "JOINTS":
+        given = given[1:]
+    active = len(given)
+    return Signature(cursor.head, texts, active if active < len(texts) else None, summary)
+
+
+def _has_frame(cursor: Cursor) -> bool:
+    """Whether a moving frame stands in front of the values of the first way-point."""
+    return len(cursor.before) > 1 and cursor.before[1].kind == "frame" and not cursor.way_point
+
+
+def _is_behind(cursor: Cursor) -> bool:
+    """Whether the values are over: a time, units, the base frame or an option stand in front."""
+    depth = 0
+    for number, one in enumerate(cursor.before[1:], 1):
+        if one.text == "[" or (one.text == "(" and not depth):
+            return cursor.head != "CALL"
+        depth += (one.text in {"$(", "("}) - (one.text == ")")
+        is_base = one.kind == "frame" and number > 1
+        is_option = one.kind == "word" and one.name in OPTIONS
+        if (is_base or is_option) and cursor.head != "CALL":
+            return True
+    return False
+
+
+def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
+    """The values of a command's way-point, or of a declaration."""
+    if cursor.head in _DECLARED:
+        return _DECLARED[cursor.head], DECLARED[cursor.head].summary
+    found = command_of(cursor.head)
+    if found is None:
+        return None
+    spec, target, _ = found
+    values = spec.targets.get(target)
+    if cursor.way_point < len(spec.leading):
+        values = spec.leading[cursor.way_point]
+    return None if values is None else (values, spec.summary)
+
+
+def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, ...]:
+    """The names of values with the units that they have in a line."""
+    robot = view.robot
+    names = robot.joint_names if robot else _WITHOUT_ROBOT
+    kinds: tuple[Kind, ...] = tuple(
+        "length" if unit == "mm" else "angle" for unit in (robot.axis_unit_names if robot else ("deg",) * 6)
+    )
+    units = units_in(view.sketch, cursor.line)
+    texts: list[ValueText] = []
+    for label, kind in zip(values.labels(names), values.kinds(kinds), strict=True):
+        unit = f" ({units[kind]})" if kind else ""
+        meaning = _MEANINGS.get(label, f"joint {label}")
+        if values.is_delta:
+            meaning = f"increment of {meaning}" if values.of_joints else f"increment {meaning}"
+        texts.append(ValueText(f"{label}{unit}", meaning))
+    return tuple(texts)
+
+
+def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
+    """The unit of each kind in a line: its own, or that of DEFAULT; where none is given, the kind's name."""
+    found = dict(_DEFAULT_UNITS)
+    for statement in (sketch.default, sketch.statement_at(line)):
+        for item in statement.units.items if statement and statement.units else ():
+            if (unit := UNITS.get(item.text.lower())) is not None:
+                found[unit.kind] = unit.name
+    return found
+
+
+def _of_call(view: View, cursor: Cursor) -> Signature | None:
+    """The parameters of the SUB that is called."""
+    arguments = [
+        one
+        for one in cursor.before[1:]
+        if one.kind in {"word", "frame", "number", "string"} or one.text == "$("
+    ]
+    if not arguments or arguments[0].kind != "word":
+        return None
+    name = arguments[0].name
+    module, dot, inner = name.partition(".")
+    sketch = view.module(module) if dot else view.sketch
+    sub = described_sub(sketch, inner if dot else name) if sketch else None
+    if sub is None:
+        return None
+    values = tuple(ValueText(one.name, one.meaning) for one in sub.parameters)
+    active = _arguments(cursor.before[2:])
+    return Signature(
+        f"CALL {name}",
+        values,
+        active if active < len(values) else None,
+        sub.purpose or ACTIONS["CALL"].summary,
+    )
+
+
+def _arguments(pieces: tuple[Lexeme, ...]) -> int:
+    """How many arguments stand among pieces: what stands in brackets belongs to the one before, or is one."""
+    depth = count = 0
+    for one in pieces:
+        if one.text in {"(", "$("}:
+            count += one.text == "$(" and not depth
+            depth += 1
+        elif one.text == ")":
+            depth = max(depth - 1, 0)
+        elif not depth and one.kind != "mark":
+            count += 1
+    return count

@@ -1,0 +1,143 @@
+"""Code lenses, and what the client can have carried out: a command's inspection, and the picture of a program.
+
+`yarc.inspect` takes a text's URI and a line from 1, and gives `{"text": ..., "path": ...}`: the words of `yarc inspect` and a file that has
+them. `yarc.plot` takes the URI, and gives `{"path": ...}`, the picture of `yarc plot` as SVG. A client that can show a file is asked to.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lsprotocol import types
+
+from yarclang.assist.motions import first_motion
+from yarclang.assist.view import View
+from yarclang.lsp.feature import Feature
+from yarclang.lsp.positions import range_of
+from yarclang.motion.plan import MotionPlan
+from yarclang.source import Span
+
+if TYPE_CHECKING:
+    from yarclang.lsp.server import Server
+
+INSPECT = "yarc.inspect"
+PLOT = "yarc.plot"
+
+
+# lenses
+
+
+def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens]:
+    uri = params.text_document.uri
+    view = server.program_view(uri)
+    if view is None:
+        return []
+    plan = view.checked.plan if view.checked else None
+    lenses = []
+    if plan is not None and plan.motions:
+        title = f"plot {len(plan.motions):,} motion{'s' * (len(plan.motions) != 1)}, {plan.duration:.3f} s"
+        lenses.append(_lens(server, view, 1, title, PLOT, [uri]))
+    for line in _heads(view):
+        statement = view.sketch.statement_at(line)
+        index = statement.index.name if statement and statement.index else "this command"
+        lenses.append(_lens(server, view, line, f"inspect {index}", INSPECT, [uri, line]))
+    return lenses
+
+
+def _heads(view: View) -> list[int]:
+    """The lines of motions with which a paragraph begins: a lens above each line would hide the program."""
+    found, follows = [], False
+    for one in view.sketch.module.statements:
+        above = view.sketch.source.line(one.line - 1).strip()
+        is_motion = first_motion(view, view.steps_in(one.line)) is not None
+        if is_motion and not (follows and above):
+            found.append(one.line)
+        follows = one.index is not None
+    return found
+
+
+def _lens(
+    server: Server, view: View, line: int, title: str, command: str, arguments: list[Any]
+) -> types.CodeLens:
+    range_ = range_of(view.sketch.source, Span.on_line(line, 1, 1), server.encoding)
+    return types.CodeLens(range_, types.Command(title=title, command=command, arguments=arguments))
+
+
+# commands
+
+
+async def _inspect(server: Server, *arguments: Any) -> dict[str, str] | None:
+    uri, line = _arguments(arguments)
+    analysis = await server.analyses.whole(uri, None)
+    view = server.program_view(uri)
+    if view is None or analysis is None:
+        _told(server, "the program isn't open")
+        return None
+    text = await server.answer(_inspection, view, line)
+    if not text:
+        _told(server, f"no command that is understood stands in line {line}")
+        return None
+    path = server.files / f"{Path(view.sketch.source.name).stem}_{line}.txt"
+    path.write_text(text, encoding="utf-8")
+    _show(server, path)
+    return {"text": text, "path": str(path)}
+
+
+def _inspection(view: View, line: int) -> str:
+    """The words of `yarc inspect`."""
+    from yarclang.report.inspection.inspected import Studied, inspect_step
+    from yarclang.report.inspection.text import sections_of
+
+    steps, checked = view.steps_in(line), view.checked
+    if not steps or checked is None or checked.opened is None or checked.program is None:
+        return ""
+    studied = Studied(checked.program, checked.opened.request, checked.compiled, checked.diagnostics)
+    sections = sections_of(inspect_step(studied, steps[0]))
+    return (
+        "\n\n".join("\n".join((one.title, *(f"  {line}" for line in one.lines))) for one in sections) + "\n"
+    )
+
+
+async def _plot(server: Server, *arguments: Any) -> dict[str, str] | None:
+    uri, _ = _arguments(arguments)
+    analysis = await server.analyses.whole(uri, None)
+    plan = analysis.checked.plan if analysis else None
+    if analysis is None or plan is None or not plan.motions:
+        _told(server, "nothing to draw: the program has errors, or no motion")
+        return None
+    path = server.files / f"{Path(analysis.document.source.name).stem}.svg"
+    await server.answer(_draw, plan, path)
+    _show(server, path)
+    return {"path": str(path)}
+
+
+def _draw(plan: MotionPlan, path: Path) -> None:
+    from yarclang.report.pictures.plot import draw
+
+    path.write_bytes(draw(plan, "svg"))
+
+
+def _arguments(arguments: tuple[Any, ...]) -> tuple[str, int]:
+    """The URI and the line, whatever a client sends."""
+    uri = arguments[0] if arguments and isinstance(arguments[0], str) else ""
+    line = arguments[1] if len(arguments) > 1 and isinstance(arguments[1], int | float) else 1
+    return uri, int(line)
+
+
+def _told(server: Server, message: str) -> None:
+    """Tell the person why nothing comes."""
+    server.window_show_message(types.ShowMessageParams(types.MessageType.Warning, message))
+
+
+def _show(server: Server, path: Path) -> None:
+    """Ask a client that can show a file to do so."""
+    window = server.client_capabilities.window
+    if window and window.show_document and window.show_document.support and server.shows_documents:
+        server.window_show_document(types.ShowDocumentParams(path.as_uri(), take_focus=False))
+
+
+FEATURE = Feature(
+    {types.TEXT_DOCUMENT_CODE_LENS: (_lenses, types.CodeLensOptions())},
+    commands={INSPECT: _inspect, PLOT: _plot},
+)

@@ -1,0 +1,50 @@
+"""Formatting: what `yarc fmt` writes, of the whole text or of some of its lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lsprotocol import types
+
+from yarclang.assist.changes import formatted
+from yarclang.lsp.feature import Feature
+from yarclang.lsp.positions import place_of
+from yarclang.lsp.translation import text_edits
+
+if TYPE_CHECKING:
+    from yarclang.lsp.server import Server
+
+
+def _whole(server: Server, params: types.DocumentFormattingParams) -> list[types.TextEdit] | None:
+    document = server.documents.get(params.text_document.uri)
+    edits = formatted(document.source) if document and document.is_program else None
+    return text_edits(document.source, edits, server.encoding) if document and edits is not None else None
+
+
+def _part(server: Server, params: types.DocumentRangeFormattingParams) -> list[types.TextEdit] | None:
+    document = server.documents.get(params.text_document.uri)
+    edits = formatted(document.source) if document and document.is_program else None
+    if document is None or edits is None:
+        return None
+    first, _ = place_of(document.source, params.range.start, server.encoding)
+    last, column = place_of(document.source, params.range.end, server.encoding)
+    last -= column == 1 and last > first  # the beginning of a line is none of it
+    inside = [
+        one
+        for one in edits
+        if one.span.line >= first and _last_line(one.span.end_line, one.span.end_column) <= last
+    ]
+    return text_edits(document.source, inside, server.encoding)
+
+
+def _last_line(line: int, column: int) -> int:
+    """The last line that an edit touches: it may end where the next one begins."""
+    return line - 1 if column == 1 else line
+
+
+FEATURE = Feature(
+    {
+        types.TEXT_DOCUMENT_FORMATTING: (_whole, types.DocumentFormattingOptions()),
+        types.TEXT_DOCUMENT_RANGE_FORMATTING: (_part, types.DocumentRangeFormattingOptions()),
+    }
+)

@@ -1,0 +1,100 @@
+"""What a file consists of, which of it can be folded, and names in all files of the workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from lsprotocol import types
+
+from yarclang.assist.outline import Entry, folds, outline
+from yarclang.lsp.feature import Feature
+from yarclang.lsp.positions import range_of
+from yarclang.source import SourceFile
+
+if TYPE_CHECKING:
+    from yarclang.lsp.server import Server
+
+_KINDS = {
+    "frame": types.SymbolKind.Class,
+    "number": types.SymbolKind.Constant,
+    "joints": types.SymbolKind.EnumMember,
+    "input": types.SymbolKind.Property,
+    "output": types.SymbolKind.Property,
+    "sub": types.SymbolKind.Function,
+    "module": types.SymbolKind.Module,
+    "block": types.SymbolKind.Namespace,
+    "command": types.SymbolKind.Event,
+}
+
+
+def _document(server: Server, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+    document = server.documents.get(params.text_document.uri)
+    if document is None or not document.is_program:
+        return []
+    return [_symbol(server, document.source, one) for one in outline(document.sketch)]
+
+
+def _symbol(server: Server, source: SourceFile, entry: Entry) -> types.DocumentSymbol:
+    return types.DocumentSymbol(
+        name=entry.name,
+        detail=entry.detail,
+        kind=_KINDS[entry.kind],
+        range=range_of(source, entry.span, server.encoding),
+        selection_range=range_of(source, entry.name_span, server.encoding),
+        children=[_symbol(server, source, one) for one in entry.children] or None,
+    )
+
+
+async def _workspace(server: Server, params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
+    sketches = await server.answer(server.modules.everywhere, server.roots())
+    query = params.query.upper()
+    return [
+        types.WorkspaceSymbol(
+            location=types.Location(
+                server.uri_of(sketch.source.name), range_of(sketch.source, one.name_span, server.encoding)
+            ),
+            name=one.name,
+            kind=_KINDS[one.kind],
+            container_name=sketch.source.name.rpartition("/")[2],
+        )
+        for sketch in sketches
+        for one in _declared(outline(sketch))
+        if _fits(query, one.name.upper())
+    ]
+
+
+def _declared(entries: Iterable[Entry]) -> Iterator[Entry]:
+    for one in entries:
+        if one.kind not in {"command", "block"}:
+            yield one
+        yield from _declared(one.children)
+
+
+def _fits(query: str, name: str) -> bool:
+    """Whether the letters of a query stand in a name, in their order."""
+    rest = iter(name)
+    return all(letter in rest for letter in query)
+
+
+def _folding(server: Server, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+    document = server.documents.get(params.text_document.uri)
+    if document is None or not document.is_program:
+        return []
+    return [
+        types.FoldingRange(
+            start_line=one.first - 1,
+            end_line=one.last - 1,
+            kind=types.FoldingRangeKind.Comment if one.is_comment else types.FoldingRangeKind.Region,
+        )
+        for one in folds(document.sketch)
+    ]
+
+
+FEATURE = Feature(
+    {
+        types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: (_document, types.DocumentSymbolOptions(label="YARC")),
+        types.WORKSPACE_SYMBOL: (_workspace, types.WorkspaceSymbolOptions()),
+        types.TEXT_DOCUMENT_FOLDING_RANGE: (_folding, types.FoldingRangeOptions()),
+    }
+)

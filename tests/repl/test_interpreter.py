@@ -284,3 +284,14 @@ def test_quit_ends_though_something_waits(tmp_path):
             assert person.interpreter.ended
 
     run(session())
+
+
+def test_quit_brings_the_robot_to_rest(tmp_path):
+    async def session():
+        async with talking(tmp_path) as person:
+            await person.begin("MOVEJ 40 0 0 0 20 0 [20] (deg,s)")
+            person.interpreter.typed(".quit")
+            assert await person.world.until(lambda: not person.world.moving) < 0.6
+            assert person.world.stands()[0] < 20.0
+
+    run(session())

@@ -129,7 +129,8 @@ def _keys(interpreter: Interpreter) -> KeyBindings:
     @keys.add("enter")
     def _(event: KeyPressEvent) -> None:
         buffer = event.current_buffer
-        if buffer.complete_state is not None and buffer.complete_state.current_completion is not None:
+        menu = buffer.complete_state
+        if menu is not None and menu.current_completion is not None and len(menu.completions) > 1:
             buffer.complete_state = None  # Enter takes what is chosen
         elif is_whole(buffer.text):
             buffer.validate_and_handle()

@@ -155,8 +155,10 @@ class Interpreter:
             self.say("stopping on the path; Ctrl-C again aborts")
 
     def leave(self) -> None:
-        """The person goes: nothing more is carried out."""
+        """The person goes: what this person moves comes to rest on its path, and nothing more is carried out."""
         self.drop()
+        if self.coordinator.under_way and self.client.owns:
+            self.client.stop()
         self.ended = True
         self._arrived.set()
 

@@ -1,0 +1,119 @@
+"""The prompt with keys that are pressed, and the line at the bottom; time is real here."""
+
+import asyncio
+
+import numpy as np
+import pytest
+from coordinator.virtual import run
+from prompt_toolkit.input import create_pipe_input
+from prompt_toolkit.output import DummyOutput
+from repl.talking import talking
+
+from yarclang.coordinator.events import ProgressMade
+from yarclang.repl import console
+from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.toolbar import Toolbar
+from yarclang.runtime.state import State
+from yarclang.units import DEG
+
+
+class Recorder(Interpreter):
+    """Only takes what is typed."""
+
+    def __init__(self):
+        self.got, self.interrupted = [], 0
+        self._question = None
+
+    def typed(self, text):
+        self.got.append(text)
+
+    def interrupt(self):
+        self.interrupted += 1
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    return tmp_path
+
+
+def press(keys, count=1):
+    """What the prompt gives for keys that are pressed."""
+
+    async def session():
+        recorder = Recorder()
+        with create_pipe_input() as source:
+            prompt = console.prompt_session(recorder, None, source, DummyOutput())
+            prompt.bottom_toolbar = None
+            source.send_text(keys)
+            for _ in range(count):
+                recorder.typed(await asyncio.wait_for(prompt.prompt_async(), 10))
+        return recorder
+
+    return asyncio.run(session())
+
+
+def test_a_line(home):
+    assert press(".where\r").got == [".where"]
+
+
+def test_a_block_goes_on_to_its_end(home):
+    recorder = press("REPEAT 2\rDMOVEJ 1 0 0 0 0 0 [1] (deg,s)\rEND\r")
+    assert recorder.got == ["REPEAT 2\nDMOVEJ 1 0 0 0 0 0 [1] (deg,s)\nEND"]
+
+
+def test_ctrl_c_stops_the_robot_and_empties_the_line(home):
+    recorder = press("MOVEJ 1 2\x03.where\r")
+    assert recorder.interrupted == 1
+    assert recorder.got == [".where"]
+
+
+def test_ctrl_d_ends(home):
+    with pytest.raises(EOFError):
+        press("\x04")
+
+
+def test_lines_are_kept_for_the_next_session(home):
+    press(".where\r")
+    assert (home / "yarc" / "history").read_text().rstrip().endswith("+.where")
+    assert press("\x1b[A\r").got == [".where"]
+
+
+def test_a_home_that_cannot_be_written_is_no_reason_not_to_work(home, monkeypatch):
+    (home / "file").write_text("")
+    monkeypatch.setenv("XDG_STATE_HOME", str(home / "file"))
+    assert press(".where\r").got == [".where"]
+
+
+def test_the_line_at_the_bottom(tmp_path):
+    async def session():
+        async with talking(tmp_path) as person:
+            toolbar = Toolbar(person.coordinator)
+            await person.world.until(lambda: person.coordinator.position is not None)
+            first, second = toolbar.text(200).split("\n")
+            assert first == " INDUSTRIAL6 stop | homed, enabled | 100 %"
+            assert second.startswith(" {TCP} 0.00 1174.40 1764.00 mm | J1 0.00 | J2 0.00")
+            assert all(len(line) <= 30 for line in toolbar.text(30).split("\n"))
+            await person.begin("MOVEJ 40 0 0 0 20 0 [5] (deg,s)")
+            toolbar.hear(ProgressMade(0.0, 1.25, 3.75, "P0010 MOVEJ", 1))
+            assert "move | P0010 MOVEJ 1.2 s, 3.8 s to go" in toolbar.text(200)
+            person.coordinator.position = np.full(6, 1.0 * DEG)
+            assert "J6 1.00" in toolbar.text(200)
+            await person.settled()
+
+    run(session())
+
+
+def test_a_lost_connection_is_shown(tmp_path):
+    async def session():
+        async with talking(tmp_path) as person:
+            person.world.unplug()
+            await person.world.until(lambda: person.coordinator.state is State.DISCONNECTED)
+            assert "disconnected | not ready" in Toolbar(person.coordinator).text(200)
+            assert "disconnected" in person.taken()
+            assert "no connection" in await person.type("MOVEJ 10 0 0 0 20 0 [1] (deg,s)")
+            person.world.plug()
+            await person.world.until(lambda: person.coordinator.state is State.STOP)
+            assert "done" in await person.type("MOVEJ 10 0 0 0 20 0 [1] (deg,s)")
+
+    run(session())

@@ -46,6 +46,17 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
         The plan, or None where a motion can't be done. After an error the planning goes on
         from where the robot would stand, as far as that is known, so that each fault is found.
     """
+    made, is_whole, found = plan_in_part(program, robot, settings)
+    return Result(made if is_whole else None, found)
+
+
+def plan_in_part(
+    program: Program, robot: Robot, settings: Settings
+) -> tuple[MotionPlan, bool, tuple[Diagnostic, ...]]:
+    """Plan the motions of a program that can be planned, whether that is the whole program without an error, and the findings.
+
+    In a plan in part, a motion need not begin where the one before it ends: it is for showing, never for a controller.
+    """
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
     steps = steps[:end]
@@ -93,7 +104,7 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
         and not any(isinstance(step, Gap) for step in steps)
         and not any(one.is_error for one in everything)
     )
-    return Result(MotionPlan(program, robot, tuple(motions)) if complete else None, everything)
+    return MotionPlan(program, robot, tuple(motions)), complete, everything
 
 
 @dataclass(slots=True)

@@ -18,7 +18,7 @@ from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
 from yarclang.hir import Array, Motion, Program, Reading, fingerprint
 from yarclang.motion.plan import MotionPlan
-from yarclang.motion.planner import Settings, plan
+from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.segments import segment_grid
 from yarclang.pmac.program import PmacProgram, Target
@@ -85,19 +85,30 @@ def context_of(request: Request) -> Context:
 
 def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
     """Checked program to motion plan, in segment times that the controller takes."""
+    settings = _settings(program, request)
+    if settings.value is None:
+        return Result(None, settings.diagnostics)
+    return plan(program, request.robot, settings.value)
+
+
+def shown_plan(program: Program, request: Request) -> MotionPlan | None:
+    """As much of a program with errors as can be planned, to be shown; None where the settings are wrong."""
+    settings = _settings(program, request)
+    return None if settings.value is None else plan_in_part(program, request.robot, settings.value)[0]
+
+
+def _settings(program: Program, request: Request) -> Result[Settings]:
     grid = segment_grid(request.robot, request.tm)
     if grid.value is None:
         return Result(None, grid.diagnostics)
     total = len(program.steps)
     report = request.progress
-    return plan(
-        program,
-        request.robot,
+    return Result(
         Settings(
             grid.value,
             request.tolerance or request.robot.tolerance,
             (lambda done: report("planning", done, total)) if report else None,
-        ),
+        )
     )
 
 

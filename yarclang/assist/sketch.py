@@ -65,9 +65,9 @@ class Sketch:
         )
 
     def named_at(self, line: int, column: int) -> Symbol | Use | None:
-        """The declaration or use of a name at a place (from 1); its end counts as well."""
+        """The declaration or use of a name at a place (from 1); its end counts as well, and so do a frame's braces."""
         named: list[Symbol | Use] = [*self.names.symbols, *self.names.uses]
-        found = [one for one in named if _touches(one.span, line, column)]
+        found = [one for one in named if _touches(one.span, line, column, int(one.is_frame))]
         inside = [one for one in found if column < one.span.end_column]
         return next(iter(inside or found), None)
 
@@ -79,5 +79,5 @@ def sketch_of(source: SourceFile) -> Sketch:
     return Sketch(source, module)
 
 
-def _touches(span: Span, line: int, column: int) -> bool:
-    return span.line == line and span.column <= column <= span.end_column
+def _touches(span: Span, line: int, column: int, around: int) -> bool:
+    return span.line == line and span.column - around <= column <= span.end_column + around

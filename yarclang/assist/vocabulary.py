@@ -140,6 +140,7 @@ def command_names() -> tuple[str, ...]:
     return tuple(names)
 
 
+@cache
 def command_of(name: str) -> tuple[CommandSpec, str, str] | None:
     """The command of a full name, its target suffix (empty: none) and its profile; None where no command has the name."""
     if name not in command_names():
@@ -154,6 +155,7 @@ def command_of(name: str) -> tuple[CommandSpec, str, str] | None:
     return spec, target, profile
 
 
+@cache
 def command_text(name: str) -> str:
     """A command's documentation in Markdown; empty for what is none."""
     found = command_of(name)

@@ -14,7 +14,6 @@ from yarclang.cli.outputs import beside, refuse_collisions
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
-    from yarclang.pipeline.inputs import Options
     from yarclang.pipeline.stages import Compiled
 
 
@@ -53,7 +52,7 @@ def main(
 ) -> None:
     """Compile YARC programs to Turbo PMAC text, and prove what they do.
 
-    FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
+    It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
     destinations = {file: output or beside(file, ".pmc", out_dir) for file in files}
@@ -62,6 +61,7 @@ def main(
         results.append((str(certificate), "the certificate"))
     refuse_collisions(files, results)
     from yarclang.cli.work import Progress, options_from
+    from yarclang.pipeline.checking import check_program_file
 
     failed = False
     reports: list[dict[str, Any]] = []
@@ -69,7 +69,8 @@ def main(
         options = options_from(planning, progress)
         for file in files:
             destination = destinations[file]
-            compiled, diagnostics = _compile(file, options)
+            checked = check_program_file(file, options)
+            compiled, diagnostics = checked.compiled, checked.diagnostics
             progress.pause()
             if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
                 compiled = None
@@ -104,19 +105,6 @@ def _check_usage(
         raise click.UsageError(
             "--certificate takes a file; --format json writes the certificate to standard output"
         )
-
-
-def _compile(file: str, options: Options) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
-    from yarclang.diagnostics import has_errors, in_order
-    from yarclang.pipeline.inputs import open_program
-    from yarclang.pipeline.stages import compile_module
-
-    opened = open_program(file, options)
-    if opened.value is None:
-        return None, in_order(opened.diagnostics)
-    compiled = compile_module(opened.value.module, opened.value.request)
-    diagnostics = in_order((*opened.diagnostics, *compiled.diagnostics))
-    return (None if has_errors(diagnostics) else compiled.value), diagnostics
 
 
 def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tuple[Diagnostic, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from yarclang.diagnostics import Diagnostic, grouped, has_errors, in_order
+from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
 from yarclang.findings import Severity
 from yarclang.hir import Program
 from yarclang.lint.engine import lint
@@ -19,7 +19,7 @@ from yarclang.pipeline.followers import without_followers
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
-from yarclang.pipeline.stages import certified, check_program, plan_checked
+from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
 from yarclang.source import SourceFile
 
 
@@ -27,13 +27,16 @@ from yarclang.source import SourceFile
 class Checked:
     """What was found in a file, and what the stages made of it, as far as they came.
 
-    `source` is None where the file couldn't be read, or is no program. `program` may have gaps.
+    `source` is None where the file couldn't be read, or is no program; `opened` where it isn't known for which robot. `program` may have
+    gaps. `compiled` is there only if nothing is an error, not even by the project's settings.
     """
 
     diagnostics: tuple[Diagnostic, ...]
     source: SourceFile | None = None
+    opened: Opened | None = None
     program: Program | None = None
     plan: MotionPlan | None = None
+    compiled: Compiled | None = None
 
 
 def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
@@ -46,6 +49,11 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
     """
     if path.lower().endswith(SUFFIX):
         return Checked(in_order(check_description(path, options.robot)))
+    return check_program_file(path, options, plans=plans)
+
+
+def check_program_file(path: str, options: Options, *, plans: bool = True) -> Checked:
+    """Check a program, whatever its file is called; else as `check_file`."""
     read = read_source(path)
     if read.value is None:
         return Checked(in_order(read.diagnostics))
@@ -59,36 +67,41 @@ def check_text(source: SourceFile, folder: Path, options: Options, *, plans: boo
     project = find_project(folder).value or Project(folder)
     if opened.value is None:
         return Checked(settled(opened.diagnostics, source, project), source)
-    found, program, plan, is_whole = _staged(opened.value, project, plans)
-    found = in_order((*opened.diagnostics, *found))
-    return Checked(settled(found, source, project, is_whole=is_whole), source, program, plan)
+    made, is_whole = _staged(opened, project, plans)
+    told = settled(made.diagnostics, source, project, is_whole=is_whole)
+    compiled = None if has_errors(told) else made.compiled
+    return replace(made, diagnostics=told, compiled=compiled)
 
 
-def _staged(
-    opened: Opened, project: Project, plans: bool
-) -> tuple[tuple[Diagnostic, ...], Program, MotionPlan | None, bool]:
-    """The findings of all stages and rules; what they made; whether all of them were asked."""
-    module, request = opened.module, opened.request
+def _staged(opened: Result[Opened], project: Project, plans: bool) -> tuple[Checked, bool]:
+    """What the stages made, with all findings of theirs and of the rules; whether all of them were asked.
+
+    Lines that couldn't be read are missing from the plan: what such a program does isn't proved.
+    """
+    assert opened.value is not None
+    module, request = opened.value.module, opened.value.request
     checked = check_program(module, request)
     assert checked.value is not None  # a check always gives a program
     program = checked.value
     products: list[object] = [module, program]
-    found, plan, is_whole = checked.diagnostics, None, False
+    found, plan, compiled = checked.diagnostics, None, None
     if plans:
         planned = plan_checked(checked, request)
         found, plan = planned.diagnostics, planned.value
         if plan is not None:
-            made = certified(plan, request)
-            found = (*found, *made.diagnostics)
             products.append(plan)
-            if made.value is not None:
-                products.append(made.value.certificate)
-                is_whole = not has_errors(made.diagnostics)
+        if plan is not None and not has_errors(opened.diagnostics):
+            made = certified(plan, request)
+            found, compiled = (*found, *made.diagnostics), made.value
+            if compiled is not None:
+                products.append(compiled.certificate)
     else:
         found = grouped(found)
     off = {code for code, level in project.levels.items() if level == "off"}
     around = Surroundings(module, request.robot, program.steps, project.teach)
-    return (*found, *lint(products, around, found, off)), program, plan, is_whole
+    found = (*opened.diagnostics, *found, *lint(products, around, found, off))
+    is_whole = compiled is not None and not has_errors(found)
+    return Checked(found, module.source, opened.value, program, plan, compiled), is_whole
 
 
 def settled(

@@ -53,10 +53,14 @@ class Editor:
         return types.TextDocumentIdentifier(uri)
 
     def write(self, document: types.TextDocumentIdentifier, text: str) -> None:
+        self.change(document, [types.TextDocumentContentChangeWholeDocument(text=text)])
+
+    def change(
+        self, document: types.TextDocumentIdentifier, changes: list[types.TextDocumentContentChangeEvent]
+    ) -> None:
         self.versions[document.uri] += 1
         identifier = types.VersionedTextDocumentIdentifier(self.versions[document.uri], document.uri)
-        whole = types.TextDocumentContentChangeWholeDocument(text=text)
-        self.client.text_document_did_change(types.DidChangeTextDocumentParams(identifier, [whole]))
+        self.client.text_document_did_change(types.DidChangeTextDocumentParams(identifier, changes))
 
     async def pulled(self, document: types.TextDocumentIdentifier) -> list[types.Diagnostic]:
         report = await self.client.text_document_diagnostic_async(types.DocumentDiagnosticParams(document))

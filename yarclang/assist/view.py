@@ -10,10 +10,9 @@ from yarclang.assist.sketch import Sketch
 from yarclang.certify.certificate import CommandCertificate
 from yarclang.hir import Gap, Program, Step
 from yarclang.motion.plan import PlannedMotion
-from yarclang.motion.profile import profile_names
 from yarclang.pipeline.checking import Checked
+from yarclang.pipeline.stages import context_of
 from yarclang.robot.model import Robot
-from yarclang.semantics.context import Context
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.unroll import declared_names
 
@@ -47,18 +46,7 @@ class View:
         opened = self.checked.opened if self.checked else None
         if opened is None:
             return None
-        request = opened.request
-        return declared_names(
-            opened.module,
-            Context(
-                request.robot,
-                profile_names(),
-                request.start,
-                request.fallback_start,
-                request.load,
-                request.load_cell,
-            ),
-        )
+        return declared_names(opened.module, context_of(opened.request))
 
     @cached_property
     def _steps(self) -> dict[int, list[int]]:

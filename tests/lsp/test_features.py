@@ -1,0 +1,219 @@
+"""Every feature as an editor asks for it, over standard input and output."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+
+from tests.lsp.driven import Editor, capabilities, run
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "07_inspection_tour.yarc"
+TEXT = EXAMPLE.read_text()
+LINES = TEXT.split("\n")
+
+
+def position(piece: str, number: int = 1, shift: int = 0) -> types.Position:
+    """Where a piece of the example begins."""
+    place = -1
+    for _ in range(number):
+        place = TEXT.index(piece, place + 1)
+    before = TEXT[: place + shift]
+    return types.Position(before.count("\n"), len(before.rpartition("\n")[2]))
+
+
+WHOLE = types.Range(types.Position(0, 0), types.Position(len(LINES), 0))
+
+
+def applied(text: str, edits: list[types.TextEdit]) -> str:
+    """A text of ASCII with edits of the protocol."""
+    starts = [0]
+    for line in text.split("\n"):
+        starts.append(starts[-1] + len(line) + 1)
+
+    def offset(one: types.Position) -> int:
+        return min(starts[one.line] + one.character, len(text))
+
+    for one in sorted(edits, key=lambda edit: offset(edit.range.start), reverse=True):
+        text = text[: offset(one.range.start)] + one.new_text + text[offset(one.range.end) :]
+    return text
+
+
+def test_all_features_answer():
+    async def work(one: Editor) -> None:
+        document = one.open(EXAMPLE, TEXT)
+        client = one.client
+        await one.pulled(document)
+        at = types.TextDocumentPositionParams(document, position("EDGE"))
+
+        hover = await client.text_document_hover_async(types.HoverParams(document, position("P0020")))
+        assert "takes 1.500 s" in hover.contents.value
+        hints = await client.text_document_inlay_hint_async(types.InlayHintParams(document, WHOLE))
+        assert [one.position.line for one in hints] == [
+            number for number, line in enumerate(LINES) if " MOVE" in line and line.strip().startswith("P")
+        ]
+        assert any("min 0." in str(one.label) and "%" in str(one.label) for one in hints)
+
+        found = await client.text_document_completion_async(
+            types.CompletionParams(document, position("MOVEJ READY", shift=3))
+        )
+        item = next(one for one in found.items if one.label == "MOVEL")
+        assert item.documentation.value.startswith("**MOVEL**")
+        assert "${1:" in item.text_edit.new_text
+        line = next(number for number, text in enumerate(LINES) if "P0020" in text)
+        help_ = await client.text_document_signature_help_async(
+            types.SignatureHelpParams(document, types.Position(line, LINES[line].index("0 0 ", 12)))
+        )
+        assert help_.signatures[0].label == "MOVEL x (mm) y (mm) z (mm) roll (deg) pitch (deg) yaw (deg)"
+
+        definition = await client.text_document_definition_async(
+            types.DefinitionParams(document, position("EDGE", 2))
+        )
+        assert definition.uri == document.uri
+        assert definition.range.start == at.position
+        references = types.ReferenceParams(types.ReferenceContext(True), document, at.position)
+        assert len(await client.text_document_references_async(references)) == TEXT.count("{EDGE}")
+        highlights = types.DocumentHighlightParams(document, at.position)
+        assert len(await client.text_document_document_highlight_async(highlights)) == TEXT.count("{EDGE}")
+        ready = await client.text_document_prepare_rename_async(
+            types.PrepareRenameParams(document, at.position)
+        )
+        assert ready.end.character - ready.start.character == len("EDGE")
+        renamed = await client.text_document_rename_async(types.RenameParams(document, at.position, "RIM"))
+        assert applied(TEXT, renamed.changes[document.uri]) == TEXT.replace("{EDGE}", "{RIM}")
+        with pytest.raises(JsonRpcException, match="comes from the robot"):
+            await client.text_document_rename_async(types.RenameParams(document, at.position, "TCP"))
+        with pytest.raises(JsonRpcException, match="no name stands here"):
+            await client.text_document_prepare_rename_async(
+                types.PrepareRenameParams(document, position("P0020"))
+            )
+
+        symbols = await client.text_document_document_symbol_async(types.DocumentSymbolParams(document))
+        assert "LOOK" in [one.name for one in symbols]
+        anywhere = await client.workspace_symbol_async(types.WorkspaceSymbolParams("lk"))
+        assert "LOOK" in [one.name for one in anywhere]
+        folding = await client.text_document_folding_range_async(types.FoldingRangeParams(document))
+        assert any(LINES[one.start_line].startswith("SUB") for one in folding)
+        tokens = await client.text_document_semantic_tokens_full_async(types.SemanticTokensParams(document))
+        assert len(tokens.data) % 5 == 0
+        assert len(tokens.data) > 500
+        part = await client.text_document_semantic_tokens_range_async(
+            types.SemanticTokensRangeParams(document, types.Range(types.Position(3, 0), types.Position(5, 0)))
+        )
+        assert 0 < len(part.data) < len(tokens.data)
+        lenses = await client.text_document_code_lens_async(types.CodeLensParams(document))
+        assert lenses[0].command.title.startswith("plot ")
+        for lens in lenses:
+            told = await client.workspace_execute_command_async(
+                types.ExecuteCommandParams(lens.command.command, lens.command.arguments)
+            )
+            written = (
+                Path(told["path"]).read_text() if isinstance(told, dict) else Path(told.path).read_text()
+            )
+            assert written.startswith(("<?xml", "command\n"))
+
+        options = types.FormattingOptions(2, True)
+        edits = await client.text_document_formatting_async(types.DocumentFormattingParams(document, options))
+        import yarclang
+
+        assert applied(TEXT, edits) == yarclang.format(TEXT)
+        part = await client.text_document_range_formatting_async(
+            types.DocumentRangeFormattingParams(document, edits[0].range, options)
+        )
+        assert list(part) == [edits[0]]
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_fixes_of_a_whole_text(tmp_path: Path):
+    """All safe fixes at once, and new numbers, are source actions."""
+    text = "ROBOT INDUSTRIAL6\nUSE PALLET\nP0020 MOVJ HOME [2] (s)\nP0010 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", text)
+        await one.pulled(document)
+
+        async def action(kind: types.CodeActionKind | str) -> str:
+            context = types.CodeActionContext([], only=[kind])
+            (found,) = await one.client.text_document_code_action_async(
+                types.CodeActionParams(document, WHOLE, context)
+            )
+            return applied(text, found.edit.changes[document.uri])
+
+        assert await action(types.CodeActionKind.SourceFixAll) == (
+            "ROBOT INDUSTRIAL6\nP0001 MOVEJ HOME [2] (s)\nP0010 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
+        )
+        assert await action("source.renumber.yarc") == text.replace("P0020", "X").replace(
+            "P0010", "P0020"
+        ).replace("X", "P0010")
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_typed_letter_by_letter_with_wide_characters(tmp_path: Path):
+    """Incremental changes behind umlauts and emoji keep both texts the same, and no request fails."""
+    text = (
+        "! Grüße 🤖 an alle\nROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        'FRAME {A} 0 900 600 0 0 0 {B} ! 🤖ä\nP0010 HOLD "Tür 🚪 zu" ! ü\nP0020 MOVJE HOME ! 🤖 MOVJE\n'
+    )
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", "")
+        client = one.client
+        line = units = 0
+        requests = []
+        for number, letter in enumerate(text):
+            here = types.Position(line, units)
+            change = types.TextDocumentContentChangePartial(range=types.Range(here, here), text=letter)
+            one.change(document, [change])
+            if letter == "\n":
+                line, units = line + 1, 0
+            else:
+                units += len(letter.encode("utf-16-le")) // 2
+            now = types.Position(line, units)
+            if number % 4 == 0:
+                requests += [
+                    client.text_document_completion_async(types.CompletionParams(document, now)),
+                    client.text_document_hover_async(types.HoverParams(document, now)),
+                    client.text_document_signature_help_async(types.SignatureHelpParams(document, now)),
+                ]
+            if number % 16 == 0:
+                requests += [
+                    client.text_document_semantic_tokens_full_async(types.SemanticTokensParams(document)),
+                    client.text_document_document_symbol_async(types.DocumentSymbolParams(document)),
+                    client.text_document_inlay_hint_async(types.InlayHintParams(document, WHOLE)),
+                    client.text_document_code_lens_async(types.CodeLensParams(document)),
+                    client.text_document_folding_range_async(types.FoldingRangeParams(document)),
+                    client.text_document_code_action_async(
+                        types.CodeActionParams(document, WHOLE, types.CodeActionContext([]))
+                    ),
+                ]
+        await asyncio.gather(*requests)
+        (found,) = await one.pulled(document)
+        shown = found.range.start, found.range.end
+        assert shown == (types.Position(5, 6), types.Position(5, 11))
+        assert "MOVEJ" in found.message
+        definition = types.DefinitionParams(document, types.Position(3, 7))
+        assert (await client.text_document_definition_async(definition)).range.start.line == 3
+        tokens = await client.text_document_semantic_tokens_full_async(types.SemanticTokensParams(document))
+        assert list(tokens.data[:3]) == [0, 0, len("! Grüße 🤖 an alle") + 1]
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_editors_that_count_otherwise(tmp_path: Path):
+    """A client that prefers UTF-8 gets it."""
+    text = 'ROBOT INDUSTRIAL6\nP0020 MOVJE HOME [1] (s) ! 🤖ä\nP0030 HOLD "ä🤖" [1]\n'
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", text)
+        found = await one.pulled(document)
+        end = next(one.range for one in found if one.range.start.line == 2)
+        assert end.start.character == len('P0030 HOLD "ä🤖" '.encode())
+
+    chosen = capabilities(pull=True, refresh=False)
+    chosen.general = types.GeneralClientCapabilities(
+        position_encodings=[types.PositionEncodingKind.Utf8, types.PositionEncodingKind.Utf16]
+    )
+    run(work, chosen)

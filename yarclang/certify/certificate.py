@@ -10,7 +10,7 @@ from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
 Kind = Literal["joint", "line", "arc", "spline", "pose_spline"]
-Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_velocity", "hold"]
+Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_velocity", "hold", "torque"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +168,7 @@ class CommandCertificate:
     the command. The jerk of a time-optimal motion (profile TOPP), and of blends with one, is stated as well, and not judged: `jerk_judged`.
     `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves, `zone_clearance` how near what zones
     watch comes to borders that it must not cross (its bodies are what is watched, and the zone), `zone_speed` how fast it is in slow zones, where that is nearest to
-    what is allowed; None where there is nothing.
+    what is allowed; None where there is nothing. `torque` is the largest share of a motor's effort, None of a robot whose masses or efforts aren't known.
     """
 
     step: int
@@ -195,6 +195,7 @@ class CommandCertificate:
     own_clearance: Clearance | None = None
     zone_clearance: Clearance | None = None
     zone_speed: ZoneSpeed | None = None
+    torque: Load | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the unit in each name."""
@@ -224,6 +225,7 @@ class CommandCertificate:
             "own_clearance": self.own_clearance.to_json() if self.own_clearance else None,
             "zone_clearance": self.zone_clearance.to_json() if self.zone_clearance else None,
             "zone_speed": self.zone_speed.to_json() if self.zone_speed else None,
+            "torque": self.torque.to_json() if self.torque else None,
         }
 
 
@@ -256,7 +258,7 @@ class Certificate:
 
     def worst(self, kind: Quantity) -> Load:
         """The largest load of a kind of all commands."""
-        loads: list[Load] = [getattr(command, kind) for command in self.commands]
+        loads: list[Load] = [getattr(command, kind) or IDLE for command in self.commands]
         return max(loads, key=lambda load: load.share, default=IDLE)
 
     def to_json(self) -> dict[str, Any]:
@@ -269,6 +271,8 @@ class Certificate:
             "motor_velocity",
             "hold",
         )
+        if any(command.torque for command in self.commands):
+            kinds = (*kinds, "torque")
         return {
             "target": self.target,
             "duration_s": self.duration,
@@ -291,6 +295,8 @@ class Certificate:
             "jerk": max(judged, default=0.0),
             "motor speed": self.worst("motor_velocity").share,
         }
+        if torque := [command.torque.share for command in self.commands if command.torque]:
+            shares["torque"] = max(torque)
         loads = ", ".join(f"{name} {share * 100.0:.0f} %" for name, share in shares.items())
         path = f"path within {bound_text(self.position / MM)} mm, {bound_text(self.angle / DEG)} deg"
         told = f"; jerk of time-optimal motions up to {max(free) * 100.0:.0f} %, not judged" if free else ""

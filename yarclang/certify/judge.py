@@ -79,6 +79,7 @@ def certify(
     judge.speeds(layout, proofs.speeds)
     apart = judge.clearances(layout)
     zones = judge.zones(layout)
+    torques = judge.torques(layout)
     commands = tuple(
         judge.command(
             layout,
@@ -89,6 +90,7 @@ def certify(
             blends.get(place.step),
             apart.get(place.step, NOTHING_NEAR),
             zones.get(place.step, NO_ZONES),
+            torques.get(place.step),
         )
         for place in layout.places
     )
@@ -125,8 +127,12 @@ def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certific
     judge.segment_times(content, layout)
     judge.rest(layout)
     loads = judge.limits(layout)
+    torques = judge.torques(layout)
     unknown = Deviation(math.inf, math.inf, math.inf, math.inf)
-    commands = tuple(judge.command(layout, place, loads[place.step], unknown) for place in layout.places)
+    commands = tuple(
+        judge.command(layout, place, loads[place.step], unknown, torque=torques.get(place.step))
+        for place in layout.places
+    )
     return Result(Certificate(content.target, commands, robot.tolerance), tuple(judge.findings))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, ToolSpeed
+from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, ToolSpeed
 from yarclang.certify.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.flow import check_flow
 from yarclang.certify.joint import joint_weights
@@ -19,6 +19,7 @@ from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, RELATIVE, Loads, check_limits
 from yarclang.certify.speed import KEPT
 from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
+from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
 from yarclang.diagnostics import Diagnostic
 from yarclang.robot.actuation import from_counts, joints_per_count
@@ -228,6 +229,12 @@ class Judge:
         self.findings.extend(findings)
         return told
 
+    def torques(self, layout: Layout) -> dict[int, Load]:
+        """No motor has to give more than it can, as far as masses and efforts are known."""
+        loads, findings = find_torques(layout, self.robot)
+        self.findings.extend(findings)
+        return loads
+
     # the table
 
     def command(
@@ -240,6 +247,7 @@ class Judge:
         blended: Blended | None = None,
         apart: Apart = NOTHING_NEAR,
         zones: InZones = NO_ZONES,
+        torque: Load | None = None,
     ) -> CommandCertificate:
         """What was proved for one command."""
         step = place.motion
@@ -268,6 +276,7 @@ class Judge:
             own_clearance=apart.own,
             zone_clearance=zones.clearance,
             zone_speed=zones.speed,
+            torque=torque,
         )
 
 

@@ -23,8 +23,8 @@ REMAINDER = 0.003
 """What lies between two calculated places adds at most about this share of an effort."""
 PARTS = (2, 64)
 """The fewest and the most parts into which a segment is cut."""
-ROOM = 0.005
-"""By this share a proposed time is longer than the one at which the effort is used up: another time has other segments."""
+ROOM = 0.03
+"""By this share a proposed time is longer than the one at which the effort is used up: in another time a law has another number of segments, and other ramps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +131,7 @@ def _needs(robot: Robot, dynamics: Dynamics, joint: int, size: float) -> str:
     effort = float(dynamics.effort[joint])
     return (
         f"{robot.joint_names[joint]} needs {_number(size)} {_unit(robot, joint)}, {size / effort:.1%} of its "
-        f"effort of {effort:g} {_unit(robot, joint)},"
+        f"effort of {effort:g} {_unit(robot, joint)}"
     )
 
 
@@ -171,7 +171,7 @@ def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | No
     value = math.ceil(longer * duration / UNITS[origin.time_unit].factor * 1e3) / 1e3
     text = f"[{value:.10g}]"
     fix = Fix(f"write {text}", (Edit(origin.time_span, text),)) if origin.time_span is not None else None
-    return f"the shortest time that works is about {text} ({origin.time_unit}); or carry less", fix
+    return f"a time that works is about {text} ({origin.time_unit}); or carry less", fix
 
 
 _TOO_HEAVY = "carry less, or stay nearer to the joint's axis; if the effort or a mass isn't right, correct it in the URDF, or effort in robot.toml"

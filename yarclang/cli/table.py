@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from yarclang.certify.certificate import Certificate, Clearance, CommandCertificate, Load, bound_text
+from yarclang.certify.certificate import IDLE, Certificate, Clearance, CommandCertificate, Load, bound_text
 from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -33,6 +33,9 @@ _CLEAR = "clear mm"
 def certificate_table(certificate: Certificate) -> str:
     """Duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance, for each command."""
     rows = [_HEAD, *(tuple(_row(command)) for command in certificate.commands)]
+    if any(command.torque for command in certificate.commands):
+        torques = ["torque", *(_load(command.torque or IDLE) for command in certificate.commands)]
+        rows = [(*row, cell) for row, cell in zip(rows, torques, strict=True)]
     if any(command.clearance for command in certificate.commands):
         clear = [_CLEAR, *(_clearance(command.clearance) for command in certificate.commands)]
         rows = [(*row, cell) for row, cell in zip(rows, clear, strict=True)]

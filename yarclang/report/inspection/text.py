@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from yarclang.certify.certificate import CommandCertificate, Load, bound_text
+from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
 from yarclang.hir import (
     Dwell,
     FrameLink,
@@ -297,6 +297,7 @@ def _certificate(one: CommandCertificate | None) -> Iterator[str]:
         ("jerk", one.jerk),
         ("motor speed", one.motor_velocity),
         ("a hold", one.hold),
+        ("torque", one.torque or IDLE),
     )
     yield "of the limits: " + ", ".join(_load(name, load) for name, load in loads if load.name)
 

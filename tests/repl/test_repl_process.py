@@ -115,7 +115,7 @@ def test_a_question_that_nobody_answers_is_no(place):
     [
         (["--start", "999,0,0,0,0,0"], 1, "out of its limits"),
         (["--start", "1,2"], 1, "has 2 values"),
-        (["--to", "tcp://127.0.0.1:1", "--rate", "2"], 2, "only with the simulator"),
+        (["--to", "tcp://127.0.0.1:1", "--rate", "2"], 2, "is for the simulator"),
         (["--to", "tcp://127.0.0.1:1"], 1, "help"),
         (["--log", "x", "--no-log"], 2, "exclude"),
         (["--robot", "nobody"], 1, "Y1301"),

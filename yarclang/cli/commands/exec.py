@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 import signal
-from pathlib import Path
 from typing import Any
 
 import click
 
-from yarclang.cli.address import SIM, Address, AddressType
-from yarclang.cli.options import PositiveNumber, file_argument, planning_options, tm_option
+from yarclang.cli.address import Address
+from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
+from yarclang.cli.options import planning_options, tm_option
 
 
 @click.command("exec")
-@file_argument("file", metavar="FILE.yarc|FILE.pmc")
-@click.option(
-    "--to",
-    type=AddressType(),
-    default=SIM,
-    metavar="sim|tcp://HOST[:PORT]",
-    help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
-)
-@click.option(
-    "--approach", is_flag=True, help="Move slowly to the program's start first, if the robot isn't there."
-)
-@click.option(
-    "--from", "first", metavar="P0010", help="Begin at this command; the way to its start is planned."
-)
+@run_options
 @click.option(
     "--times",
     type=click.IntRange(1),
@@ -34,15 +21,7 @@ from yarclang.cli.options import PositiveNumber, file_argument, planning_options
     help="So many times, where the program ends where it starts.",
 )
 @click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
-@click.option(
-    "--log",
-    type=click.Path(path_type=Path),
-    help="Where to write the run log (default: a new file in yarc-runs/).",
-)
-@click.option("--no-log", is_flag=True, help="Run without a log.")
-@click.option(
-    "--rate", type=PositiveNumber("N"), help="How fast the simulator's time passes (default: real time)."
-)
+@log_options
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:
@@ -51,10 +30,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     The last event is "ended"; its "status" is the exit status: 0 where the program came to its end, else 1. SIGTERM and SIGINT stop the robot on its path
     and end then; a terminal that is closed changes nothing. `yarc status`, hold, resume, override and stop work from other terminals.
     """
-    if options["log"] and options["no_log"]:
-        raise click.UsageError("--log and --no-log exclude each other")
-    if options["rate"] and to is not None:
-        raise click.UsageError("--rate is for the simulator: a controller's time can't be hurried")
+    check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, refused_line
     from yarclang.cli.loading import is_compiled, load
     from yarclang.runtime.performance import off_the_start

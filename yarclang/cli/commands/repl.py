@@ -9,34 +9,21 @@ from typing import Any
 
 import click
 
-from yarclang.cli.address import SIM, Address, AddressType
-from yarclang.cli.options import Numbers, PositiveNumber, robot_option, tm_option
+from yarclang.cli.address import Address
+from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
+from yarclang.cli.options import Numbers, robot_option, tm_option
 
 
 @click.command("repl")
 @robot_option
-@click.option(
-    "--to",
-    type=AddressType(),
-    default=SIM,
-    metavar="sim|tcp://HOST[:PORT]",
-    help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
-)
+@controller_option
 @click.option(
     "--start",
     type=Numbers("Q1,Q2,..."),
     help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
 )
 @click.option("--go", is_flag=True, help="Move without asking, as .go does.")
-@click.option(
-    "--log",
-    type=click.Path(path_type=Path),
-    help="Where to write the run log (default: a new file in yarc-runs/).",
-)
-@click.option("--no-log", is_flag=True, help="Move without a log.")
-@click.option(
-    "--rate", type=PositiveNumber("N"), help="How fast the simulator's time passes (default: real time)."
-)
+@log_options
 @tm_option
 def command(to: Address | None, **options: Any) -> None:
     """Work with a robot live: each line is planned from where it stands, certified, shown, and carried out.
@@ -46,10 +33,9 @@ def command(to: Address | None, **options: Any) -> None:
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import joint_position, robot_for
 
-    if options["log"] and options["no_log"]:
-        raise click.UsageError("--log and --no-log exclude each other")
-    if to is not None and (given := [f"--{name}" for name in ("rate", "start") if options[name] is not None]):
-        raise click.UsageError(f"{', '.join(given)}: only with the simulator")
+    check_controller_usage(to, options)
+    if options["start"] and to is not None:
+        raise click.UsageError("--start is for the simulator: a real robot stands where it stands")
     found = robot_for(Path.cwd(), options["robot"])
     show_findings(found.diagnostics)
     if found.value is None:

@@ -3,44 +3,23 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
 from typing import Any
 
 import click
 
-from yarclang.cli.address import SIM, Address, AddressType
-from yarclang.cli.options import PositiveNumber, file_argument, planning_options, tm_option
+from yarclang.cli.address import Address
+from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
+from yarclang.cli.options import planning_options, tm_option
 
 
 @click.command("run")
-@file_argument("file", metavar="FILE.yarc|FILE.pmc")
-@click.option(
-    "--to",
-    type=AddressType(),
-    default=SIM,
-    metavar="sim|tcp://HOST[:PORT]",
-    help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
-)
-@click.option(
-    "--approach", is_flag=True, help="Move slowly to the program's start first, if the robot isn't there."
-)
-@click.option(
-    "--from", "first", metavar="P0010", help="Begin at this command; the way to its start is planned."
-)
+@run_options
 @click.option("--step", is_flag=True, help="Pause behind each command; Enter or `yarc resume` goes on.")
 @click.option("--loop", is_flag=True, help="Again and again, where the program ends where it starts.")
 @click.option("--times", type=click.IntRange(1), help="As --loop, so many times.")
 @click.option("--dry-run", is_flag=True, help="Look at everything, move nothing.")
 @click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach.")
-@click.option(
-    "--log",
-    type=click.Path(path_type=Path),
-    help="Where to write the run log (default: a new file in yarc-runs/).",
-)
-@click.option("--no-log", is_flag=True, help="Run without a log.")
-@click.option(
-    "--rate", type=PositiveNumber("N"), help="How fast the simulator's time passes (default: real time)."
-)
+@log_options
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:
@@ -67,10 +46,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
 
 
 def _check_usage(to: Address | None, options: dict[str, Any]) -> None:
-    if options["log"] and options["no_log"]:
-        raise click.UsageError("--log and --no-log exclude each other")
-    if options["rate"] and to is not None:
-        raise click.UsageError("--rate is for the simulator: a controller's time can't be hurried")
+    check_controller_usage(to, options)
     if options["step"] and (options["loop"] or options["times"]):
         raise click.UsageError(f"--step and --{'loop' if options['loop'] else 'times'} exclude each other")
     if options["loop"] and options["times"]:

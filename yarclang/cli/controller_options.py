@@ -1,0 +1,70 @@
+"""Options of the commands that move a robot: which controller, which log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from yarclang.cli.address import SIM, Address, AddressType
+from yarclang.cli.options import PositiveNumber, file_argument
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def controller_option(function: F) -> F:
+    """--to sim|tcp://HOST[:PORT]; a simulator of our own is None."""
+    return click.option(
+        "--to",
+        type=AddressType(),
+        default=SIM,
+        metavar="sim|tcp://HOST[:PORT]",
+        help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
+    )(function)
+
+
+def log_options(function: F) -> F:
+    """--log, --no-log and --rate."""
+    for option in (
+        click.option(
+            "--rate",
+            type=PositiveNumber("N"),
+            help="How fast the simulator's time passes (default: real time).",
+        ),
+        click.option("--no-log", is_flag=True, help="Run without a log."),
+        click.option(
+            "--log",
+            type=click.Path(path_type=Path),
+            help="Where to write the run log (default: a new file in yarc-runs/).",
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+def run_options(function: F) -> F:
+    """What is run, where, and from which command on."""
+    for option in (
+        click.option(
+            "--from", "first", metavar="P0010", help="Begin at this command; the way to its start is planned."
+        ),
+        click.option(
+            "--approach",
+            is_flag=True,
+            help="Move slowly to the program's start first, if the robot isn't there.",
+        ),
+        controller_option,
+        file_argument("file", metavar="FILE.yarc|FILE.pmc"),
+    ):
+        function = option(function)
+    return function
+
+
+def check_controller_usage(to: Address | None, options: dict[str, Any]) -> None:
+    """What excludes each other is wrong usage."""
+    if options["log"] and options["no_log"]:
+        raise click.UsageError("--log and --no-log exclude each other")
+    if options["rate"] and to is not None:
+        raise click.UsageError("--rate is for the simulator: a controller's time can't be hurried")

@@ -82,7 +82,7 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
         joints = planned[0].waypoints[-1]
     elif isinstance(step, JointMove) and isinstance(step.goal, JointGoal):
         joints = step.goal.q
-    frame, flange_from_frame = _moving(step.origin.moving, robot)
+    frame, flange_from_frame = _moving(view, step.origin.moving, robot)
     world = _world(step, joints, flange_from_frame, robot)
     base = step.origin.base
     in_base = None
@@ -100,10 +100,15 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
     )
 
 
-def _moving(link: FrameLink | None, robot: Robot) -> tuple[str, Array]:
-    """The frame that a command moves, and where it sits on the flange; of joint motions that of the robot."""
+def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Array]:
+    """The frame that a command moves, and where it sits on the flange; of joint motions that of DEFAULT, else of the robot."""
     if link is not None:
         return link.name, chain_pose(link)
+    default = view.sketch.default
+    if default is not None and default.moving is not None and view.scope is not None:
+        frame = view.scope.frame(default.moving.name)
+        if frame is not None and frame.on_flange:
+            return default.moving.name, frame.transform
     name = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
     return name, robot.flange_from_frame.get(name, np.eye(4))
 

@@ -36,48 +36,51 @@ class Fold:
     is_comment: bool = False
 
 
+MOST_COMMANDS = 2_000
+"""In a longer file commands aren't listed: nobody finds one in such a list, and each edit makes it anew."""
+
+
 def outline(sketch: Sketch) -> tuple[Entry, ...]:
-    """Declarations, SUBs and other blocks with what is in them, and commands."""
+    """Declarations, SUBs and other blocks with what is in them, and commands, unless there are too many."""
     symbols = {one.statement.line: one for one in sketch.names.symbols if one.kind != "parameter"}
-    return tuple(_entries(sketch, sketch.nodes, symbols))
+    maker = _Maker(sketch, symbols, len(sketch.module.statements) - len(symbols) <= MOST_COMMANDS)
+    return tuple(maker.entries(sketch.nodes))
 
 
-def _entries(sketch: Sketch, nodes: Iterable[Node], symbols: dict[int, Symbol]) -> Iterator[Entry]:
-    for node in nodes:
-        if isinstance(node, Block):
-            yield _block(sketch, node, symbols)
-        elif (entry := _entry(sketch, node, symbols)) is not None:
-            yield entry
+@dataclass(frozen=True, slots=True)
+class _Maker:
+    sketch: Sketch
+    symbols: dict[int, Symbol]
+    has_commands: bool
 
+    def entries(self, nodes: Iterable[Node]) -> Iterator[Entry]:
+        for node in nodes:
+            if isinstance(node, Block):
+                yield self._block(node)
+            elif (entry := self._entry(node)) is not None:
+                yield entry
 
-def _block(sketch: Sketch, block: Block, symbols: dict[int, Symbol]) -> Entry:
-    head = block.head
-    inner = (*block.body, *(block.otherwise or ()))
-    children = tuple(_entries(sketch, inner, symbols))
-    last = max([child.span.end_line for child in children] + [head.line + head.rows - 1])
-    if block.end is not None:
-        last = block.end.line
-    span = Span(head.line, 1, last, len(sketch.source.line(last)) + 1)
-    symbol = symbols.get(head.line)
-    if head.name.name == "SUB" and symbol is not None:
-        return Entry(symbol.name, _code(sketch, head), "sub", span, symbol.span, children)
-    return Entry(_code(sketch, head), "", "block", span, head.head_span, children)
+    def _block(self, block: Block) -> Entry:
+        head, sketch = block.head, self.sketch
+        children = tuple(self.entries((*block.body, *(block.otherwise or ()))))
+        last = max([head.line + head.rows - 1, *(child.span.end_line for child in children)])
+        if block.end is not None:
+            last = block.end.line
+        span = Span(head.line, 1, last, len(sketch.source.line(last)) + 1)
+        symbol = self.symbols.get(head.line)
+        if head.name.name == "SUB" and symbol is not None:
+            return Entry(symbol.name, _code(sketch, head), "sub", span, symbol.span, children)
+        return Entry(_code(sketch, head), "", "block", span, head.head_span, children)
 
-
-def _entry(sketch: Sketch, statement: Statement, symbols: dict[int, Symbol]) -> Entry | None:
-    symbol = symbols.get(statement.line)
-    if symbol is not None and symbol.kind != "parameter":
-        name = f"{{{symbol.name}}}" if symbol.is_frame else symbol.name
-        return Entry(name, _code(sketch, statement), symbol.kind, statement.whole_span, symbol.span)
-    if statement.index is None:
-        return None
-    return Entry(
-        f"{statement.index.name} {statement.name.name}",
-        _code(sketch, statement),
-        "command",
-        statement.whole_span,
-        statement.head_span,
-    )
+    def _entry(self, statement: Statement) -> Entry | None:
+        sketch, symbol = self.sketch, self.symbols.get(statement.line)
+        if symbol is not None and symbol.kind != "parameter":
+            name = f"{{{symbol.name}}}" if symbol.is_frame else symbol.name
+            return Entry(name, _code(sketch, statement), symbol.kind, statement.whole_span, symbol.span)
+        if statement.index is None or not self.has_commands:
+            return None
+        name = f"{statement.index.name} {statement.name.name}"
+        return Entry(name, _code(sketch, statement), "command", statement.whole_span, statement.head_span)
 
 
 def _code(sketch: Sketch, statement: Statement) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from lsprotocol import types
 
 from yarclang.assist.outline import Entry, folds, outline
+from yarclang.lsp.documents import Document
 from yarclang.lsp.feature import Feature
 from yarclang.lsp.positions import range_of
 from yarclang.source import SourceFile
@@ -28,10 +29,14 @@ _KINDS = {
 }
 
 
-def _document(server: Server, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+async def _document(server: Server, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return []
+    return list(await server.answer(_symbols, server, document))
+
+
+def _symbols(server: Server, document: Document) -> list[types.DocumentSymbol]:
     return [_symbol(server, document.source, one) for one in outline(document.sketch)]
 
 
@@ -77,7 +82,7 @@ def _fits(query: str, name: str) -> bool:
     return all(letter in rest for letter in query)
 
 
-def _folding(server: Server, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+async def _folding(server: Server, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return []
@@ -87,7 +92,7 @@ def _folding(server: Server, params: types.FoldingRangeParams) -> list[types.Fol
             end_line=one.last - 1,
             kind=types.FoldingRangeKind.Comment if one.is_comment else types.FoldingRangeKind.Region,
         )
-        for one in folds(document.sketch)
+        for one in await server.answer(lambda: folds(document.sketch))
     ]
 
 

@@ -39,18 +39,22 @@ _NAMES = list(_TYPES.values())
 _DECLARES = 1
 
 
-def _whole(server: Server, params: types.SemanticTokensParams) -> types.SemanticTokens | None:
+async def _whole(server: Server, params: types.SemanticTokensParams) -> types.SemanticTokens | None:
     document = server.documents.get(params.text_document.uri)
-    return _tokens(server, document, 1, None) if document and document.is_program else None
+    if document is None or not document.is_program:
+        return None
+    found: types.SemanticTokens = await server.answer(_tokens, server, document, 1, None)
+    return found
 
 
-def _part(server: Server, params: types.SemanticTokensRangeParams) -> types.SemanticTokens | None:
+async def _part(server: Server, params: types.SemanticTokensRangeParams) -> types.SemanticTokens | None:
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return None
     first, _ = place_of(document.source, params.range.start, server.encoding)
     last, _ = place_of(document.source, params.range.end, server.encoding)
-    return _tokens(server, document, first, last)
+    found: types.SemanticTokens = await server.answer(_tokens, server, document, first, last)
+    return found
 
 
 def _tokens(server: Server, document: Document, first: int, last: int | None) -> types.SemanticTokens:

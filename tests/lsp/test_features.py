@@ -142,7 +142,7 @@ def test_fixes_of_a_whole_text(tmp_path: Path):
             return applied(text, found.edit.changes[document.uri])
 
         assert await action(types.CodeActionKind.SourceFixAll) == (
-            "ROBOT INDUSTRIAL6\nP0001 MOVEJ HOME [2] (s)\nP0010 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
+            "ROBOT INDUSTRIAL6\nP0001 MOVEJ HOME [2] (s)\nP0002 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
         )
         assert await action("source.renumber.yarc") == text.replace("P0020", "X").replace(
             "P0010", "P0020"

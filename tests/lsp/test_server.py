@@ -1,10 +1,17 @@
 """The server in a process of its own, as editors talk to it."""
 
+import asyncio
+import socket
 from pathlib import Path
+from shutil import copytree
 
+import pytest
+from click.testing import CliRunner
 from lsprotocol import types
+from pytest_lsp import make_test_lsp_client
 
-from tests.lsp.driven import Editor, capabilities, run
+from tests.lsp.driven import COMMAND, LONGEST, Editor, capabilities, run
+from yarclang.cli.yarc import main as yarc
 
 HEAD = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
 QUICK = HEAD + "P0010 MOVEJ 10 0 0 0 0 0 [0.05]\nP0020 MOVEJ HOME\n"
@@ -88,5 +95,93 @@ def test_descriptions_and_their_users(tmp_path: Path):
         assert codes(await one.pulled(user)) == ["Y0210"]
         one.write(opened, module)
         assert codes(await one.pulled(user)) == []
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_users_of_a_changed_robot_and_project(tmp_path: Path):
+    """A robot.toml and a yarc.toml count as they are open, before they are saved."""
+    library = Path(__file__).resolve().parents[2] / "stdlib" / "robots" / "industrial6"
+    copytree(library, tmp_path / "arm")
+    description = (tmp_path / "arm" / "robot.toml").read_text()
+    (tmp_path / "yarc.toml").write_text('robot = "arm/robot.toml"\n')
+
+    async def work(one: Editor) -> None:
+        user = one.open(tmp_path / "a.yarc", "P0010 MOVEJ AWAY [5] (s)\n")
+        assert codes(await one.pulled(user)) == ["Y0205"]
+        robot = one.open(tmp_path / "arm" / "robot.toml", description)
+        one.write(robot, description.replace("[positions]", "[positions]\nAWAY = [9, 0, 0, 0, 0, 0]", 1))
+        assert codes(await one.pulled(robot)) == []
+        assert codes(await one.pulled(user)) == []
+        project = one.open(tmp_path / "yarc.toml", 'robot = "arm/robot.toml"\n')
+        one.write(project, "rbot = 3\n")
+        assert codes(await one.pulled(project)) == ["Y1393"]
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_over_a_port(tmp_path: Path):
+    async def work() -> None:
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            port = free.getsockname()[1]
+        server = await asyncio.create_subprocess_exec(*COMMAND, "--tcp", str(port))
+        client = make_test_lsp_client()
+        try:
+            async with asyncio.timeout(LONGEST):
+                while True:
+                    try:
+                        await client.start_tcp("127.0.0.1", port)
+                        break
+                    except OSError:
+                        await asyncio.sleep(0.05)
+                await client.initialize_session(
+                    types.InitializeParams(
+                        capabilities=capabilities(pull=True, refresh=False), workspace_folders=None
+                    )
+                )
+                one = Editor(client)
+                assert codes(await one.pulled(one.open(tmp_path / "a.yarc", TYPO))) == ["Y0202"]
+                await client.shutdown_session()
+                await client.stop()
+                await server.wait()
+        finally:
+            if server.returncode is None:
+                server.kill()
+
+    asyncio.run(work())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--tcp", "here"), "neither PORT nor HOST:PORT"),
+        (("--tcp", "70000"), "neither PORT"),
+        (("--stdio", "--tcp", "1"), "choose one"),
+    ],
+)
+def test_wrong_usage(arguments: tuple[str, ...], told: str):
+    done = CliRunner().invoke(yarc, ["lsp", *arguments])
+    assert done.exit_code == 2
+    assert told in done.output
+
+
+def test_nothing_grows_with_edits(tmp_path: Path):
+    """A line is typed to and fro, with questions in between."""
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", FINE)
+        status = Path(f"/proc/{one.client._server.pid}/status")
+        held = []
+        for number in range(1_000):
+            line = types.Range(types.Position(2, 0), types.Position(3, 0))
+            text = f"P0010 MOVEJ {number % 80} 0 0 0 0 0\n"
+            one.change(document, [types.TextDocumentContentChangePartial(range=line, text=text)])
+            if number % 20 == 0:
+                await one.pulled(document)
+                await one.client.text_document_hover_async(types.HoverParams(document, types.Position(2, 7)))
+            if number % 200 == 199:
+                kilobytes = next(row for row in status.read_text().splitlines() if row.startswith("VmRSS"))
+                held.append(int(kilobytes.split()[1]) / 1024)
+        assert held[-1] - held[1] < 12, held
 
     run(work, capabilities(pull=True, refresh=False))

@@ -95,6 +95,13 @@ class Bounds:
         segment, at, watch = asked
         return (*demands, Demand("zone speed", segment, 0, at, watch))
 
+    def are_kept(self, points: Array, segment: float) -> bool:
+        """Whether control points (N, n) keep all limits at a segment time [s]."""
+        rest = replace(self, zones=None)
+        if max(demand.segment for demand in rest.demands(points)) > segment:
+            return False
+        return self.zones is None or not any(self.zones.asked(points, segment, stops=True))
+
 
 def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> Demand:
     shares = np.abs(differences) / limit

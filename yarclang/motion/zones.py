@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,12 @@ from yarclang.transforms import constant
 HEADROOM = 4e-4
 """The share of a zone's speed that is left for printing with finitely many decimals."""
 
+_SHARP = 1e-3
+"""Speeds are told to within this share of them: so much slower than allowed a motion may be."""
+
+_PLACES = 100
+"""Places of a way that are looked at to foresee how fast it can be gone."""
+
 _LARGER = 2.0 * SLACK
 """Zones count as larger by this [m]: the printed curve may enter them where this one doesn't."""
 
@@ -31,17 +37,38 @@ class SlowZones:
     scene: Scene
     watches: tuple[Watch, ...]
 
-    def asked(self, points: Array, segment: float) -> Iterator[tuple[float, int, Watch]]:
-        """What zones ask of control points (N, n) beyond a segment time [s]: the segment time, and the first control point of the difference that asks for it."""
+    def asked(
+        self, points: Array, segment: float, *, stops: bool = False
+    ) -> Iterator[tuple[float, int, Watch]]:
+        """What zones ask of control points (N, n) beyond a segment time [s]: the segment time, and the first control point of the difference that asks for it.
+
+        With `stops`, it only matters whether they ask for more.
+        """
         if not self.watches or len(points) < 4:
             return
         course = _in_knots(points)
         span = np.array([[0, len(course.x)]])
         for watch in self.watches:
             limit = (watch.zone.speed or 0.0) * (1.0 - HEADROOM)
-            found = fastest_inside(self.scene, course, span, watch, least=limit * segment, beyond=_LARGER)
+            found = fastest_inside(
+                self.scene,
+                course,
+                span,
+                watch,
+                least=limit * segment,
+                beyond=_LARGER,
+                stops=stops,
+                sharp=_SHARP,
+            )
             if found.segment[0] >= 0:
                 yield float(found.speed[0]) / limit, int(found.segment[0]) + 1, watch
+                if stops:
+                    return
+
+    def shortest(self, way: Callable[[Array], Array]) -> float:
+        """About the least time [s] that the whole of a way (its joints over the share of it) takes at a steady speed."""
+        points = way(np.linspace(0.0, 1.0, _PLACES + 1))
+        return max((segment for segment, _, _ in self.asked(points, 0.0)), default=0.0) * _PLACES
 
     def together(self, other: SlowZones | None) -> SlowZones:
         """What is watched where two motions overlap."""
@@ -61,11 +88,11 @@ def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | N
     made = scene_of(robot, cell)
     if made.value is None:
         return None  # a mesh can't be read: nothing is emitted
-    watches = watches_of(robot, cell, _moving(robot, motion))
+    watches = watches_of(robot, cell, moving_of(robot, motion))
     return SlowZones(made.value, tuple(one for one in watches if one.zone.rule == "slow"))
 
 
-def _moving(robot: Robot, motion: Motion) -> Moving:
+def moving_of(robot: Robot, motion: Motion) -> Moving:
     """The frame that a motion moves."""
     link = motion.origin.moving
     if link is None:

@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 
 from yarclang.cell.model import HalfSpace
-from yarclang.collision.course import Course
-from yarclang.collision.scene import Scene
 from yarclang.collision.zones.moved import Arm, Pieces, Rates
 from yarclang.collision.zones.regions import Place, coal_of, direction, faces_of, outside, reach
 from yarclang.collision.zones.watched import Item
@@ -80,19 +78,17 @@ def least_outside(
     region: Place,
     item: Item,
     pieces: Pieces,
-    course: Course,
-    scene: Scene,
-    ends: tuple[Arm, Arm],
+    arms: tuple[Arm, Arm, Arm],
     bounds: Rates,
 ) -> tuple[Array, Array]:
-    """How far an item is from a region on pieces: at least, and in the middle, (P,) each [m]."""
+    """How far an item is from a region on pieces: at least, and in the middle, (P,) each [m]; `arms` are at their begins, middles and ends."""
     long = pieces.end - pieces.begin
-    middle = pieces.arm(scene, course, pieces.middle)
+    middle = arms[1]
     normal = np.empty((len(long), 3))
     seen = distance_outside(region, item, middle, normal)
     # beyond the plane that holds both apart in the middle, with what it lies behind its chord
     down = -normal[:, None]
-    planes = np.minimum.reduce([-arm.support(item, down)[:, 0] for arm in (*ends, middle)])
+    planes = np.minimum.reduce([-arm.support(item, down)[:, 0] for arm in arms])
     planes = planes - reach(region, normal) - bounds.second[pieces.segment] * long**2 / 32.0
     least: Array = np.maximum(planes, seen - bounds.first[pieces.segment] * long / 2.0)
     return least, seen

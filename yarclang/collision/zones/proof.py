@@ -17,7 +17,7 @@ from yarclang.collision.course import Course
 from yarclang.collision.proof import COARSE, KNOWN, SHARE
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
-from yarclang.collision.zones.moved import Arm, Pieces, Rates, joints, rates
+from yarclang.collision.zones.moved import Arm, Pieces, Rates, arms_at_ends, joints, rates
 from yarclang.collision.zones.regions import outside
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
@@ -29,10 +29,6 @@ MOST = 500_000
 """Where a watch needs more pieces than this, nothing can be told of what is left, and it counts as broken: only what no robot can do needs so many."""
 BLOCK = 2048
 """Pieces that are looked at together."""
-_SAME = 1e-10
-"""Joint positions that differ by less [rad or m] are one but for rounding."""
-
-
 Flags = NDArray[np.bool_]
 
 
@@ -83,7 +79,7 @@ class _Search:
         self.nearest = np.full(len(spans), -1, dtype=np.int64)
         self.breaches: list[Breach] = []
         self.pieces = Pieces.whole(course, int(spans[0, 0]), int(spans[-1, 1]))
-        self.ends = _arms(scene, course, self.pieces)
+        self.ends = arms_at_ends(scene, course, self.pieces)
         self.bounds: dict[int, Rates] = {}
 
     def look(self, number: int, watch: Watch) -> None:
@@ -155,9 +151,10 @@ class _Search:
             open_ &= ~kept_there
         near = np.flatnonzero(open_)
         if len(near):
-            arms = (ends[0].take(near), ends[1].take(near))
             part = pieces.take(near)
-            sure, found = least_outside(region, item, part, self.course, self.scene, arms, bounds)
+            middle = part.arm(self.scene, self.course, part.middle)
+            arms = (ends[0].take(near), middle, ends[1].take(near))
+            sure, found = least_outside(region, item, part, arms, bounds)
             least[near] = np.maximum(least[near], sure)
             if posture is not None:
                 q = joints(self.course, part.segment, part.middle)[0]
@@ -203,18 +200,6 @@ class _Search:
                 hit[motion] = True
                 time = float(self.course.begins[segment[row]] + when[row])
                 self.breaches.append(Breach(motion, number, time))
-
-
-def _arms(scene: Scene, course: Course, pieces: Pieces) -> tuple[Arm, Arm]:
-    """The arm at both ends of whole segments; most end where the next one begins."""
-    begin = joints(course, pieces.segment, pieces.begin)[0]
-    end = joints(course, pieces.segment, pieces.end)[0]
-    jumps = np.flatnonzero((np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1))
-    jumps = np.append(jumps, len(end) - 1)
-    arm = Arm.at(scene, np.concatenate([begin, end[jumps]]))
-    behind = np.arange(1, len(begin) + 1)
-    behind[jumps] = len(begin) + np.arange(len(jumps))
-    return arm.take(np.arange(len(begin))), arm.take(behind)
 
 
 def _blocks(pieces: Pieces) -> Iterator[Pieces]:

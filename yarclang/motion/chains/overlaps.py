@@ -46,7 +46,7 @@ class Overlaps:
         points = superpose(self.chain, (first, second), (corner,), (overlap,))
         begin = first.segments - overlap
         around = points[max(begin - 2, 0) : begin + overlap + 5]
-        if max(demand.segment for demand in self._loosest(place).demands(around)) > self.segment:
+        if not self._loosest(place).are_kept(around, self.segment):
             return False
         return not corner.is_tangent or self._on_both(
             first, second, points, overlap, self.links[place].tolerance

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,9 @@ _STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
 
 _OUTER = (1 / 3, 0.45, 0.6)
 """The shares of a given time that speeding up from rest, or slowing down to it, may take."""
+
+_BESIDE_ZONES = 1.005
+"""How much slower than a slow zone allows a cruise is at first: ramps and corners are rounded otherwise than its way."""
 
 _WITHIN = 0.97
 """The share of a ball that the ways in it may have."""
@@ -200,7 +203,9 @@ class _Maker:
         motors = np.abs(bounds.counts) @ slope / bounds.motor_velocity
         if link.path.is_straight_in_joints:
             motors = np.abs(bounds.counts @ (link.path.end - link.path.start)) / bounds.motor_velocity
-        return float(max((slope / bounds.velocity).max(), motors.max()) / self.segment)
+        limits = float(max((slope / bounds.velocity).max(), motors.max()))
+        zones = bounds.zones.shortest(link.path.joints) if bounds.zones else 0.0
+        return max(limits, _BESIDE_ZONES * zones) / self.segment
 
     def _inside(self, place: int) -> tuple[float, float]:
         """The shares of the ways before and behind a corner that lie in its ball; a half at most."""
@@ -311,13 +316,14 @@ class _Maker:
     def _tried(self, link: Link, control: Array, into: int, out: int) -> Trial | None:
         """The trial of a law, if it keeps the limits outside of its overlaps of `into` and `out` segments."""
         segments = len(control) - 3
-        trials = Trials(link.path, _law(control), link.own_bounds, link.tolerance)
+        bounds = link.own_bounds
+        # the zones are asked below, and only for what counts
+        trials = Trials(link.path, _law(control), replace(bounds, zones=None), link.tolerance)
         trial = trials.trial(segments, ())
         own = trial.points[max(into - 1, 0) : segments + 3 - max(out - 1, 0)]
         if len(own) < 4:
             return trial
-        asked = max(demand.segment for demand in trials.bounds.demands(own))
-        return trial if asked <= self.segment * (1.0 + 1e-12) else None
+        return trial if bounds.are_kept(own, self.segment * (1.0 + 1e-12)) else None
 
 
 def _law(control: Array) -> Law:

@@ -8,8 +8,10 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from yarclang.diagnostics import Diagnostic
+from yarclang.lsp.carried import Planned, carried, planned_alone
 from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
@@ -21,12 +23,21 @@ class Superseded(Exception):  # noqa: N818 - ends work that nobody waits for any
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Analysis:
-    """What was found in one version of a text; `is_whole` says that motions were planned as well."""
+    """What was found in one version of a text; `is_whole` says that motions were planned as well.
+
+    Until they are, `carried` has what planning said of the lines that are as they were.
+    """
 
     document: Document
     generation: int
     checked: Checked
     is_whole: bool
+    carried: tuple[Diagnostic, ...] = ()
+
+    @property
+    def shown(self) -> tuple[Diagnostic, ...]:
+        """What is shown in the text."""
+        return (*self.checked.diagnostics, *self.carried)
 
 
 @dataclass(slots=True)
@@ -36,6 +47,7 @@ class _Desk:
     document: Document
     generation: int = 0
     analysis: Analysis | None = None
+    planned: Planned | None = None
     whole: asyncio.Event = field(default_factory=asyncio.Event)
     some: asyncio.Event = field(default_factory=asyncio.Event)
 
@@ -157,8 +169,19 @@ class Analyses:
                 return
             if checked is None:
                 continue
-            desk.analysis = Analysis(document, generation, checked, plans)
-            desk.some.set()
-            if plans:
-                desk.whole.set()
+            self._put_down(desk, Analysis(document, generation, checked, plans))
+            assert desk.analysis is not None  # it was put down
             self._arrived(desk.analysis)
+
+    @staticmethod
+    def _put_down(desk: _Desk, found: Analysis) -> None:
+        """Keep what was found, for whoever waits for it."""
+        source = found.document.source
+        if found.is_whole:
+            quick = desk.analysis.checked.diagnostics if desk.analysis else ()
+            desk.planned = planned_alone(source, found.checked.diagnostics, quick)
+            desk.whole.set()
+        elif desk.planned is not None:
+            found = replace(found, carried=tuple(carried(desk.planned, source)))
+        desk.analysis = found
+        desk.some.set()

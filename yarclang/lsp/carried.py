@@ -1,0 +1,47 @@
+"""What planning has said of the lines that an edit leaves alone: shown until it is said anew, so that nothing flickers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.source import SourceFile, Span
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planned:
+    """Findings that only planning has brought, and the text that they are about."""
+
+    source: SourceFile
+    findings: tuple[Diagnostic, ...]
+
+
+def planned_alone(source: SourceFile, whole: Iterable[Diagnostic], quick: Iterable[Diagnostic]) -> Planned:
+    """Of all findings of a text those that weren't there without planning."""
+    known = {_key(one) for one in quick}
+    own = (one for one in whole if one.source is not None and one.source.name == source.name)
+    return Planned(source, tuple(one for one in own if _key(one) not in known))
+
+
+def _key(one: Diagnostic) -> tuple[str, str, Span | None]:
+    return one.code, one.message, one.span
+
+
+def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
+    """The findings of the lines that are the same in a newer text, where they are now; without fixes, which would be those of the older one."""
+    before, after = planned.source.lines, source.lines
+    shortest = min(len(before), len(after))
+    first = next((n for n in range(shortest) if before[n] != after[n]), shortest)
+    rest = shortest - first
+    last = next((n for n in range(rest) if before[-1 - n] != after[-1 - n]), rest)
+    moved = len(after) - len(before)
+    for one in planned.findings:
+        span = one.span
+        if span is None:
+            continue
+        if span.end_line <= first:
+            yield replace(one, source=source, fix=None)
+        elif span.line > len(before) - last:
+            there = Span(span.line + moved, span.column, span.end_line + moved, span.end_column)
+            yield replace(one, source=source, span=there, fix=None)

@@ -104,6 +104,11 @@ def _staged(opened: Result[Opened], project: Project, plans: bool) -> tuple[Chec
     return Checked(found, module.source, opened.value, program, plan, compiled), is_whole
 
 
+def told(diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path) -> tuple[Diagnostic, ...]:
+    """Findings of some stages about a program that belongs to a folder, as its comments and its yarc.toml want them told."""
+    return settled(diagnostics, source, find_project(folder).value or Project(folder))
+
+
 def settled(
     diagnostics: Iterable[Diagnostic], source: SourceFile, project: Project, *, is_whole: bool = False
 ) -> tuple[Diagnostic, ...]:

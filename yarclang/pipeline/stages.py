@@ -141,20 +141,25 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Motion plan to controller text, read back and proved."""
-    robot, program = request.robot, planned.program
-    tolerance = request.tolerance or robot.tolerance
+    tolerance = request.tolerance or request.robot.tolerance
     lowered = lower(planned, request.target, tolerance)
     emitted = emit(lowered)
     header = tuple(_header(lowered, planned, request.target))
     if request.progress:
         request.progress("certifying", 0, 1)
     text = emitted.text((*header, "certificate being made"))
-    judged = certify(text, _as_told(planned), robot, tolerance, _witnesses(planned), _laws(planned))
+    judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
     # only this comment line differs from the text that was judged
     final = emitted.text((*header, f"certificate {judged.value.summary()}"))
-    return Result(Compiled(final, program, planned, judged.value), judged.diagnostics)
+    return Result(Compiled(final, planned.program, planned, judged.value), judged.diagnostics)
+
+
+def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
+    """Controller text against the program: what it does, by its own reading. The plan only gives claims that are checked."""
+    tolerance = request.tolerance or request.robot.tolerance
+    return certify(text, _as_told(planned), request.robot, tolerance, _witnesses(planned), _laws(planned))
 
 
 def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[str]:

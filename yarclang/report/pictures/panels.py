@@ -59,6 +59,9 @@ def draw_panels(
     if trace.motors_bind:
         note = "colours as the joints', in the motors' order"
         panels.append(_Panel("motor speed", trace.motors, motors, note, height=0.6))
+    if trace.torque is not None:
+        note = "of the joints' efforts, without friction"
+        panels.append(_Panel("joint torque", trace.torque, joints, note))
     factor, unit = time_unit(float(trace.times[-1]))
     grid = figure.add_gridspec(
         len(panels) + 3,

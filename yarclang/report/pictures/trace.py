@@ -11,6 +11,7 @@ from yarclang.hir import Array
 from yarclang.motion.curve import Curve
 from yarclang.motion.plan import MotionPlan
 from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Robot
 
 MOST_SAMPLES = 20_000
@@ -37,7 +38,8 @@ class Trace:
     trace has two rows for each short interval, at its first and last time: the least and the largest values in it.
 
     `position` is -1 at the lower limit and +1 at the upper; of a joint without limits it is the angle over
-    180 deg. The others are signed, over the limit of their size. `motors` is the speed of the motors.
+    180 deg. The others are signed, over the limit of their size. `motors` is the speed of the motors, `torque` what they give of the joints' efforts, None of a robot
+    whose masses or efforts aren't known.
     """
 
     times: Array
@@ -46,6 +48,7 @@ class Trace:
     acceleration: Array
     jerk: Array
     motors: Array
+    torque: Array | None
     is_thinned: bool
 
     @property
@@ -79,7 +82,7 @@ def trace_of(plan: MotionPlan) -> Trace:
     if not plan.motions:
         still = np.zeros((2, plan.robot.size))
         rows = limits.shares(np.tile(plan.program.start, (2, 1)), still, still, still)
-        return _trace(np.array([0.0, STANDING]), rows, is_thinned=False)
+        return _trace(np.array([0.0, STANDING]), rows, plan.robot.size, is_thinned=False)
     segments = sum(motion.curve.segments for motion in plan.motions)
     parts = int(np.clip(MOST_SAMPLES // segments - 1, *_PARTS))
     sampled = (
@@ -94,13 +97,13 @@ def trace_of(plan: MotionPlan) -> Trace:
         first, last, least, most = extremes(first, last, least, most, plan.duration)
         times = np.column_stack((first, last)).ravel()
         rows = np.stack((least, most), axis=1).reshape(len(times), -1)
-        return _trace(times, rows, is_thinned=True)
+        return _trace(times, rows, plan.robot.size, is_thinned=True)
     times, rows = (np.concatenate(part) for part in zip(*sampled, strict=True))
-    return _trace(times, rows, is_thinned=False)
+    return _trace(times, rows, plan.robot.size, is_thinned=False)
 
 
 def _sampled(limits: _Limits, curve: Curve, parts: int) -> tuple[Array, Array]:
-    """Times (N,) from the start of a motion [s], and all shares side by side (N, 5 n)."""
+    """Times (N,) from the start of a motion [s], and all shares side by side (N, 5 n) or (N, 6 n)."""
     along = np.arange(curve.segments)[:, None] + np.linspace(0.0, 1.0, parts + 1)
     times = (along * curve.segment).ravel()
     jerk = np.repeat(np.diff(curve.points, n=3, axis=0) / curve.segment**3, parts + 1, axis=0)
@@ -110,7 +113,7 @@ def _sampled(limits: _Limits, curve: Curve, parts: int) -> tuple[Array, Array]:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Limits:
     """What to divide by: the `middle` of each joint's range and `half` its width, the largest velocity, acceleration and
-    jerk (n,) [rad or m, s], and `motors` (n, n), the share of each motor's speed per joint velocity.
+    jerk (n,) [rad or m, s], and `motors` (n, n), the share of each motor's speed per joint velocity. `robot` is whose masses count, None where they aren't known.
     """
 
     middle: Array
@@ -119,15 +122,19 @@ class _Limits:
     acceleration: Array
     jerk: Array
     motors: Array
+    robot: Robot | None
 
     def shares(self, q: Array, v: Array, a: Array, j: Array) -> Array:
-        """Position, velocity, acceleration and jerk (N, n) in SI as shares, with the motors' speeds behind (N, 5 n)."""
-        rows = np.empty((len(q), 5, q.shape[1]))
+        """Position, velocity, acceleration and jerk (N, n) in SI as shares, with the motors' speeds behind (N, 5 n), and, where they are known, torques (N, 6 n)."""
+        dynamics = self.robot.dynamics if self.robot else None
+        rows = np.empty((len(q), 5 if dynamics is None else 6, q.shape[1]))
         np.divide(q - self.middle, self.half, out=rows[:, 0])
         np.divide(v, self.velocity, out=rows[:, 1])
         np.divide(a, self.acceleration, out=rows[:, 2])
         np.divide(j, self.jerk, out=rows[:, 3])
         np.matmul(v, self.motors.T, out=rows[:, 4])
+        if self.robot is not None and dynamics is not None:
+            np.divide(torques(self.robot.chain, dynamics, q, v, a), dynamics.effort, out=rows[:, 5])
         return rows.reshape(len(q), -1)
 
 
@@ -142,6 +149,7 @@ def _limits(robot: Robot) -> _Limits:
         acceleration=limits.acceleration,
         jerk=limits.jerk,
         motors=counts_per_joint(robot) / robot.actuation.velocity[:, None],
+        robot=robot if robot.dynamics is not None and robot.dynamics.is_checked else None,
     )
 
 
@@ -172,8 +180,9 @@ def extremes(
     return first[begin], last[end], np.minimum.reduceat(least, begin), np.maximum.reduceat(most, begin)
 
 
-def _trace(times: Array, rows: Array, *, is_thinned: bool) -> Trace:
-    position, velocity, acceleration, jerk, motors = np.split(rows, 5, axis=1)
+def _trace(times: Array, rows: Array, size: int, *, is_thinned: bool) -> Trace:
+    position, velocity, acceleration, jerk, motors, *more = np.split(rows, rows.shape[1] // size, axis=1)
     for array in (times, rows):
         array.setflags(write=False)
-    return Trace(times, position, velocity, acceleration, jerk, motors, is_thinned)
+    torque = more[0] if more else None
+    return Trace(times, position, velocity, acceleration, jerk, motors, torque, is_thinned)

@@ -13,8 +13,10 @@ PACKAGE = ROOT / "yarclang"
 DOORS = ("cli", "lsp")
 """Folders of the package that talk to the world."""
 SOCKETS = {
+    "coordinator/client.py",
     "coordinator/coordinator.py",
     "coordinator/engine.py",
+    "coordinator/live/drive.py",
     "coordinator/subscription.py",
     "runtime/log.py",
     "runtime/session.py",
@@ -22,6 +24,7 @@ SOCKETS = {
     "runtime/transports/tcp.py",
     "simulator/embedded.py",
     "simulator/server.py",
+    "view/show.py",
 }
 """Modules that do so in the other folders: the protocols themselves know neither socket nor clock."""
 DRAWERS = {"common", "helper", "helpers", "manager", "managers", "misc", "util", "utils"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,17 +10,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from yarclang.collision.zones.watched import Moving
 from yarclang.coordinator.backwards import backwards
 from yarclang.coordinator.events import Began, Finished, Found, Message
 from yarclang.coordinator.history import stands_there
 from yarclang.coordinator.lines import Lines
+from yarclang.coordinator.live.drive import Drive, check_finite
+from yarclang.coordinator.live.opening import Settings, live_motion
+from yarclang.coordinator.live.steering import Target
 from yarclang.coordinator.mailbox import CAPACITY
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.programs import Loaded, way_to_start
 from yarclang.coordinator.subscription import Subscription
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.diagnostics import Diagnostic, Result, has_errors
-from yarclang.hir import LineMove, PoseGoal, SetOutput, WaitInput
+from yarclang.hir import LineMove, PoseGoal, Program, SetOutput, WaitInput
 from yarclang.pipeline.stages import certified, check_program, plan_program
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array
@@ -33,6 +38,9 @@ from yarclang.syntax.parse import parse
 
 if TYPE_CHECKING:
     from yarclang.coordinator.coordinator import Coordinator
+
+LIVE = Settings()
+"""How live motions are made, unless somebody says otherwise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -232,6 +240,54 @@ class Client:
         duration = loaded.rest.duration * (times or 1) + (way.job.duration if way.job else 0.0)
         return await self._carry_out(loaded.name, duration, lambda: undertaking.carry_out(way.job), stops)
 
+    async def drive(
+        self, target: Target, *, moving: str = "{TCP}", settings: Settings = LIVE, name: str = "jog"
+    ) -> Result[Drive]:
+        """Begin a live motion: a jog, a velocity, or a master that is followed. It goes on as long as something is wanted of it.
+
+        Args:
+            target: what is wanted at first.
+            moving: the frame that twists move, and whose speed is limited.
+            settings: how fast at most.
+            name: what it is called.
+
+        Returns:
+            A finding instead, where no live motion can begin here.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: something is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self.name, "to move the robot")
+        stops = coordinator.stops
+        check_finite(target)
+        checked = self._checked(f"MOVEL {moving} 0 0 0 0 0 0 [1] (mm,deg,s) {{B}}")
+        if checked.value is None:
+            return Result(None, checked.diagnostics)
+        step = checked.value.steps[-1]
+        assert isinstance(step, LineMove)
+        frame = Moving(moving.strip("{} ").upper(), step.goal.flange_from_moving)
+        here = await coordinator.stands()
+        made = await coordinator.plan(
+            live_motion, coordinator.robot, here, frame, checked.value.cell, settings, name
+        )
+        if made.value is None:
+            return Result(None, made.diagnostics)
+        live, generator = made.value
+        engine = coordinator.engine
+        generator.want(target, engine.session.now())
+        running = asyncio.create_task(
+            self._carry_out(name, 0.0, lambda: engine.perform_live(live), stops), name=name
+        )
+        await asyncio.sleep(0)  # it begins, or is refused
+        if running.done():
+            running.result()
+        return Result(
+            Drive(coordinator.robot, generator, running, engine.session.now, self.stop, self._told),
+            made.diagnostics,
+        )
+
     async def clear(self) -> None:
         """Look at the controller behind a fault; where all is well, motions are possible again.
 
@@ -394,6 +450,11 @@ class Client:
 
     def _step_of(self, text: str) -> Result[object]:
         """What a command means behind the session's lines: names are looked up where they always are."""
+        checked = self._checked(text)
+        return Result(checked.value.steps[-1] if checked.value else None, checked.diagnostics)
+
+    def _checked(self, text: str) -> Result[Program]:
+        """A command behind the session's lines, checked; None where it has errors."""
         coordinator = self._coordinator
         typed = coordinator.lines.behind(text)
         parsed = parse(typed.source)
@@ -402,7 +463,7 @@ class Client:
         found = typed.placed((*parsed.diagnostics, *checked.diagnostics))
         if checked.value is None or has_errors(found):
             return Result(None, found)
-        return Result(checked.value.steps[-1], found)
+        return Result(checked.value, found)
 
     def _told(self, text: str) -> None:
         self._coordinator.announce(Message(self._coordinator.now, text))

@@ -21,11 +21,12 @@ from yarclang.runtime.actions import Lost, Script, Trouble
 from yarclang.runtime.idling import idle
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.job import Job
+from yarclang.runtime.live import Live
 from yarclang.runtime.log import RunLog
 from yarclang.runtime.notices import Fail, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.performance import connect, end_what_runs, look, perform, perform_live
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import Event, State
 
@@ -153,12 +154,19 @@ class Engine:
 
     async def perform(self, job: Job) -> Ended:
         """Carry a job out; for work of `move`."""
+        return await self._logged(job, perform(self.operation, job))
+
+    async def perform_live(self, live: Live) -> Ended:
+        """Carry a live motion out; for work of `move`. The log has its states, positions and orders; its lines are made on the way."""
+        return await self._logged(live.job, perform_live(self.operation, live))
+
+    async def _logged(self, job: Job, script: Script[Ended]) -> Ended:
         try:
             self._log(job)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             return Ended(False, f"the log can't be made: {reason}; nothing moved", "make room", code="Y1601")
-        self.ended = await self.session.perform(perform(self.operation, job))
+        self.ended = await self.session.perform(script)
         return self.ended
 
     async def clear(self) -> None:

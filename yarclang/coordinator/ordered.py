@@ -23,7 +23,7 @@ class OrderedSession(Session):
     def order(self, order: Order) -> None:
         """Something that a person wants, at once."""
         if self.log is not None:
-            self.log.ordered(self._now(), order)
+            self.log.ordered(self.now(), order)
         if self.paused and isinstance(order, Hold):
             return
         if self.paused and isinstance(order, Override):

@@ -107,4 +107,12 @@ FINDINGS: tuple[Finding, ...] = (
         "START HOME",
         "P0010 MOVEJ HOME [50%] (deg,s)",
     ),
+    Finding(
+        "Y1616",
+        "no-live-motion",
+        "error",
+        "a jog can't begin here",
+        "Each increment of a jog, of a velocity and of a master that is followed is proved before it is streamed: limits, distances of bodies, zones. Where the robot stands already "
+        "breaks one of them, or a frame isn't one of the robot's, nothing of it can be proved.",
+    ),
 )

@@ -22,6 +22,7 @@ from yarclang.runtime.inspection import Inspection, Item, inspect
 from yarclang.runtime.job import Job
 from yarclang.runtime.legs import perform_legs
 from yarclang.runtime.link import Link, measure
+from yarclang.runtime.live import Live, LiveStream
 from yarclang.runtime.messages import Control
 from yarclang.runtime.notices import Abort
 from yarclang.runtime.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIENCE, Interrupted, Operation
@@ -124,9 +125,21 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
 
 def _stream(operation: Operation, job: Job) -> Script[Ended]:
     """Run a job without barriers."""
-    stream = Stream(operation, job)
+    return (yield from _carried_out(operation, Stream(operation, job)))
+
+
+def perform_live(operation: Operation, live: Live) -> Script[Ended]:
+    """Carry a live motion out on a controller that was looked at, as `perform` does with a job."""
+    if operation.state is not State.STOP:
+        what = f"nothing is begun in state {operation.state.value}"
+        return Ended(False, what, "look at the controller first: `yarc doctor`")
+    return (yield from _carried_out(operation, LiveStream(operation, live)))
+
+
+def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
+    """To its end, or to rest."""
     try:
-        yield from away_from_start(operation, job)
+        yield from away_from_start(operation, stream.job)
         yield from stream.run()
     except Stopped as stopped:
         what = _ABORTED if stopped.abort else "stopped on its path"
@@ -136,6 +149,7 @@ def _stream(operation: Operation, job: Job) -> Script[Ended]:
     except Lost as lost:
         ended = yield from _recover(operation, stream, str(lost))
     else:
+        job = stream.job
         return Ended(True, joints=job.end, done=job.offset + job.duration)
     operation.watch, operation.patience = (), PATIENCE
     operation.orders.clear()
@@ -169,7 +183,7 @@ def off_the_start(job: Job, joints: Array) -> str:
     return f"the robot doesn't stand where {job.name} starts: {', '.join(parts)}"
 
 
-def _settle(operation: Operation, stream: Stream, event: Event, why: Trouble) -> Script[Ended]:
+def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why: Trouble) -> Script[Ended]:
     """Come to rest, and leave the controller in a state that is known."""
     robot = stream.job.robot
     what, remedy = why.what, why.remedy
@@ -213,7 +227,7 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
     return (yield from stands_at(operation, robot)), aborted
 
 
-def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
+def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Script[Ended]:
     """The connection is lost: the guard PLC holds the motion when the buffer runs low. Make another connection, hold, and look."""
     operation.go(Event.LOST, why)
     operation.watch = ()
@@ -249,7 +263,7 @@ def _recover(operation: Operation, stream: Stream, why: str) -> Script[Ended]:
             operation.go(Event.FAULT, what)
             guard = (
                 "its guard PLC holds the motion on the path when the buffer runs low"
-                if stream.job.guarded and stream.feed.left
+                if stream.job.guarded and stream.left
                 else "the lines that it has run to their end, at rest"
             )
             remedy = f"{guard}; look at the robot, then run `yarc doctor`"
@@ -268,7 +282,9 @@ _LOST = Trouble("", code="Y1606")
 """What kind of fault a lost connection is."""
 
 
-def _ended(stream: Stream, what: str, remedy: str, joints: Array | None, why: Trouble = _LOST) -> Ended:
+def _ended(
+    stream: Stream | LiveStream, what: str, remedy: str, joints: Array | None, why: Trouble = _LOST
+) -> Ended:
     job, command = stream.job, stream.command if stream.begun else None
     about = command
     if why.line is not None and 0 <= why.line < len(job.lines):

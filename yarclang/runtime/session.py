@@ -89,7 +89,7 @@ class Session:
         operation = self.operation
         outcome: Outcome = None
         while True:
-            operation.now = self._now()
+            operation.now = self.now()
             try:
                 action = script.send(outcome)
             except StopIteration as end:
@@ -122,13 +122,13 @@ class Session:
             self._wire.close()
             self._wire = None
 
-    def _now(self) -> float:
+    def now(self) -> float:
         """The host's clock, at the controller's pace [s]."""
         return asyncio.get_running_loop().time() * self.pace
 
     def _later(self, until: float, event: asyncio.Event) -> asyncio.TimerHandle:
         """Set an event at a time of that clock."""
-        delay = max(0.0, until - self._now()) / self.pace
+        delay = max(0.0, until - self.now()) / self.pace
         return asyncio.get_running_loop().call_later(delay, event.set)
 
     def _tell(self) -> None:
@@ -148,7 +148,7 @@ class Session:
     async def _wait(self, until: float) -> None:
         """Until a time, or until somebody orders something."""
         self._woken.clear()
-        if until <= self._now():
+        if until <= self.now():
             await asyncio.sleep(0)
             return
         timer = self._later(until, self._woken)
@@ -171,20 +171,20 @@ class Session:
         if wire is None or connection.lost:
             self._last_words()
             return Violation(request, "there is no connection")
-        wire.send(connection.send(request, self._now(), self._reply_time * self.pace))
+        wire.send(connection.send(request, self.now(), self._reply_time * self.pace))
         while True:
             timer = self._later(connection.deadline or 0.0, wire.arrived)
             await wire.arrived.wait()
             timer.cancel()
             data = wire.take()
-            events = connection.receive(data, self._now()) if data else ()
+            events = connection.receive(data, self.now()) if data else ()
             if not events and wire.closed:
                 events = connection.close()
             if not events and not data:
                 # a process that has slept past the deadline finds its reply only in the next turn of the loop
                 await asyncio.sleep(_TURN)
                 data = wire.take()
-                events = connection.receive(data, self._now()) if data else connection.check(self._now())
+                events = connection.receive(data, self.now()) if data else connection.check(self.now())
             if more := connection.outgoing():
                 wire.send(more)
             if events:

@@ -91,6 +91,11 @@ class Stream:
         """What is executed."""
         return self.job.command_at(self.done)
 
+    @property
+    def left(self) -> int:
+        """Lines that the controller hasn't got yet."""
+        return self.feed.left
+
     def run(self) -> Script[None]:
         """Load the job, run it, and come to its end.
 

@@ -1,0 +1,117 @@
+"""What stands in front of a live motion's lines: the rotary, its guard, the segment time; and who makes its lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.backend_pmac.decimals import decimals_for
+from yarclang.backend_pmac.emit import emit
+from yarclang.backend_pmac.guard import watermarks
+from yarclang.cell.model import Cell
+from yarclang.collision.zones.watched import Moving
+from yarclang.coordinator.live.generator import Generator, rates_of
+from yarclang.coordinator.live.proof import Judge, surroundings_of
+from yarclang.coordinator.live.steering import SPEED, Steering
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.pipeline.jobs import START_SHARE
+from yarclang.pmac.program import Assignment, PmacProgram, SegmentTime
+from yarclang.pmac.variables import ARMED
+from yarclang.robot.actuation import to_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.job import Job
+from yarclang.runtime.live import Live
+from yarclang.units import MS
+
+SEGMENT = 10.0 * MS
+"""TM of live motions [s]."""
+
+_LEAD = 10
+"""Lines ahead beyond I16: what the host may be late by."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How a live motion is made: `speed` of the tool at most [m/s], `share` of the joints' velocity limits, the segment time [s]."""
+
+    speed: float = SPEED
+    share: float = 1.0
+    segment: float = SEGMENT
+
+
+def live_motion(
+    robot: Robot, here: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
+) -> Result[tuple[Live, Generator]]:
+    """A live motion from where the robot stands.
+
+    Args:
+        robot: that moves.
+        here: (n,) where it stands [rad or m].
+        moving: the tool.
+        cell: what is around it.
+        settings: how it is made.
+        name: what it is called.
+
+    Returns:
+        A finding instead, where its surroundings can't be read, or don't let it move at all.
+    """
+    around = surroundings_of(robot, cell, moving)
+    if around.value is None:
+        return Result(None, around.diagnostics)
+    segment = max(settings.segment, robot.controller.smallest_segment)
+    decimals = decimals_for(robot, segment, robot.tolerance)
+    start = np.round(here / robot.axis_units, decimals) + 0.0
+    tool = moving.flange_from_moving
+    judge = Judge(robot, start, segment, settings.speed, tool, *around.value)
+    stands = "".join(
+        f"{axis}{value:.{decimals}f}" for axis, value in zip(robot.controller.axes, start, strict=True)
+    )
+    if objection := judge.objection((stands,) * 3, ()):
+        message = f"where the robot stands, no live motion can begin: {objection}"
+        return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))
+    rates = rates_of(robot, settings.share)
+    steering = Steering(robot, tool, rates, settings.speed)
+    generator = Generator(robot, start, decimals, segment, steering, judge, rates)
+    marks = watermarks(robot, segment)
+    program = PmacProgram(
+        target="rotary",
+        coordinate_system=robot.controller.coordinate_system,
+        motors=robot.controller.motors,
+        axes=robot.controller.axes,
+        joint_names=robot.joint_names,
+        decimals=decimals,
+        start=start,
+        start_counts=to_counts(robot, start * robot.axis_units),
+        start_slack=np.zeros(robot.size),
+        rotary_words=marks.words,
+        full_lines=marks.low + 5,
+        low_lines=marks.low,
+        body=(SegmentTime(segment / MS), Assignment(ARMED, 1.0)),
+        commands=(),
+    )
+    text = [line for line in emit(program).text(()).splitlines() if line and not line.startswith(";")]
+    at = text.index("OPEN ROT")
+    slack = START_SHARE * robot.limits.acceleration * segment**2
+    job = Job(
+        name=name,
+        robot=robot,
+        setup=tuple(text[:at]),
+        lines=(),
+        times=np.empty(0),
+        commands=(),
+        start=start * robot.axis_units,
+        end=start * robot.axis_units,
+        slack=slack,
+        segment=segment,
+        duration=0.0,
+        words=marks.words,
+        low=marks.low,
+        full=marks.low + 5,
+        guarded=True,
+        text="\n".join(text) + "\n",
+        source="",
+        certificate="",
+    )
+    opening = tuple(text[at + 2 : -1])
+    return Result((Live(job, opening, marks.low + _LEAD, generator), generator), around.diagnostics)

@@ -1,0 +1,202 @@
+"""The judgement of a live motion's text, by the arithmetic of the certificate. It knows nothing of how the text was made.
+
+What is read are the printed numbers. Behind what was admitted before, they must keep at every instant the limits of position, velocity, acceleration and
+jerk of each joint and of the motors' speeds, the tool's largest speed, the distances of all bodies, and the zones; and the text must end at rest.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.certify.bounds import Cubics, reaches
+from yarclang.certify.limits import POSITION_UNITS, RELATIVE
+from yarclang.certify.speed import KEPT
+from yarclang.collision.course import Course
+from yarclang.collision.proof import clearances
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.zones.proof import kept
+from yarclang.collision.zones.speed import fastest_inside
+from yarclang.collision.zones.watched import Moving
+from yarclang.collision.zones.workspace import Watch, watches_of
+from yarclang.diagnostics import Result
+from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.kinematics.fk import poses_and_jacobians
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MM
+
+_WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d*)?)")
+
+_PIECES = (1, 8, 64)
+"""Into so many pieces a segment is cut, one after the other, to tell the tool's speed."""
+
+
+class Judge:
+    """Admits text, increment by increment.
+
+    Args:
+        robot: whose limits count.
+        start: (n,) where it stands at rest, as printed [axis units].
+        segment: TM [s].
+        speed: the largest speed of the tool's origin [m/s].
+        tool: (4, 4) flange_from_tool.
+        scene: bodies that must stay apart; None where there are none.
+        watches: zones.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        start: Array,
+        segment: float,
+        speed: float,
+        tool: Array,
+        scene: Scene | None = None,
+        watches: tuple[Watch, ...] = (),
+    ) -> None:
+        self._robot = robot
+        self._segment = segment
+        self._speed = speed
+        self._tool = tool
+        self._scene = scene
+        self._slow = [one for one in watches if one.zone.rule == "slow"]
+        self._watches = tuple(one for one in watches if one.zone.rule != "slow")
+        self._motors = counts_per_joint(robot)
+        travel = np.maximum(np.abs(robot.limits.lower), np.abs(robot.limits.upper))
+        self._reach = reaches(robot.chain, tool, np.where(robot.chain.is_prismatic, travel, 0.0))
+        self._behind = np.tile(start * robot.axis_units, (3, 1))
+
+    def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
+        """Why lines can't be admitted; empty: they can.
+
+        Args:
+            lines: that shall be streamed.
+            tail: that would bring the robot to rest behind them.
+        """
+        points = self._read((*lines, *tail))
+        if isinstance(points, str):
+            return points
+        last = points[-3:] if len(points) >= 3 else np.concatenate([self._behind, points])[-3:]
+        if np.ptp(last, axis=0).any():
+            return "the way behind it doesn't end at rest"
+        control = np.concatenate([self._behind, points])
+        count = len(control) - 3
+        cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))
+        return self._limits(cubics) or self._tool_speed(cubics) or self._surroundings(cubics)
+
+    def admit(self, lines: tuple[str, ...]) -> None:
+        """These are streamed; `objection` had none."""
+        points = self._read(lines)
+        assert not isinstance(points, str)
+        self._behind = np.concatenate([self._behind, points])[-3:]
+
+    def _read(self, lines: tuple[str, ...]) -> Array | str:
+        axes = self._robot.controller.axes
+        rows = []
+        for line in lines:
+            words = _WORD.findall(line)
+            if tuple(axis for axis, _ in words) != axes or "".join(map("".join, words)) != line:
+                return f"{line!r} isn't a move of all axes"
+            rows.append([float(value) for _, value in words])
+        return np.array(rows).reshape(-1, len(axes)) * self._robot.axis_units
+
+    def _limits(self, cubics: Cubics) -> str:
+        robot, limits, names = self._robot, self._robot.limits, self._robot.joint_names
+        lower, upper = cubics.position_range()
+        past = np.maximum(upper - limits.upper, limits.lower - lower).max(axis=0) / robot.axis_units
+        if (past > POSITION_UNITS).any():
+            return f"{names[int(np.argmax(past))]} would go past its limit"
+        shares = {
+            "velocity": cubics.velocity_peaks() / limits.velocity,
+            "acceleration": cubics.acceleration_peaks() / limits.acceleration,
+            "jerk": np.abs(cubics.j) / limits.jerk,
+        }
+        for what, share in shares.items():
+            worst = share.max(axis=0)
+            if (worst > 1.0 + RELATIVE).any():
+                joint = int(np.argmax(worst))
+                return f"{names[joint]} would have {worst[joint]:.1%} of its {what} limit"
+        motors = (cubics.mapped(self._motors).velocity_peaks() / robot.actuation.velocity).max(axis=0)
+        if (motors > 1.0 + RELATIVE).any():
+            motor = int(np.argmax(motors))
+            return f"motor {robot.controller.motors[motor]} would have {motors[motor]:.1%} of its speed limit"
+        return ""
+
+    def _tool_speed(self, cubics: Cubics) -> str:
+        """Segments are cut into pieces until the bound says enough of them."""
+        worst = 0.0
+        for pieces in _PIECES:
+            speed = self._speed_bounds(cubics, pieces)
+            worst = float(speed.max())
+            (open_,) = np.nonzero(speed > self._speed * (1.0 + RELATIVE))
+            if not len(open_):
+                return ""
+            cubics = cubics.take(open_)
+        return f"the tool might reach {worst / MM:.1f} mm/s, of {self._speed / MM:g} at most"
+
+    def _speed_bounds(self, cubics: Cubics, pieces: int) -> Array:
+        """A bound (N,) of the speed of the tool's origin on each segment [m/s]: what it is in the middle of each piece, and how much it can be more at its ends.
+
+        |p''| is at most the sum over joints of R_m (B_m - B_(m-1)) with B = (sum w)^2 + sum a over the joints up to m, as in
+        `bounds.arm_fourth`; a sliding joint enters once, with length 1.
+        """
+        robot, half = self._robot, self._segment / (2.0 * pieces)
+        count = len(cubics.h)
+        row = np.repeat(np.arange(count), pieces)
+        times = np.tile((2.0 * np.arange(pieces) + 1.0) * half, count)
+        q, rate = cubics.take(row).at(times)
+        jacobians = poses_and_jacobians(robot.chain, q, self._tool)[1]
+        speed = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, :3], rate), axis=1)
+        w, a = cubics.velocity_peaks(), cubics.acceleration_peaks()
+        sum_w = sum_a = before = bend = np.zeros(count)
+        for m, prismatic in enumerate(robot.chain.is_prismatic):
+            if prismatic:
+                bend = bend + 2.0 * sum_w * w[:, m] + a[:, m]
+                continue
+            sum_w, sum_a = sum_w + w[:, m], sum_a + a[:, m]
+            upto = sum_w**2 + sum_a
+            bend = bend + self._reach[m] * (upto - before)
+            before = upto
+        bounds: Array = speed.reshape(count, pieces).max(axis=1) + half * bend
+        return bounds
+
+    def _surroundings(self, cubics: Cubics) -> str:
+        scene = self._scene
+        if scene is None:
+            return ""
+        course = Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())
+        spans = np.array([[0, len(cubics.h)]])
+        if len(scene.first):
+            found = clearances(scene, course, spans)
+            if found.meetings:
+                one, other = scene.names(found.meetings[0].pair)
+                return f"{one} would come too near to {other}"
+        if self._watches:
+            broken = kept(scene, course, spans, self._watches).breaches
+            if broken:
+                return f"the zone {self._watches[broken[0].watch].zone.name} would be broken"
+        for watch in self._slow:
+            allowed = watch.zone.speed or 0.0
+            fastest = float(fastest_inside(scene, course, spans, watch, least=allowed).speed[0])
+            if fastest > allowed * (1.0 + KEPT):
+                return f"in the zone {watch.zone.name} it would be faster than {allowed / MM:g} mm/s"
+        return ""
+
+
+def surroundings_of(
+    robot: Robot, cell: Cell | None, moving: Moving
+) -> Result[tuple[Scene | None, tuple[Watch, ...]]]:
+    """The bodies and the zones that a robot in a cell must keep to while a frame is moved.
+
+    Returns:
+        None where a body can't be read: then nothing is proved.
+    """
+    if not robot.shapes and not (cell and (cell.obstacles or cell.zones)):
+        return Result((None, ()))
+    made = scene_of(robot, cell)
+    if made.value is None:
+        return Result(None, made.diagnostics)
+    watches = watches_of(robot, cell, moving) if cell and cell.zones else ()
+    return Result((made.value, watches), made.diagnostics)

@@ -1,0 +1,232 @@
+"""A motion whose lines are made while it goes on: jogs, velocities, a master that is followed. No I/O.
+
+As many lines as the guard PLC needs for a hold on the path, and some that this host may be late by, always lie ahead: so the buffer never runs dry in motion, and
+whatever is wanted comes that much later. A stop doesn't wait for them: it is a hold, and what is left is forgotten.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from yarclang.pmac.variables import ARMED
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.feed import AHEAD
+from yarclang.runtime.job import Job, JobCommand
+from yarclang.runtime.notices import Abort, Fail, Override
+from yarclang.runtime.operation import URGENT, Interrupted, Operation
+from yarclang.runtime.packets import fitting
+from yarclang.runtime.rest import come_to_rest, leave
+from yarclang.runtime.state import Event
+from yarclang.runtime.streaming import STATUS_EACH
+from yarclang.runtime.watching import look_at_motors, sample
+
+_LATE = 4
+"""Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
+
+_LOOK = 0.008
+"""Time between two looks at the buffer [s]."""
+
+
+class Source(Protocol):
+    """Makes the lines; each of them was proved."""
+
+    ended: bool
+    """Whether the text ends at rest, for good."""
+
+    @property
+    def end(self) -> Array:
+        """(n,) where it ends so far [rad or m]."""
+
+    def more(self, now: float, count: int) -> tuple[str, ...]:
+        """`count` lines or a few more behind those that were given before; fewer only where the text ends."""
+
+    def expired(self, now: float) -> bool:
+        """Whether nobody has said for too long what is wanted."""
+
+    def finish(self) -> None:
+        """Come to rest, and end the text there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Live:
+    """What is streamed: `job` has the robot, the setup and where it starts, but no lines; `opening` are those before the first move; `lead` lines
+    are kept ahead; `source` makes them.
+    """
+
+    job: Job
+    opening: tuple[str, ...]
+    lead: int
+    source: Source
+
+
+class LiveStream:
+    """A live motion on its way through the rotary.
+
+    Attributes:
+        job: as it is performed; in the end with where and when it ended.
+        begun: whether anything has moved.
+    """
+
+    def __init__(self, operation: Operation, live: Live) -> None:
+        self.operation = operation
+        self.job = live.job
+        self.begun = False
+        self._live = live
+        self._source = live.source
+        self._sent = 0
+        self._moves = 0
+        self._ahead = 0
+        self._asked = 0.0
+        self._lines_due = self._status_due = self._positions_due = 0.0
+
+    @property
+    def done(self) -> float:
+        """How long it has gone on [s]."""
+        return max(0, self._moves - self._ahead - AHEAD) * self.job.segment
+
+    @property
+    def command(self) -> JobCommand | None:
+        """It has no commands."""
+        return None
+
+    @property
+    def left(self) -> int:
+        """How many lines the controller hasn't got yet, as far as anybody knows."""
+        return 0 if self._source.ended else 1
+
+    def run(self) -> Script[None]:
+        """Load what is wanted at first, and go on with what is wanted then, until the text ends.
+
+        Raises:
+            Stopped: somebody has ended it; the motion may still be going on.
+            Trouble: it can't go on; likewise.
+            Lost: the connection is of no use any more.
+        """
+        operation, job = self.operation, self.job
+        operation.go(Event.LOAD, f"loading {job.name}")
+        for line in job.setup:
+            yield from operation.ask(line)
+        yield from operation.ask(f"%{100.0 * operation.override:g}")
+        yield from operation.ask("OPEN ROT")
+        yield from operation.ask("CLEAR")
+        self._obey_at_rest()
+        yield from self._write(self._live.opening)
+        yield from self._fill(self._live.lead)
+        operation.watch = URGENT
+        ended = False
+        while not ended:
+            with contextlib.suppress(Interrupted):
+                yield from self._obey()
+                ended = yield from (self._step() if self.begun else self._begin())
+        operation.watch = ()
+        yield from operation.ask("CLOSE")
+        yield from come_to_rest(operation, job.robot)
+        yield from leave(operation, job.robot)
+        self.job = replace(job, end=self._source.end, duration=self._moves * job.segment)
+        operation.go(Event.END, f"{job.name} has ended")
+
+    def _begin(self) -> Script[bool]:
+        yield from self.operation.ask("R")
+        self.begun = True
+        self.operation.slept = 0.0
+        self.operation.go(Event.BEGIN)
+        return False
+
+    def _step(self) -> Script[bool]:
+        """One look; whether all is executed."""
+        operation, now = self.operation, self.operation.now
+        if now >= self._lines_due:
+            self._lines_due = now + _LOOK
+            yield from self._ask_lines()
+            if self._source.ended:
+                return self._ahead == 0
+            if self._source.expired(now):
+                yield from self._hold("nobody says any more what is wanted")
+                raise Stopped(abort=False)
+            if self._ahead < self.job.low + _LATE:
+                # what is behind would come too late: rest on the path, while there is enough of it
+                yield from self._hold(f"low water: {self._ahead} lines ahead")
+                operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
+                raise Stopped(abort=False)
+            yield from self._fill(self._live.lead)
+        elif now >= self._status_due:
+            self._status_due = now + STATUS_EACH
+            yield from look_at_motors(operation, self.job.robot)
+        elif now >= self._positions_due:
+            self._positions_due = now + operation.positions_each
+            operation.notices.append((yield from sample(operation, self.job.robot, self.done)))
+        else:
+            yield Wait(min(self._lines_due, self._status_due, self._positions_due))
+        return False
+
+    def _fill(self, lead: int) -> Script[None]:
+        """As many lines ahead as wanted; where the text ends, so many behind it that the guard can be disarmed before."""
+        source = self._source
+        wanted = lead - self._ahead
+        if wanted <= 0 or source.ended:
+            return
+        lines = source.more(self.operation.now, wanted)
+        self._moves += len(lines)
+        if source.ended:
+            stand = lines[-1] if lines else ""
+            # at the flag, what lies ahead must be more than the guard wants
+            behind = (stand,) * (self.job.low + AHEAD + _LATE if stand else 0)
+            lines = (*lines, f"{ARMED}=0", *behind)
+        yield from self._write(lines)
+
+    def _write(self, lines: tuple[str, ...]) -> Script[None]:
+        first = 0
+        while first < len(lines):
+            count = fitting(lines, first)
+            written = yield from self.operation.write(lines[first : first + count])
+            if written.error is not None:
+                yield from look_at_motors(self.operation, self.job.robot)
+                raise Trouble(
+                    f"the controller refuses a line of a live motion: ERR{written.error:03d}",
+                    "run `yarc doctor`",
+                    "Y1603",
+                )
+            first += count
+            self._sent += count
+            self._ahead += count
+
+    def _ask_lines(self) -> Script[None]:
+        text = yield from self.operation.one("PR")
+        if not text.isdigit():
+            raise Trouble(f"the controller answers PR with {text!r}", "run `yarc doctor`")
+        self._ahead = int(text)
+
+    # orders
+
+    def _obey_at_rest(self) -> None:
+        """Whoever wants a stop before anything moves gets it."""
+        if any(isinstance(order, URGENT) for order in self.operation.orders):
+            raise Stopped(abort=False)
+
+    def _obey(self) -> Script[None]:
+        """A hold ends a live motion, as a stop does: what was wanted then isn't wanted later."""
+        operation, orders = self.operation, self.operation.orders
+        while orders:
+            order = orders.popleft()
+            if isinstance(order, URGENT):
+                if Abort() in (order, *orders):
+                    orders.clear()
+                    if self.begun:
+                        yield from operation.abort()
+                    raise Stopped(abort=True)
+                if self.begun:
+                    yield from self._hold("a stop was asked for")
+                if isinstance(order, Fail):
+                    raise Trouble(order.what, order.remedy, code="")
+                raise Stopped(abort=False)
+            if isinstance(order, Override):
+                yield from operation.ask(f"%{order.percent:g}")
+                operation.override = order.percent / 100.0
+
+    def _hold(self, why: str) -> Script[None]:
+        controller = self.job.robot.controller
+        yield from self.operation.hold(controller.coordinate_system, controller.hold_time)
+        self.operation.go(Event.HOLD, why)

@@ -246,6 +246,28 @@ def test_links_that_always_touch(tmp_path):
     assert again.exit_code == 0, again.output
 
 
+def test_a_new_robot_lets_touch_what_always_does(tmp_path):
+    """Pairs that touch wherever the robot is are proposed, with a mark; what can really hit each other isn't."""
+    urdf = tmp_path / "a.urdf"
+    text = (stdlib_folder() / "robots" / "industrial6" / "industrial6.urdf").read_text()
+    urdf.write_text(text)
+    made = CliRunner().invoke(main, ["robot", "new", str(urdf), "--yes", "-o", str(tmp_path / "fine")])
+    assert made.exit_code == 0, made.output
+    assert "[collision]" not in (tmp_path / "fine" / "robot.toml").read_text()
+    urdf.write_text(text.replace('<capsule radius="0.05" length="0.16"/>', '<sphere radius="0.3"/>'))
+    made = CliRunner().invoke(main, ["robot", "new", str(urdf), "--yes", "-o", str(tmp_path / "wide")])
+    assert made.exit_code == 0, made.output
+    written = (tmp_path / "wide" / "robot.toml").read_text()
+    (line,) = [one for one in written.splitlines() if "link_5" in one]
+    assert re.match(
+        r'    \["link_5", "link_3"\],  # guess: they touch in (HOME and in )?\d+% of 200 positions', line
+    )
+    assert load_robot(str(tmp_path / "wide")).value.allowed == {("link_3", "link_5")}
+    told = CliRunner().invoke(main, ["robot", "check", str(tmp_path / "wide")]).output
+    assert "they touch in" in told
+    assert "touching links: none" in told
+
+
 def test_a_robot_without_shapes_is_told_and_compiles(tmp_path):
     folder = changed(tmp_path, file="industrial6.urdf")
     urdf = tmp_path / "arm" / "industrial6.urdf"

@@ -17,6 +17,8 @@ POSITIONS = 200
 """Joint positions, spread over the limits, at which links are looked at."""
 OFTEN = 0.9
 """Links that touch in more of them than this share are drawn too large, or are joined."""
+MOSTLY = 0.5
+"""So are those that touch in HOME and in more of them than this share."""
 
 
 def body_items(robot: Robot) -> Iterator[Item]:
@@ -41,7 +43,7 @@ def body_items(robot: Robot) -> Iterator[Item]:
         pairs = ", ".join(f'["{one}", "{other}"]' for one, other in always)
         remedy = (
             f"if they can't harm each other, write into robot.toml: [collision] allowed = [{pairs}]; else make "
-            "their shapes smaller"
+            "their shapes smaller, or choose another HOME"
         )
         yield Item("touching links", "to do", found, remedy)
     else:
@@ -53,15 +55,33 @@ def body_items(robot: Robot) -> Iterator[Item]:
 
 
 def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
-    """The pairs of bodies, by name, that touch in HOME or nearly everywhere, and which of both; none where a mesh can't be read."""
-    scene = scene_of(robot, None).value
-    if scene is None or not len(scene.first) + len(scene.at_home):
+    """The pairs of bodies, by name, that seem to touch whatever the robot does, and why; none where a mesh can't be read.
+
+    What touches in HOME and seldom elsewhere may well hit each other: then HOME is chosen badly, and nothing is proposed.
+    """
+    # with all pairs, also those that HOME lets touch
+    scene = scene_of(robot, None, lenient=False).value
+    if scene is None or not len(scene.first):
         return ()
     touch = _touching(scene, within(robot.chain, robot.limits, POSITIONS))
-    often = {scene.names(int(pair)) for pair in np.flatnonzero(touch.mean(axis=0) > OFTEN)}
-    always = _always(scene, robot, touch)
-    everywhere = f"touch in more than {OFTEN:.0%} of {POSITIONS} positions"
-    return tuple((pair, everywhere if pair in often else "touch in HOME") for pair in always)
+    here = _touching(scene, robot.home[None])[0]
+    shares = _by_names(scene, touch)
+    home = {scene.names(int(pair)) for pair in np.flatnonzero(here)}
+    found = []
+    for pair, share in sorted(shares.items()):
+        if share > (MOSTLY if pair in home else OFTEN):
+            where = "in HOME and in" if pair in home else "in"
+            found.append((pair, f"touch {where} {share:.0%} of {POSITIONS} positions"))
+    return tuple(found)
+
+
+def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
+    """In which share of the positions (P, K) some of the shapes of two bodies touch."""
+    rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
+    for pair in range(len(scene.first)):
+        names = scene.names(pair)
+        rows[names] = rows[names] | touch[:, pair] if names in rows else touch[:, pair]
+    return {names: float(row.mean()) for names, row in rows.items()}
 
 
 def _tools(robot: Robot) -> Iterator[Item]:
@@ -84,7 +104,7 @@ def _tools(robot: Robot) -> Iterator[Item]:
 
 def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[str, str]]:
     """The pairs that touch in HOME or nearly everywhere."""
-    often = [scene.names(int(pair)) for pair in np.flatnonzero(touch.mean(axis=0) > OFTEN)]
+    often = [names for names, share in _by_names(scene, touch).items() if share > OFTEN]
     here = [scene.names(int(pair)) for pair in np.flatnonzero(_touching(scene, robot.home[None])[0])]
     return sorted(scene.at_home | set(often) | set(here))
 

@@ -75,8 +75,11 @@ class Scene:
 
 
 @lru_cache(maxsize=32)
-def scene_of(robot: Robot, cell: Cell | None) -> Result[Scene]:
-    """The robot's links and what the cell adds, remembered by identity; None with findings about meshes that can't be read."""
+def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result[Scene]:
+    """The robot's links and tools and what the cell adds, remembered by identity; None with findings about meshes that can't be read.
+
+    If it isn't `lenient`, links that touch in HOME are among the pairs as well.
+    """
     findings: list[Diagnostic] = []
     bodies: list[Body] = []
 
@@ -112,20 +115,20 @@ def scene_of(robot: Robot, cell: Cell | None) -> Result[Scene]:
         add(one.name, robot.size if carried else 0, placed, one.shape, one)
     if findings:
         return Result(None, tuple(findings))
-    return Result(_scene(robot, tuple(bodies)))
+    return Result(_scene(robot, tuple(bodies), lenient=lenient))
 
 
 _MESH = "save it again as a binary STL, and check that it isn't empty"
 
 
-def _scene(robot: Robot, bodies: tuple[Body, ...]) -> Scene:
+def _scene(robot: Robot, bodies: tuple[Body, ...], *, lenient: bool) -> Scene:
     whole = _with_pairs(robot, bodies, _pairs(robot, bodies), frozenset())
     links = [body.is_link for body in bodies]
     own = np.array(
         [pair for pair, one in enumerate(whole.first) if links[one] and links[whole.second[pair]]],
         dtype=np.int64,
     )
-    if not len(own):
+    if not len(own) or not lenient:
         return whole
     from yarclang.collision.placing import distances, place, relative
 

@@ -166,9 +166,10 @@ def _write(folder: Path, made: NewRobot) -> None:
     """Write the folder, and say what is in it and what isn't."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
+    from yarclang.collision.checklist import touching_pairs
     from yarclang.diagnostics import Diagnostic
     from yarclang.robot.description import load_robot
-    from yarclang.robot.new.writing import guesses
+    from yarclang.robot.new.writing import collision_table, guesses
 
     files: list[tuple[Path, str | bytes]] = []
     try:
@@ -192,6 +193,12 @@ def _write(folder: Path, made: NewRobot) -> None:
         _undo(folder, written)
         click.echo(f"no robot comes of this; {folder} isn't written", err=True)
         raise SystemExit(1)
+    toml = made.toml + collision_table(touching_pairs(loaded.value))
+    if toml != made.toml:
+        if found := write_whole(folder / "robot.toml", toml):
+            show_findings(found)
+            raise SystemExit(1)
+        loaded = load_robot(str(folder))
     chain = made.sketch.chain
     joints = f"{len(chain.joints)} joint{'s' * (len(chain.joints) != 1)}"
     click.echo(f"{made.sketch.name}: {joints}, {chain.base} to {chain.flange}", err=True)
@@ -199,7 +206,7 @@ def _write(folder: Path, made: NewRobot) -> None:
         click.echo(f"  note: {note}", err=True)
     show_findings(loaded.diagnostics)
     click.echo(
-        f"written to {folder}; {len(guesses(made.toml))} values are guesses: yarc robot check {folder}",
+        f"written to {folder}; {len(guesses(toml))} values are guesses: yarc robot check {folder}",
         err=True,
     )
 

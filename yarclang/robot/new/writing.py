@@ -85,6 +85,23 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
     return "\n".join(lines)
 
 
+def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
+    """The end of the file that lets pairs of bodies touch, each with the reason; nothing without pairs."""
+    if not pairs:
+        return ""
+    lines = [
+        "",
+        "# Bodies that may touch each other: pairs that always do, because their shapes are larger than they are. What may",
+        "# really hit each other mustn't stand here.",
+        "[collision]",
+        "allowed = [",
+        *(f"    [{', '.join(_text(name) for name in pair)}],  # {MARK} they {why}" for pair, why in pairs),
+        "]",
+        "",
+    ]
+    return "\n".join(lines)
+
+
 def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
     """The marks that are left in a robot.toml: line number, the value's line, what was guessed."""
     found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
@@ -96,7 +113,7 @@ def _joint(joint: JointSketch) -> list[str]:
     effort = f"  # {joint.kind}"
     if joint.effort > 0.0:
         unit = "N" if joint.unit == "mm" else "N m"
-        effort += f"; effort at most {joint.effort:g} {unit} by the URDF, which nothing here uses"
+        effort += f"; effort at most {joint.effort:g} {unit} by the URDF"
     lines = [f"[joints.{name}]{effort}"]
     if joint.position is None:
         lines.append("# no position limits: the joint is continuous")

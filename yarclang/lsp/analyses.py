@@ -165,6 +165,11 @@ class Analyses:
                 )
             except Superseded:
                 return
+            except Exception:
+                # a bug: nobody shall wait for what doesn't come
+                desk.some.set()
+                desk.whole.set()
+                raise
             if is_stale():
                 return
             if checked is None:

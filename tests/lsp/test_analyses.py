@@ -1,0 +1,146 @@
+"""Work in the background: newest first, given up where a text has changed, and never in the way of questions."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+
+from yarclang.lsp.analyses import Analyses, Analysis
+from yarclang.lsp.documents import Document
+from yarclang.pipeline.checking import Checked
+
+SOON = 10.0
+
+
+class Slow:
+    """Checks that plan for ever, unless they are let go on."""
+
+    def __init__(self) -> None:
+        self.done: list[tuple[str, int, bool]] = []
+        self.begun = threading.Event()
+        self.go_on = threading.Event()
+        self.forgotten: list[str] = []
+
+    def check(self, document: Document, plans: bool, progress: Callable[[str, int, int], None]) -> Checked:
+        if plans:
+            self.begun.set()
+            while not self.go_on.wait(0.005):
+                progress("planning", 1, 2)
+            progress("planning", 2, 2)
+        self.done.append((document.uri, document.version, plans))
+        return Checked(())
+
+    def forget(self, uri: str) -> None:
+        self.forgotten.append(uri)
+
+
+def run(work: Callable[[Analyses, Slow, list[Analysis]], object]) -> None:
+    async def whole() -> None:
+        checks, arrived = Slow(), []
+        analyses = Analyses(checks, arrived.append)
+        try:
+            async with asyncio.timeout(SOON):
+                await work(analyses, checks, arrived)
+        finally:
+            checks.go_on.set()
+            analyses.close()
+
+    asyncio.run(whole())
+
+
+async def begun(checks: Slow) -> None:
+    while not checks.begun.is_set():
+        await asyncio.sleep(0.002)
+    checks.begun.clear()
+
+
+def test_stale_work_is_given_up():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        for version in range(1, 5):
+            analyses.put(Document("a", version, ""))
+            await begun(checks)
+        checks.go_on.set()
+        found = await analyses.whole("a", None)
+        assert (found.document.version, found.is_whole) == (4, True)
+        assert [one for one in checks.done if one[2]] == [("a", 4, True)]
+        assert [(one.document.version, one.is_whole) for one in arrived if one.is_whole] == [(4, True)]
+
+    run(work)
+
+
+def test_what_needs_no_planning_is_there_while_motions_are_planned():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        analyses.put(Document("a", 1, ""))
+        found = await analyses.whole("a", 0.0)
+        assert not found.is_whole
+        assert analyses.of("a") is found
+        checks.go_on.set()
+        assert (await analyses.whole("a", None)).is_whole
+        assert [one.is_whole for one in arrived] == [False, True]
+
+    run(work)
+
+
+def test_of_several_texts_the_one_that_was_touched_last_comes_first():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        analyses.put(Document("busy", 1, ""))
+        await begun(checks)
+        for uri in ("a", "b", "c"):
+            analyses.put(Document(uri, 1, ""))
+        analyses.again("b")
+        checks.go_on.set()
+        for uri in ("a", "b", "c"):
+            await analyses.whole(uri, None)
+        assert [uri for uri, _, plans in checks.done if plans] == ["busy", "b", "c", "a"]
+
+    run(work)
+
+
+def test_closed_texts_keep_nobody_waiting():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        analyses.put(Document("a", 1, ""))
+        await begun(checks)
+        waiting = asyncio.ensure_future(analyses.whole("a", None))
+        await asyncio.sleep(0)
+        analyses.drop("a")
+        assert await waiting is None
+        assert analyses.of("a") is None
+        assert checks.forgotten == ["a"]
+        analyses.again("a")  # nothing to look at
+        assert await analyses.whole("a", None) is None
+
+    run(work)
+
+
+def test_a_change_leaves_nothing_old_to_answer_from():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        checks.go_on.set()
+        analyses.put(Document("a", 1, ""))
+        first = await analyses.whole("a", None)
+        analyses.put(Document("a", 2, ""))
+        assert analyses.of("a") is None
+        assert analyses.last("a") is first
+        assert (await analyses.whole("a", None)).document.version == 2
+
+    run(work)
+
+
+def test_a_bug_in_a_check_keeps_the_server_alive():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: told.append(context))
+        right = checks.check
+
+        def broken(*arguments: object) -> Checked:
+            checks.check = right  # type: ignore[method-assign]
+            raise ZeroDivisionError
+
+        checks.check = broken  # type: ignore[method-assign]
+        checks.go_on.set()
+        analyses.put(Document("a", 1, ""))
+        assert await analyses.whole("a", None) is None
+        while not told:
+            await asyncio.sleep(0.002)
+        analyses.put(Document("a", 2, ""))
+        assert (await analyses.whole("a", None)).document.version == 2
+
+    told: list[object] = []
+    run(work)

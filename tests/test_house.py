@@ -17,6 +17,7 @@ SOCKETS = {
     "coordinator/coordinator.py",
     "coordinator/engine.py",
     "coordinator/live/drive.py",
+    "coordinator/live/serving.py",
     "coordinator/subscription.py",
     "runtime/log.py",
     "runtime/session.py",

@@ -35,4 +35,19 @@ FINDINGS: tuple[Finding, ...] = (
         "The planned motion is rebuilt from the text that was streamed, by the same strict reader that certifies it. A text that it "
         "refuses was written by another version, or was damaged.",
     ),
+    Finding(
+        "Y1405",
+        "run-log-without-positions",
+        "error",
+        "the log has no positions of the robot to show",
+        "The run ended before the controller had told where the robot was: it was refused, or never connected. `yarc replay` shows what was told.",
+    ),
+    Finding(
+        "Y1406",
+        "run-of-another-robot",
+        "error",
+        "the robot of the log isn't the one that would be shown",
+        "A log has the joint positions of a run, but not what the robot looks like: that comes from the robot's own files. With another number "
+        "of joints, or joints of other names, the positions would be shown on the wrong axes.",
+    ),
 )

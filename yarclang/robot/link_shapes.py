@@ -38,7 +38,7 @@ def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) ->
         for body in link.all("collision"):
             origin = body.first("origin")
             placed = base_from_root @ root_from_link @ placed_at(urdf, origin)
-            shape = _shape(urdf, _given(body.first("geometry")).children[0], folder)
+            shape = shape_of(urdf, _given(body.first("geometry")).children[0], folder)
             found.append(LinkShape(name, joint, constant(placed), shape))
     return tuple(found)
 
@@ -72,7 +72,7 @@ def placed_at(urdf: Urdf, origin: Element | None) -> Array:
     return placed
 
 
-def _shape(urdf: Urdf, shape: Element, folder: Path) -> Shape:
+def shape_of(urdf: Urdf, shape: Element, folder: Path) -> Shape:
     """The shape of an element that was checked (urdf_shapes.py)."""
 
     def size(key: str) -> float:

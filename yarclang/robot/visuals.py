@@ -1,0 +1,83 @@
+"""What the links of a robot look like: the visual shapes of its URDF, for pictures.
+
+Nothing is judged by them, so that what can't be read is left out here, and the caller shows the collision shapes instead.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.link_shapes import link_places, placed_at, shape_of
+from yarclang.robot.model import Array, Robot
+from yarclang.robot.urdf import Urdf, read_urdf
+from yarclang.robot.urdf_shapes import mesh_path
+from yarclang.robot.urdf_xml import Element
+from yarclang.shapes import Mesh, Shape
+from yarclang.toml.reading import parse_toml, read_text
+from yarclang.transforms import constant
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Visual:
+    """A visual shape of a link: `base_from_shape` (4, 4) [m] is where it is with all joints at zero, `joint` how many joints move it.
+
+    `colour` are red, green and blue from 0 to 1; None where the URDF names none.
+    """
+
+    link: str
+    joint: int
+    base_from_shape: Array
+    shape: Shape
+    colour: Colour | None
+
+
+def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
+    """All visual shapes of a robot that was read from files; none where these have changed so that they can't be read any more."""
+    table, source = read_text(robot.folder / "robot.toml", ""), read_text(robot.folder / robot.urdf, "")
+    if isinstance(table, Diagnostic) or isinstance(source, Diagnostic):
+        return ()
+    said, urdf = parse_toml(table), read_urdf(source)
+    if isinstance(said, Diagnostic) or not urdf.sound or urdf.root is None:
+        return ()
+    base = said.get("base")
+    if base not in urdf.links or not all(name in urdf.joints for name in robot.joint_names):
+        return ()
+    places = link_places(urdf, [urdf.joints[name] for name in robot.joint_names])
+    folder = (robot.folder / robot.urdf).parent
+    base_from_root = np.linalg.inv(places[base][0])
+    colours = {one.attributes.get("name", ""): _colour(urdf, one) for one in urdf.root.all("material")}
+    found: list[Visual] = []
+    for name, link in urdf.links.items():
+        root_from_link, joint = places[name]
+        for body in link.all("visual"):
+            geometry = body.first("geometry")
+            if geometry is None or not geometry.children:
+                continue
+            shape = geometry.children[0]
+            if shape.tag == "mesh":
+                path = mesh_path(shape.attributes.get("filename", ""), folder)
+                scale = urdf.numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
+                if path is None or scale is None:
+                    continue
+                digest = hashlib.sha256(path.read_bytes()).hexdigest()
+                made: Shape = Mesh(path.absolute(), 1.0, digest, (scale[0], scale[1], scale[2]))
+            else:
+                made = shape_of(urdf, shape, folder)
+            placed = base_from_root @ root_from_link @ placed_at(urdf, body.first("origin"))
+            material = body.first("material")
+            colour = None
+            if material is not None:
+                colour = _colour(urdf, material) or colours.get(material.attributes.get("name", ""))
+            found.append(Visual(name, joint, constant(placed), made, colour))
+    return tuple(found)
+
+
+def _colour(urdf: Urdf, material: Element) -> Colour | None:
+    parts = urdf.numbers(material.first("color"), "rgba", 4)
+    return None if parts is None else (parts[0], parts[1], parts[2])

@@ -1,0 +1,175 @@
+"""The bodies, zones and frames of a robot and its cell, to be shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from yarclang.cell.model import Cell, HalfSpace, ShapeRegion, Zone
+from yarclang.hir import FrameLink, Gap, Program
+from yarclang.robot.model import Array, Robot
+from yarclang.robot.visuals import visual_shapes
+from yarclang.view import colours
+from yarclang.view.solids import Solid, solid_of
+from yarclang.view.stage import Axes, Colour, Item
+
+MOST_AXES = 60
+"""More frames than this would cover the picture."""
+_PLANE = 2.4
+"""The edges of the piece of a half space's border that is drawn [m]."""
+
+
+def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
+    """The links as they look, or, where that isn't known, their collision shapes; the mounted tools; and what couldn't be read."""
+    visuals: dict[str, list[Item]] = {}
+    spoilt: set[str] = set()
+    for one in visual_shapes(robot):
+        solid = solid_of(one.shape)
+        if solid is None:
+            spoilt.add(one.link)
+            continue
+        given = one.colour
+        colour = _bytes(given) if given is not None else _link_colour(one.joint)
+        item = Item(one.link, "robot", one.joint, one.base_from_shape, solid, colour, 1.0)
+        visuals.setdefault(one.link, []).append(item)
+    notes, items = [], [item for link, found in visuals.items() if link not in spoilt for item in found]
+    for link in robot.shapes:
+        if link.link in visuals and link.link not in spoilt:
+            continue
+        solid = solid_of(link.shape)
+        if solid is None:
+            notes.append(f"the shape of {link.link} can't be read and isn't shown")
+            continue
+        colour = _link_colour(link.joint)
+        items.append(Item(link.link, "robot", link.joint, link.base_from_shape, solid, colour, 1.0))
+    for tool in robot.tools:
+        for part in tool.shapes if tool.mounted else ():
+            solid = solid_of(part.shape)
+            if solid is None:
+                notes.append(f"the shape of {tool.name} can't be read and isn't shown")
+                continue
+            placed = robot.chain.base_from_flange @ part.flange_from_shape
+            items.append(Item(tool.name, "tool", robot.size, placed, solid, colours.TOOL, 1.0))
+    if spoilt:
+        notes.append(
+            f"shown by collision shapes, as the visual ones can't be read: {', '.join(sorted(spoilt))}"
+        )
+    return tuple(items), tuple(dict.fromkeys(notes))
+
+
+def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, ...]]:
+    """Obstacles, what the cell lets the robot carry, the borders of zones, and what has no place in space."""
+    items: list[Item] = []
+    notes: list[str] = []
+    for one in cell.obstacles:
+        solid = solid_of(one.shape)
+        if solid is None:
+            notes.append(f"the shape of {one.name} can't be read and isn't shown")
+            continue
+        carried = one.mount.on_flange
+        placed = robot.chain.base_from_flange @ one.mount.transform if carried else one.mount.transform
+        kind, colour = ("tool", colours.TOOL) if carried else ("obstacle", colours.OBSTACLE)
+        joint = robot.size if carried else 0
+        items.append(Item(one.name, kind, joint, placed, solid, colour, 1.0))  # type: ignore[arg-type]
+    for zone in cell.zones:
+        border = _border(zone)
+        if border is None:
+            notes.append(f"zone {zone.name} is a window of the joints, which has no place to be shown")
+        else:
+            placed, solid = border
+            items.append(Item(zone.name, "zone", 0, placed, solid, colours.ZONES[zone.rule], 0.16))
+    return tuple(items), tuple(notes)
+
+
+def _border(zone: Zone) -> tuple[Array, Solid] | None:
+    region = zone.region
+    match region:
+        case ShapeRegion(base_from_shape=placed, shape=shape):
+            solid = solid_of(shape)
+            return None if solid is None else (placed, solid)
+        case HalfSpace(normal=normal, offset=offset):
+            placed = np.eye(4)
+            # any two directions across the normal
+            across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+            across /= np.linalg.norm(across)
+            placed[:3, :3] = np.column_stack([across, np.cross(normal, across), normal])
+            placed[:3, 3] = normal * offset
+            half = _PLANE / 2.0
+            corners = np.array(
+                [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
+            )
+            return placed, Solid(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    return None
+
+
+def axes_of(
+    robot: Robot, program: Program | None, cell: Cell | None
+) -> tuple[tuple[Axes, ...], tuple[str, ...]]:
+    """{B}, the robot's frames on its flange, the cell's frames, and those that the program's commands use; and how many are left out."""
+    found = [Axes("B", 0, np.eye(4), False), _on_flange(robot, "FLANGE", np.eye(4), False)]
+    found += [
+        _on_flange(robot, name, pose, False)
+        for name, pose in robot.flange_from_frame.items()
+        if name != "FLANGE"
+    ]
+    for frame in cell.frames.values() if cell else ():
+        mount = frame.mount
+        if mount.on_flange:
+            found.append(_on_flange(robot, frame.name, mount.transform, False))
+        else:
+            found.append(Axes(frame.name, 0, mount.transform, False))
+    known = {(one.name, one.base_from_frame.tobytes()) for one in found}
+    left = 0
+    for one in _used(robot, program) if program is not None else ():
+        key = (one.name, one.base_from_frame.tobytes())
+        if key in known:
+            continue
+        known.add(key)
+        if len(found) < MOST_AXES:
+            found.append(one)
+        else:
+            left += 1
+    return tuple(found), ((f"{left} more frames aren't shown",) if left else ())
+
+
+def _used(robot: Robot, program: Program) -> Iterable[Axes]:
+    """The frames of the chains that commands name."""
+    done: set[int] = set()
+    for step in program.steps:
+        if isinstance(step, Gap):
+            continue
+        for link in (step.origin.moving, step.origin.base):
+            here = link
+            while here is not None and here.parent is not None and id(here) not in done:
+                done.add(id(here))
+                root, pose = _rooted(here)
+                if root == "FLANGE":
+                    yield _on_flange(robot, here.name, pose, True)
+                elif root == "B":
+                    yield Axes(here.name, 0, pose, True)
+                here = here.parent
+
+
+def _rooted(link: FrameLink) -> tuple[str, Array]:
+    """The end of a frame's chain, and its pose there."""
+    pose = link.parent_from_frame
+    while link.parent is not None and link.parent.parent is not None:
+        link = link.parent
+        pose = link.parent_from_frame @ pose
+    root = link.parent.name if link.parent is not None else link.name
+    return root, pose
+
+
+def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bool) -> Axes:
+    return Axes(name, robot.size, robot.chain.base_from_flange @ flange_from_frame, of_program)
+
+
+def _link_colour(joint: int) -> Colour:
+    """Two tones in turn, so that links are told apart where they meet."""
+    return colours.LINK if joint % 2 == 0 else colours.JOINT_BODY
+
+
+def _bytes(colour: tuple[float, float, float]) -> Colour:
+    red, green, blue = (round(255 * part) for part in colour)
+    return red, green, blue

@@ -1,0 +1,80 @@
+"""How near bodies are at joint positions, to be shown: samples, not a proof; what is proved stands in the certificate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.collision.placing import box_gaps, distances, place, relative
+from yarclang.collision.scene import Scene
+from yarclang.robot.model import Array
+from yarclang.view.stage import Rows
+
+SEEN = 0.2
+"""Farther apart than this [m], bodies aren't looked at more closely."""
+_BLOCK = 256
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Near:
+    """At P joint positions: what the bodies are apart at least [m], at most `SEEN`, and which pair that is, -1 for none (P,). `closest` is how far above
+    its own margin the worst pair is (P,), and `worst` which that is.
+    """
+
+    apart: Array
+    pair: Rows
+    closest: Array
+    worst: Rows
+
+
+def near(scene: Scene, q: Array) -> Near:
+    """The nearest pairs at joint positions `q` (P, n)."""
+    blocks = [_near(scene, q[at : at + _BLOCK]) for at in range(0, len(q), _BLOCK)]
+    return Near(
+        *(
+            np.concatenate([getattr(one, name) for one in blocks])
+            for name in ("apart", "pair", "closest", "worst")
+        )
+    )
+
+
+def _near(scene: Scene, q: Array) -> Near:
+    size, count = len(scene.first), len(q)
+    gap = np.full((count, size), np.inf)
+    placed = place(scene, q)
+    at, pair = np.repeat(np.arange(count), size), np.tile(np.arange(size), count)
+    seen = relative(placed, at, pair)
+    bound = box_gaps(scene, pair, seen).reshape(count, size)
+    if size:
+        # the most promising pair of each position first: what it tells spares most of the others
+        first = np.arange(count) * size + bound.argmin(axis=1)
+        rows = first[bound.ravel()[first] < SEEN]
+        gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
+        least = np.minimum(gap.min(axis=1), SEEN)
+        wanted = bound < np.maximum(least[:, None], scene.margin[None, :])
+        rows = np.flatnonzero((wanted & ~np.isfinite(gap)).ravel())
+        gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
+    return Near(*_least(gap, np.zeros(size)), *_least(gap, scene.margin))
+
+
+def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
+    if not gap.shape[1]:
+        return np.full(len(gap), SEEN), np.full(len(gap), -1)
+    above = gap - margin
+    pair = above.argmin(axis=1)
+    least = above[np.arange(len(gap)), pair]
+    return np.minimum(least, SEEN), np.where(least < SEEN, pair, -1)
+
+
+def touching(scene: Scene, q: Array) -> frozenset[str]:
+    """The bodies that are too near to another one at the joint position `q` (n,): nearer than the margin, or touching."""
+    size = len(scene.first)
+    if not size:
+        return frozenset()
+    placed, pair = place(scene, q[None]), np.arange(size)
+    seen = relative(placed, np.zeros(size, dtype=np.int64), pair)
+    rows = np.flatnonzero(box_gaps(scene, pair, seen) <= scene.margin + 1e-5)
+    apart = distances(scene, pair[rows], seen.take(rows))
+    close = rows[apart <= scene.margin[rows] + 1e-5]
+    return frozenset(name for one in close.tolist() for name in scene.names(one))

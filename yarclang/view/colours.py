@@ -1,0 +1,49 @@
+"""Colours for values, and of what is shown."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.model import Array
+from yarclang.view.stage import Colour
+
+LINK: Colour = (222, 226, 232)
+JOINT_BODY: Colour = (245, 158, 66)
+TOOL: Colour = (92, 110, 140)
+OBSTACLE: Colour = (150, 160, 150)
+TOUCHING: Colour = (226, 32, 32)
+GHOST: Colour = (60, 130, 230)
+PLANNED_WAY: Colour = (60, 130, 230)
+ZONES: dict[str, Colour] = {
+    "allowed": (46, 160, 90),
+    "forbidden": (214, 60, 50),
+    "slow": (232, 178, 30),
+    "posture": (130, 90, 200),
+}
+SEVERITIES: dict[str, Colour] = {"error": (214, 40, 40), "warning": (236, 146, 16), "note": (30, 120, 220)}
+
+# anchors of viridis and of a ramp from red by yellow to green-blue that people with any colour vision tell apart by its lightness
+_SPEED = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
+_CLEARANCE = ((165, 0, 38), (244, 109, 67), (254, 224, 144), (116, 173, 209), (49, 54, 149))
+RAMPS: dict[str, tuple[Colour, ...]] = {
+    "speed": _SPEED,
+    "clearance": _CLEARANCE,
+    "deviation": _CLEARANCE[::-1],
+}
+
+
+def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
+    """The colours (N, 3) of values (N,) from 0 to `most`; those beyond have that of the end."""
+    anchors = np.array(RAMPS[ramp], dtype=np.float64)
+    share = np.clip(values / most if most > 0.0 else np.zeros_like(values), 0.0, 1.0) * (len(anchors) - 1)
+    places = np.arange(len(anchors))
+    return np.column_stack([np.interp(share, places, anchors[:, part]) for part in range(3)]).astype(np.uint8)
+
+
+def round_up(value: float) -> float:
+    """The next round number: 1, 2 or 5 times a power of ten."""
+    if value <= 0.0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1 - 1e-9)))

@@ -1,0 +1,135 @@
+"""What is written beside the picture: figures of an instant, of a command and of a finding, and the legend, as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+
+import numpy as np
+
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.transforms import roll_pitch_yaw
+from yarclang.units import DEG, MM
+from yarclang.view import colours
+from yarclang.view.clearance import SEEN, Near
+from yarclang.view.stage import Colour, Mark, Piece, Stage
+from yarclang.view.track import followed
+
+_TABLE = '<table style="font-size:12px;border-spacing:8px 0;margin:2px 0;width:100%">{}</table>'
+_BLOCK = '<div style="font-size:12px;padding:2px 10px;line-height:1.45;overflow-wrap:anywhere">{}</div>'
+
+
+def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
+    """Where the robot is at a time: its joints, the followed frame's pose in {B}, its speed, and what bodies are `nearest`."""
+    times = np.array([time])
+    q, v = stage.track.at(times)
+    robot = stage.robot
+    joints = _values(
+        zip(robot.joint_names, (q[0] / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
+    )
+    rows = [("joints", joints), (f"{{{stage.frame}}} in {{B}}", _pose(stage, q))]
+    speed = float(followed(robot.chain, q, v, stage.flange_from_frame)[1][0])
+    rows.append(("speed", f"{speed / MM:.1f} mm/s"))
+    if nearest is not None:
+        rows.append(("nearest bodies", nearest))
+    if stage.ghost is not None:
+        wanted = stage.ghost.at(times)[0]
+        there = tool_poses(robot.chain, np.vstack([q, wanted]), stage.flange_from_frame)[:, :3, 3]
+        rows.append(("off the plan", f"{float(np.linalg.norm(there[0] - there[1])) / MM:.2f} mm"))
+        worst = int(np.argmax(np.abs(q[0] - wanted[0]) / robot.axis_units))
+        off = float((q[0] - wanted[0])[worst] / robot.axis_units[worst])
+        rows.append(("worst joint", f"{robot.joint_names[worst]} {off:+.3f} {robot.axis_unit_names[worst]}"))
+    return _rows(rows)
+
+
+def _pose(stage: Stage, q: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
+    pose = tool_poses(stage.robot.chain, q, stage.flange_from_frame)[0]
+    place = " ".join(f"{value:.1f}" for value in (pose[:3, 3] / MM).round(1) + 0.0)
+    turn = " ".join(f"{value:.1f}" for value in (roll_pitch_yaw(pose[:3, :3]) / DEG).round(1) + 0.0)
+    return f"{place} mm, {turn} deg"
+
+
+def _values(named: Iterable[tuple[str, float, str]]) -> str:
+    rounded = [(name, round(value, 2) + 0.0, unit) for name, value, unit in named]
+    units = {unit for _, _, unit in rounded}
+    if len(units) == 1:
+        return " ".join(f"{value:.2f}" for _, value, _ in rounded) + f" {units.pop()}"
+    return " ".join(f"{value:.2f} {unit}" for _, value, unit in rounded)
+
+
+def near_text(stage: Stage, found: Near) -> str:
+    """How far the nearest two bodies are apart at one position."""
+    pair = int(found.pair[0])
+    if stage.scene is None or pair < 0:
+        return f"over {SEEN / MM:.0f} mm"
+    first, second = stage.scene.names(pair)
+    return f"{float(found.apart[0]) / MM:.1f} mm ({first}, {second})"
+
+
+def piece_html(piece: Piece) -> str:
+    """All that is said of a command."""
+    when = (
+        f"{piece.begins:.3f} to {piece.ends:.3f} s" if piece.ends > piece.begins else f"{piece.begins:.3f} s"
+    )
+    where = f" · line {piece.line}" if piece.line else ""
+    head = f'<b data-piece="{escape(piece.label)}">{escape(piece.title)}</b>{where}'
+    return _BLOCK.format(head) + _rows([("from, to", when), *piece.facts])
+
+
+def mark_html(mark: Mark) -> str:
+    """A finding with its remedy."""
+    colour = _css(colours.SEVERITIES[mark.severity])
+    code = f"{escape(mark.severity)} {escape(mark.code)}" if mark.code else escape(mark.severity)
+    text = f'<b style="color:{colour}" data-mark="{escape(mark.code)}">{code}</b>: {escape(mark.text)}'
+    remedy = f"<br><i>{escape(mark.remedy)}</i>" if mark.remedy else ""
+    return _BLOCK.format(text + remedy)
+
+
+def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool = False) -> str:
+    """A ramp with its ends: `is_capped` says that there may be more."""
+    anchors = colours.RAMPS[ramp]
+    stops = ", ".join(f"{_css(one)} {100.0 * at / (len(anchors) - 1):.0f}%" for at, one in enumerate(anchors))
+    bar = f'<div style="height:12px;border-radius:3px;background:linear-gradient(90deg, {stops})"></div>'
+    middle = f"{most / 2.0:g}"
+    most_text = f"{'≥ ' * is_capped}{most:g} {unit}"
+    ends = f"<span>0</span><span>{middle}</span><span>{most_text}</span>"
+    scale = f'<div style="display:flex;justify-content:space-between">{ends}</div>'
+    return _BLOCK.format(f"{escape(what)}{bar}{scale}")
+
+
+def notes_html(stage: Stage) -> str:
+    """What the picture is of, and what it doesn't show."""
+    notes = "".join(f"<br>{escape(note)}" for note in stage.notes)
+    return _BLOCK.format(f"<b>{escape(stage.title)}</b><br>{escape(stage.subtitle)}{notes}")
+
+
+def key_html(stage: Stage) -> str:
+    """What the other colours mean."""
+    kinds = {item.kind for item in stage.items}
+    entries: list[tuple[Colour, str]] = []
+    if stage.ghost is not None:
+        entries.append((colours.GHOST, "planned, beside the actual robot and path"))
+    if stage.scene is not None:
+        entries.append((colours.TOUCHING, "bodies that touch, or are within their margin"))
+    if "tool" in kinds:
+        entries.append((colours.TOOL, "what the robot carries"))
+    if "obstacle" in kinds:
+        entries.append((colours.OBSTACLE, "obstacles"))
+    shown = {item.colour for item in stage.items if item.kind == "zone"}
+    entries += [(colour, f"zone: {rule}") for rule, colour in colours.ZONES.items() if colour in shown]
+    severities = dict.fromkeys(mark.severity for mark in stage.marks if mark.place is not None)
+    entries += [(colours.SEVERITIES[one], f"{one} on the path") for one in severities]
+    swatch = '<span style="display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:6px;background:{}"></span>{}'
+    return _BLOCK.format("<br>".join(swatch.format(_css(colour), escape(text)) for colour, text in entries))
+
+
+def _rows(rows: Iterable[tuple[str, str]]) -> str:
+    cells = (
+        f'<tr><td style="color:#777;white-space:nowrap;vertical-align:top">{escape(name)}</td><td>{escape(value)}</td></tr>'
+        for name, value in rows
+    )
+    return _TABLE.format("".join(cells))
+
+
+def _css(colour: Colour) -> str:
+    return f"rgb({colour[0]},{colour[1]},{colour[2]})"

@@ -1,0 +1,234 @@
+"""A program as it is to be seen: as it is planned, or, with errors, as far as it can be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.certify.certificate import Certificate, Clearance, CommandCertificate
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.diagnostics import Diagnostic
+from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, WaitInput, When
+from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.report.pictures.drawn_frame import drawn_frame
+from yarclang.report.pictures.plot import duration_text
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MM
+from yarclang.view.bodies import axes_of, cell_items, robot_items
+from yarclang.view.clearance import near
+from yarclang.view.stage import Mark, Piece, Stage
+from yarclang.view.track import Curves, way_of_curves
+
+_LOOKS = 200
+"""Places of a motion at which a collision that was found is looked for."""
+MEETINGS = ("Y0901", "Y0902", "Y0903")
+"""Findings that two bodies come too near to each other."""
+
+
+def stage_of_program(
+    name: str,
+    plan: MotionPlan,
+    certificate: Certificate | None,
+    findings: Sequence[Diagnostic],
+) -> Stage:
+    """What is shown of a program.
+
+    Args:
+        name: its file, for people.
+        plan: the whole plan, or as much of it as could be made.
+        certificate: what was proved; None of a program with errors.
+        findings: all that was said of it.
+    """
+    robot, program = plan.robot, plan.program
+    frame = drawn_frame(plan)
+    curves = Curves(program.start, tuple(one.curve for one in plan.motions), plan.starts[:-1])
+    proved = {one.step: one for one in certificate.commands} if certificate is not None else {}
+    pieces, number_of = _pieces(plan, proved)
+    owners = [number_of[motion.step] for motion in plan.motions]
+    way = way_of_curves(curves, robot.chain, frame.flange_from_frame, owners)
+    links, unread = robot_items(robot)
+    around, placeless = cell_items(robot, program.cell) if program.cell is not None else ((), ())
+    axes, more = axes_of(robot, program, program.cell)
+    made = scene_of(robot, program.cell)
+    scene = made.value if made.value is not None and len(made.value.first) else None
+    unplanned = sum(isinstance(step, Motion) for step in program.steps) - len(plan.motions)
+    notes = (*unread, *placeless, *more)
+    if unplanned and any(one.is_error for one in findings):
+        notes = (
+            f"{unplanned} motion{'s' * (unplanned != 1)} can't be planned; the path shows the others",
+            *notes,
+        )
+    stands = _Stands(plan, frame.flange_from_frame, pieces, number_of, scene)
+    count = len(plan.motions)
+    motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion"
+    return Stage(
+        title=name,
+        subtitle=f"{robot.name} · {duration_text(plan.duration)} · {motions}",
+        notes=notes,
+        robot=robot,
+        items=(*links, *around),
+        axes=axes,
+        frame=frame.name,
+        flange_from_frame=frame.flange_from_frame,
+        track=curves,
+        ghost=None,
+        way=way,
+        ghost_way=None,
+        pieces=pieces,
+        marks=tuple(stands.mark(one) for one in findings),
+        scene=scene,
+        duration=plan.duration,
+    )
+
+
+def _pieces(
+    plan: MotionPlan, proved: Mapping[int, CommandCertificate]
+) -> tuple[tuple[Piece, ...], dict[int, int]]:
+    """All commands in order, and which of them each step of the program is."""
+    at = {motion.step: number for number, motion in enumerate(plan.motions)}
+    pieces: list[Piece] = []
+    number_of: dict[int, int] = {}
+    now = 0.0
+    for number, step in enumerate(plan.program.steps):
+        if isinstance(step, Gap):
+            continue
+        origin, here = step.origin, at.get(number)
+        begins, moves = now, isinstance(step, Motion)
+        if here is not None:
+            begins, now = float(plan.starts[here]), float(plan.starts[here + 1])
+            facts = motion_facts(plan.robot, plan.motions[here], step, proved.get(number))
+        elif moves:
+            facts = (("motion", "can't be planned: see the findings"),)
+        else:
+            facts = _action_facts(step)
+        number_of[number] = len(pieces)
+        pieces.append(
+            Piece(
+                origin.label,
+                origin.name,
+                origin.span.line,
+                begins,
+                now,
+                moves and here is not None,
+                here is not None or not moves,
+                facts,
+            )
+        )
+    return tuple(pieces), number_of
+
+
+def motion_facts(
+    robot: Robot, motion: PlannedMotion, step: Step, proved: CommandCertificate | None
+) -> tuple[tuple[str, str], ...]:
+    """What is said of a motion: its time, how hard it is for the joints, how fast the frame goes, and how near bodies come."""
+    curve = motion.curve
+    facts = [("duration", f"{curve.duration:.3f} s"), ("profile", motion.profile)]
+    if isinstance(step, Motion) and step.timing.duration is None:
+        share = f"{100.0 * step.timing.share:.0f} % of the limits" if step.timing.share < 1.0 else "shortest"
+        facts.append(("asked for", "a speed" if step.timing.speed is not None else share))
+    limits, points, h = robot.limits, curve.points, curve.segment
+    for name, order, limit in (("speed", 1, limits.velocity), ("acceleration", 2, limits.acceleration)):
+        # the differences of control points bound the derivatives everywhere, and are the figures that limits are held to
+        shares = np.abs(np.diff(points, n=order, axis=0)).max(axis=0) / h**order / limit
+        joint = int(np.argmax(shares))
+        facts.append((f"largest joint {name}", f"{100.0 * shares[joint]:.0f} % ({robot.joint_names[joint]})"))
+    if proved is None:
+        return tuple(facts)
+    if proved.tool_speed is not None and not proved.tool_speed.turns:
+        facts.append(("largest speed of the frame", f"{proved.tool_speed.largest / MM:.0f} mm/s"))
+    for name, clearance in (
+        ("clearance to the cell", proved.clearance),
+        ("clearance of itself", proved.own_clearance),
+    ):
+        if clearance is not None:
+            facts.append((name, _clearance_text(clearance)))
+    return tuple(facts)
+
+
+def _clearance_text(clearance: Clearance) -> str:
+    between = f" ({clearance.first}, {clearance.second})" if clearance.first else ""
+    return f"at least {clearance.distance / MM:.1f} mm{between}"
+
+
+def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
+    match step:
+        case Dwell(duration=duration):
+            return (("stands for", f"{duration:g} s"),)
+        case SetOutput(output=output, value=value):
+            return (("sets", f"{output.name} to {value:g}"),)
+        case WaitInput(input=signal, value=value, timeout=timeout):
+            longest = "for ever" if timeout is None else f"at most {timeout:g} s"
+            return (("waits for", f"{signal.name} = {value:g}, {longest}"),)
+        case Hold(text=text):
+            return (("waits for", f"the operator{': ' * bool(text)}{text}"),)
+        case When(input=signal, value=value):
+            return (("if", f"{signal.name} = {value:g}; both ways are shown one after the other"),)
+    return ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stands:
+    """Finds where on the path findings belong."""
+
+    plan: MotionPlan
+    flange_from_frame: Array
+    pieces: tuple[Piece, ...]
+    number_of: Mapping[int, int]
+    scene: Scene | None
+
+    def mark(self, finding: Diagnostic) -> Mark:
+        """A finding with its command, its time and its place, as far as it has them."""
+        step = self._step(finding)
+        piece = self.number_of.get(step, -1) if step is not None else -1
+        time = self._time(finding, step, self.pieces[piece]) if step is not None and piece >= 0 else None
+        place = None if time is None else self._place(time, step)
+        return Mark(finding.code, finding.severity, finding.message, finding.help, time, place, piece)
+
+    def _step(self, finding: Diagnostic) -> int | None:
+        span = finding.span
+        if span is None or finding.source is None:
+            return None
+        found: int | None = None
+        for number, step in enumerate(self.plan.program.steps):
+            if isinstance(step, Gap) or not _is_at(step.origin, finding):
+                continue
+            if finding.place and step.origin.place == finding.place:
+                return number
+            if found is None:
+                found = number
+        return found
+
+    def _time(self, finding: Diagnostic, step: int | None, piece: Piece) -> float:
+        """Of bodies that meet the worst moment, of a motion else its middle; of what couldn't be planned where the robot would begin it."""
+        if not piece.moves:
+            return piece.begins
+        if finding.code in MEETINGS and self.scene is not None:
+            times = np.linspace(piece.begins, piece.ends, _LOOKS)
+            closest = near(self.scene, self._positions(times, step)).closest
+            return float(times[int(np.argmin(closest))])
+        return (piece.begins + piece.ends) / 2.0
+
+    def _place(self, time: float, step: int | None) -> Array:
+        place: Array = tool_poses(
+            self.plan.robot.chain, self._positions(np.array([time]), step), self.flange_from_frame
+        )[0, :3, 3]
+        return place
+
+    def _positions(self, times: Array, step: int | None) -> Array:
+        for number, motion in enumerate(self.plan.motions):
+            if motion.step == step:
+                return motion.curve.sample(times - self.plan.starts[number])[0]
+        # in front of a motion that couldn't be planned the robot stands where the one before it ends
+        before = [motion for motion in self.plan.motions if step is None or motion.step < step]
+        q = before[-1].curve.points[-1] if before else self.plan.program.start
+        return np.tile(q, (len(times), 1))
+
+
+def _is_at(origin: Origin, finding: Diagnostic) -> bool:
+    span = finding.span
+    assert span is not None  # asked before
+    same = finding.source is not None and origin.source.name == finding.source.name
+    return same and origin.span.line <= span.line <= origin.span.end_line

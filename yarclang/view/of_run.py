@@ -1,0 +1,174 @@
+"""The log of a run as it is to be seen: where the robot was, beside where it was planned to be."""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePath
+
+import numpy as np
+
+from yarclang.collision.scene import scene_of
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.findings import Severity
+from yarclang.hir import Program
+from yarclang.pipeline.origins import origins_of_text
+from yarclang.report.pictures.plot import duration_text
+from yarclang.report.runs.course import marks_of, outcome_text
+from yarclang.report.runs.log import RecordedRun, read_run
+from yarclang.report.runs.planned import Planned, planned_motion
+from yarclang.report.runs.tracking import Tracking, tracking_of
+from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.view.bodies import axes_of
+from yarclang.view.of_text import bodies, followed_frame
+from yarclang.view.stage import Mark, Piece, Stage
+from yarclang.view.track import Recorded, Shifted, way_of_track
+
+_MOST_POINTS = 20_000
+
+
+def stage_of_run(file: str, robot_name: str | None) -> Result[Stage]:
+    """What a log shows.
+
+    Args:
+        file: the log.
+        robot_name: the robot, if the command line names it; else the one of the library that the log names.
+
+    Returns:
+        None, with findings, where the file is no log, has no positions, or is of a robot that isn't there.
+    """
+    read = read_run(file)
+    if read.value is None:
+        return Result(None, read.diagnostics)
+    run, found = read.value, read.diagnostics
+    if not len(run.times):
+        message = f"{file} has no positions: {outcome_text(run)[0]}"
+        help_ = f"`yarc replay {file}` shows what was told"
+        return Result(None, (*found, Diagnostic("Y1405", message, help=help_)))
+    loaded = load_robot(robot_name or run.robot.name)
+    robot = loaded.value
+    if robot is None:
+        help_ = "if it is one of your own, say where it is: --robot PATH"
+        return Result(None, (*found, *(_with_help(one, help_) for one in loaded.diagnostics)))
+    if robot.joint_names != run.robot.joint_names:
+        theirs, ours = (", ".join(names) for names in (run.robot.joint_names, robot.joint_names))
+        message = f"{file} is of {run.robot.name} with the joints {theirs}; {robot.name} has {ours}"
+        return Result(
+            None, (*found, Diagnostic("Y1406", message, help="name the robot of the run: --robot PATH"))
+        )
+    planned = planned_motion(run)
+    if planned.value is None:
+        return Result(None, (*found, *planned.diagnostics))
+    origins = origins_of_text(run.text, Path(file).parent, robot)
+    stage = _stage(run, planned.value, robot, origins.program, origins.missing)
+    return Result(stage, (*found, *planned.diagnostics))
+
+
+def _with_help(finding: Diagnostic, help_: str) -> Diagnostic:
+    return Diagnostic(finding.code, finding.message, finding.source, finding.span, help_)
+
+
+def _stage(run: RecordedRun, planned: Planned, robot: Robot, program: Program | None, missing: str) -> Stage:
+    tracking = tracking_of(run, planned)
+    cell = program.cell if program is not None else None
+    frame, flange_from_frame = followed_frame(robot, program)
+    track = Recorded(run.times, run.actual)
+    plan_times = _plan_times(run, tracking)
+    ghost = Shifted(_AsPlanned(planned), *plan_times)
+    every = max(-(-len(run.times) // _MOST_POINTS), 1)
+    times = np.unique(np.append(run.times[::every], run.times[-1]))
+    items, notes = bodies(robot, cell)
+    axes, more = axes_of(robot, program, cell)
+    if program is None:
+        notes = (f"without the program's cell and frames: {missing}", *notes)
+    if robot.fingerprint != run.robot.fingerprint:
+        notes = (f"{robot.name} has changed since the run: what is shown is the robot of today", *notes)
+    scene = scene_of(robot, cell).value
+    text, _ = outcome_text(run)
+    return Stage(
+        title=PurePath(run.file).name,
+        subtitle=f"a run of {run.program} on {run.robot.name} · {duration_text(run.end)} · {text}",
+        notes=(*notes, *more),
+        robot=robot,
+        items=items,
+        axes=axes,
+        frame=frame,
+        flange_from_frame=flange_from_frame,
+        track=track,
+        ghost=ghost,
+        way=way_of_track(track, times, robot.chain, flange_from_frame),
+        ghost_way=way_of_track(
+            _AsPlanned(planned), np.linspace(0.0, planned.duration, 2_000), robot.chain, flange_from_frame
+        ),
+        pieces=_pieces(run, tracking),
+        marks=_marks(run, tracking, track, robot, flange_from_frame),
+        scene=scene if scene is not None and len(scene.first) else None,
+        duration=float(run.end),
+    )
+
+
+class _AsPlanned:
+    """The planned motion over the program's time."""
+
+    def __init__(self, planned: Planned) -> None:
+        self._planned = planned
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """As `Track` says."""
+        return self._planned.at(times)
+
+
+def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
+    """Times of the run, and those of the program then (K,) each; before the program begins it is at its start. A second pass begins again."""
+    if not len(tracking.rows):
+        return np.array([0.0]), np.array([0.0])
+    return run.times[tracking.rows], tracking.times
+
+
+def _pieces(run: RecordedRun, tracking: Tracking) -> tuple[Piece, ...]:
+    """The commands, when they were carried out; of several passes in the last one. What wasn't reached has no time and stays out."""
+    if not len(tracking.rows):
+        return ()
+    passes = run.passes[tracking.rows]
+    last = np.flatnonzero(passes == passes[-1])
+    real, program = run.times[tracking.rows][last], tracking.times[last]
+    off = np.abs(tracking.error[last]) / run.robot.axis_units
+    found = []
+    for one in run.commands:
+        if not (program[0] <= one.ends and one.begins <= program[-1]):
+            continue
+        begins, ends = (float(np.interp(time, program, real)) for time in (one.begins, one.ends))
+        here = (program >= one.begins) & (program <= one.ends)
+        facts = [("planned", f"{one.begins:.3f} to {one.ends:.3f} s of the program")]
+        if here.any():
+            joint = int(np.argmax(off[here].max(axis=0)))
+            unit = run.robot.axis_unit_names[joint]
+            facts.append(
+                ("farthest off", f"{run.robot.joint_names[joint]} by {off[here, joint].max():.3f} {unit}")
+            )
+        if one.begins < program[-1] < one.ends:
+            facts.append(("", "the run ended in it"))
+        found.append(
+            Piece(
+                one.index, one.name, one.source_line, begins, ends, one.ends > one.begins, True, tuple(facts)
+            )
+        )
+    return tuple(sorted(found, key=lambda piece: piece.begins))
+
+
+def _marks(
+    run: RecordedRun, tracking: Tracking, track: Recorded, robot: Robot, flange_from_frame: Array
+) -> tuple[Mark, ...]:
+    """What was remarked on the way, and how it ended, where the robot was then."""
+    told: list[tuple[float, str, Severity]] = [
+        (one.time, one.text, "note") for one in marks_of(run, tracking)
+    ]
+    text, is_well = outcome_text(run)
+    if is_well is False:
+        told = [one for one in told if one[1] != text]
+        told.append((run.end, text, "error"))
+    found = []
+    for time, what, severity in told:
+        place = tool_poses(robot.chain, track.at(np.array([time]))[0], flange_from_frame)[0, :3, 3]
+        found.append(Mark("", severity, f"{time:.2f} s: {what}", "", time, place, -1))
+    return tuple(found)

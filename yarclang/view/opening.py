@@ -1,0 +1,77 @@
+"""A file to its stage: a program, a controller text, or the log of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from yarclang.diagnostics import Result
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.inputs import Options, open_source
+from yarclang.pipeline.sources import STANDARD_INPUT, read_source
+from yarclang.pipeline.stages import shown_plan
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile
+from yarclang.view.of_program import stage_of_program
+from yarclang.view.stage import Stage
+
+_COMPILED, _LOG = "; yarcc ", b"\x89MCAP0\r\n"
+
+
+RobotOf = Callable[[SourceFile, str | None], Result[Robot]]
+"""Finds the robot that a controller text was made for, by its header and the name that the command line gives."""
+
+
+def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
+    """What a file shows: a program, what yarcc made of one, or the log of a run; `-` is standard input.
+
+    Returns:
+        None, with findings, where there is nothing to show.
+    """
+    if is_log(file):
+        from yarclang.view.of_run import stage_of_run
+
+        return stage_of_run(file, options.robot)
+    read = read_source(file)
+    if read.value is None:
+        return Result(None, read.diagnostics)
+    folder = Path.cwd() if file == STANDARD_INPUT else Path(file).parent
+    if read.value.text.startswith(_COMPILED):
+        from yarclang.view.of_text import stage_of_text
+
+        robot = robot_of(read.value, options.robot)
+        if robot.value is None:
+            return Result(None, robot.diagnostics)
+        made = stage_of_text(read.value, folder, robot.value)
+        return Result(made.value, (*robot.diagnostics, *made.diagnostics))
+    return _program(read.value, folder, options)
+
+
+def is_log(file: str) -> bool:
+    """Whether a file is the log of a run: it is called so, or begins so."""
+    path = Path(file)
+    if path.suffix.lower() == ".mcap":
+        return True
+    try:
+        if file == STANDARD_INPUT or not path.is_file():
+            return False
+        with path.open("rb") as stream:
+            return stream.read(len(_LOG)) == _LOG
+    except (OSError, ValueError):  # told of when the program is read
+        return False
+
+
+def _program(source: SourceFile, folder: Path, options: Options) -> Result[Stage]:
+    checked = check_text(source, folder, options)
+    found = checked.diagnostics
+    if checked.program is None:
+        return Result(None, found)
+    plan = checked.plan
+    if plan is None:
+        again = open_source(source, folder, options).value
+        assert again is not None  # it was opened to be checked
+        plan = shown_plan(checked.program, again.request)
+        if plan is None:
+            return Result(None, found)
+    certificate = checked.compiled.certificate if checked.compiled is not None else None
+    return Result(stage_of_program(source.name, plan, certificate, found), found)

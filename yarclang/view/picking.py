@@ -1,0 +1,48 @@
+"""What was meant by a click: the ray from the eye through the mouse, and what is next to it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.view.stage import Way
+
+ANGLE = 0.012
+"""How far beside the mouse something may be to be meant [rad]: some 10 pixels."""
+
+
+def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
+    """The point (of N, 3) whose angle to the ray is the smallest, and that angle [rad]; -1 and infinity where none is in front of the eye."""
+    if not len(points):
+        return -1, np.inf
+    arms = points - eye
+    along = arms @ (direction / np.linalg.norm(direction))
+    across = np.sqrt(np.maximum(np.einsum("ni,ni->n", arms, arms) - along**2, 0.0))
+    angle = np.where(along > 0.0, np.arctan2(across, along), np.inf)
+    nearest = int(np.argmin(angle))
+    return (nearest, float(angle[nearest])) if np.isfinite(angle[nearest]) else (-1, np.inf)
+
+
+def picked_time(way: Way, eye: Array, direction: Array) -> float | None:
+    """When the frame is at the place of its path that was clicked at; None where that was beside the path.
+
+    Long straight pieces have points far apart, so that the nearest point is looked for on the lines between them.
+    """
+    if len(way.points) < 2:
+        return None
+    inside = np.ones(len(way.points) - 1, dtype=np.bool_)
+    inside[way.breaks[1:-1] - 1] = False  # no line leads from one stretch to the next
+    first = np.flatnonzero(inside)
+    a, b = way.points[first], way.points[first + 1]
+    ray = direction / np.linalg.norm(direction)
+    # the place on each line that is nearest to the ray
+    line, arm = b - a, a - eye
+    flat_line, flat_arm = line - (line @ ray)[:, None] * ray, arm - (arm @ ray)[:, None] * ray
+    square = np.einsum("ni,ni->n", flat_line, flat_line)
+    share = -np.einsum("ni,ni->n", flat_arm, flat_line) / np.where(square > 0.0, square, 1.0)
+    share = np.clip(share, 0.0, 1.0)
+    number, angle = beside(a + share[:, None] * line, eye, direction)
+    if number < 0 or angle > ANGLE:
+        return None
+    row = first[number]
+    return float(way.times[row] + share[number] * (way.times[row + 1] - way.times[row]))

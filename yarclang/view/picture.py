@@ -1,0 +1,292 @@
+"""The stage in three dimensions, drawn by viser: bodies and axes are drawn once, then only what joints move is moved."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.view import colours
+from yarclang.view.stage import Item, Mark, Stage, Way, moved_by
+
+if TYPE_CHECKING:
+    import viser
+
+_AXES_LENGTH = 0.12
+_WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
+"""Widths of lines [pixels]: of the path, of the planned path beside it, of the chosen command."""
+_MOST_LABELS = 24
+"""So many findings have labels; of the others what they are is written when they are chosen."""
+_SPOT = 0.02
+"""Findings that are nearer to each other [m] are at one place."""
+_TITLE = 60
+"""Characters of a finding's label."""
+
+GROUPS = {
+    "robot": "robot",
+    "tool": "tool",
+    "obstacle": "obstacles",
+    "zone": "zones",
+    "axes": "frames",
+    "program_axes": "frames of the program",
+    "way": "path",
+    "marks": "findings",
+    "grid": "floor",
+}
+"""What can be hidden, by the name of its node."""
+
+
+class Picture:
+    """All nodes of a stage in viser's scene."""
+
+    def __init__(self, server: viser.ViserServer, stage: Stage) -> None:
+        self._scene, self._server, self._stage = server.scene, server, stage
+        self._bodies: dict[str, list[tuple[Any, Item]]] = {}
+        self._touching: frozenset[str] = frozenset()
+        self._chosen: Any = None
+        self._written: Any = None
+        self._labels: dict[int, Any] = {}
+        self._spots: dict[tuple[int, ...], int] = {}
+        self._groups: dict[str, list[Any]] = {name: [] for name in GROUPS}
+        self._size = _extent(stage)
+        self._joints = [
+            self._scene.add_frame(f"/joint_{number}", show_axes=False)
+            for number in range(stage.robot.size + 1)
+        ]
+        self._ghosts = self._draw_ghosts() if stage.ghost is not None else []
+        self._draw_surroundings()
+        for number, item in enumerate(stage.items):
+            self._draw_item(number, item)
+        self._draw_axes()
+        self._way = self._draw_way("way", stage.way, _WIDTH)
+        self._piece, self._shades = -1, np.zeros((len(_lines(stage.way)), 2, 3), dtype=np.uint8)
+        if stage.ghost_way is not None:
+            ghost_way = self._draw_way("ghost_way", stage.ghost_way, _THIN)
+            if ghost_way is not None:
+                ghost_way.colors = np.array(colours.PLANNED_WAY, dtype=np.uint8)
+        for number, mark in enumerate(stage.marks):
+            self._draw_mark(number, mark)
+
+    @property
+    def groups(self) -> dict[str, str]:
+        """What there is of what can be hidden: its name, and what people call it."""
+        return {name: text for name, text in GROUPS.items() if self._groups[name]}
+
+    def show_group(self, name: str, is_shown: bool) -> None:
+        """Show or hide all nodes of a group."""
+        for node in self._groups[name]:
+            node.visible = is_shown
+
+    def move_to(self, time: float, touching: frozenset[str]) -> None:
+        """Move what the joints move to where it is at a time; bodies that are too near to others get their colour."""
+        times = np.array([time])
+        with self._server.atomic():
+            _place(self._joints, moved_by(self._stage.robot.chain, self._stage.track.at(times)[0][0]))
+            if self._stage.ghost is not None:
+                _place(self._ghosts, moved_by(self._stage.robot.chain, self._stage.ghost.at(times)[0][0]))
+            for name in touching ^ self._touching:
+                for node, item in self._bodies.get(name, []):
+                    node.color = colours.TOUCHING if name in touching else item.colour
+        self._touching = touching
+
+    def colour_way(self, values: Array, most: float, ramp: str) -> None:
+        """Colour the path by values (N,), one for each of its points, from 0 to `most`."""
+        if self._way is not None:
+            shades = colours.coloured(values, most, ramp)
+            first = _lines(self._stage.way)
+            self._way.colors = self._shades = np.stack([shades[first], shades[first + 1]], axis=1)
+            self.choose_piece(self._piece)
+
+    def choose_piece(self, number: int) -> None:
+        """Make the piece of the path stand out that belongs to a command; -1 for none."""
+        self._piece = number
+        if self._chosen is not None:
+            self._chosen.remove()
+            self._chosen = None
+        way = self._stage.way
+        first = _lines(way)
+        (own,) = np.nonzero(way.piece[np.searchsorted(way.breaks, first, side="right") - 1] == number)
+        if number < 0 or not len(own):
+            return
+        points = np.stack([way.points[first[own]], way.points[first[own] + 1]], axis=1)
+        self._chosen = self._scene.add_line_segments(
+            "/chosen", points, self._shades[own], thickness=_THICK, thickness_units="screen"
+        )
+
+    def choose_mark(self, number: int) -> None:
+        """Write at a finding's place what it is; -1 for none."""
+        if self._written is not None:
+            self._written.remove()
+            self._written = None
+        mark = self._stage.marks[number] if number >= 0 else None
+        if mark is not None and mark.place is not None:
+            self._written = self._scene.add_label(
+                "/written", _short(mark), position=mark.place, font_screen_scale=1.0, anchor="top-left"
+            )
+
+    def _draw_surroundings(self) -> None:
+        self._scene.set_up_direction("+z")
+        self._scene.configure_default_lights(enabled=True, cast_shadow=False)
+        width = 2.0 * float(np.ceil(1.2 * self._size))
+        grid = self._scene.add_grid(
+            "/grid",
+            width=width,
+            height=width,
+            cell_size=0.1,
+            section_size=0.5,
+            cell_color=(222, 226, 230),
+            section_color=(184, 190, 196),
+            shadow_opacity=0.0,
+        )
+        self._groups["grid"].append(grid)
+        low, high = _box(self._stage)
+        middle = (low + high) / 2.0
+        camera = self._server.initial_camera
+        camera.look_at = tuple(middle)
+        camera.position = tuple(
+            middle + np.array([0.86, 0.70, 0.42]) * (0.3 + 0.75 * float(np.linalg.norm(high - low)))
+        )
+        camera.up = (0.0, 0.0, 1.0)
+
+    def _draw_item(self, number: int, item: Item) -> None:
+        node = self._add_mesh(f"/joint_{item.joint}/item_{number}", item, item.colour, item.opacity)
+        self._bodies.setdefault(item.name, []).append((node, item))
+        self._groups[item.kind].append(node)
+        if item.kind in {"zone", "obstacle"}:
+            top = (item.base_from_item[:3, :3] @ item.solid.vertices.T).T + item.base_from_item[:3, 3]
+            where = top[int(np.argmax(top[:, 2] + 1e-3 * top[:, 0]))]
+            label = self._scene.add_label(
+                f"/label_{number}",
+                item.name,
+                position=tuple(where),
+                font_screen_scale=0.8,
+                anchor="bottom-center",
+            )
+            self._groups[item.kind].append(label)
+
+    def _add_mesh(self, name: str, item: Item, colour: tuple[int, int, int], opacity: float) -> Any:
+        position, wxyz = _pose(item.base_from_item)
+        return self._scene.add_mesh_simple(
+            name,
+            item.solid.vertices.astype(np.float32),
+            item.solid.faces.astype(np.uint32),
+            color=colour,
+            opacity=None if opacity >= 1.0 else opacity,
+            side="double",
+            flat_shading=False,
+            cast_shadow=False,
+            receive_shadow=False,
+            position=position,
+            wxyz=wxyz,
+        )
+
+    def _draw_ghosts(self) -> list[Any]:
+        """The robot a second time, to be seen through."""
+        nodes = [
+            self._scene.add_frame(f"/planned_{number}", show_axes=False)
+            for number in range(self._stage.robot.size + 1)
+        ]
+        for number, item in enumerate(self._stage.items):
+            if item.kind in {"robot", "tool"} and item.joint > 0:
+                self._add_mesh(f"/planned_{item.joint}/item_{number}", item, colours.GHOST, 0.22)
+        return nodes
+
+    def _draw_axes(self) -> None:
+        for number, one in enumerate(self._stage.axes):
+            position, wxyz = _pose(one.base_from_frame)
+            name = f"/joint_{one.joint}/axes_{number}"
+            group = self._groups["program_axes" if one.of_program else "axes"]
+            length = _AXES_LENGTH * (1.0 if one.joint == 0 else 0.7)
+            group.append(
+                self._scene.add_frame(
+                    name, axes_length=length, axes_radius=length / 30.0, position=position, wxyz=wxyz
+                )
+            )
+            text = f"{{{one.name}}}"
+            group.append(
+                self._scene.add_label(f"{name}/name", text, font_screen_scale=0.7, anchor="top-left")
+            )
+
+    def _draw_way(self, name: str, way: Way, width: float) -> Any:
+        first = _lines(way)
+        if not len(first):
+            return None
+        points = np.stack([way.points[first], way.points[first + 1]], axis=1)
+        node = self._scene.add_line_segments(
+            f"/{name}", points, (90, 90, 90), thickness=width, thickness_units="screen"
+        )
+        self._groups["way"].append(node)
+        return node
+
+    def _draw_mark(self, number: int, mark: Mark) -> None:
+        if mark.place is None:
+            return
+        colour = colours.SEVERITIES[mark.severity]
+        place = tuple(mark.place)
+        ball = self._scene.add_icosphere(
+            f"/marks/{number}",
+            radius=0.012 + 0.004 * self._size,
+            color=colour,
+            position=place,
+            cast_shadow=False,
+        )
+        self._groups["marks"].append(ball)
+        # findings at one place have one label
+        spot = tuple(np.round(mark.place / _SPOT).astype(int).tolist())
+        at = self._spots.setdefault(spot, number)
+        if at == number:
+            label = self._scene.add_label(
+                f"/marks/{number}/text",
+                mark.code or _short(mark),
+                font_screen_scale=0.8,
+                anchor="bottom-left",
+                visible=number < _MOST_LABELS,
+            )
+            self._labels[number] = label
+            self._groups["marks"].append(label)
+        elif mark.code and mark.code not in self._labels[at].text:
+            self._labels[at].text += f", {mark.code}"
+
+
+def _short(mark: Mark) -> str:
+    """A finding in a few words."""
+    text = mark.text if len(mark.text) <= _TITLE else f"{mark.text[: _TITLE - 1]}…"
+    return f"{mark.code} {text}".strip()
+
+
+def _lines(way: Way) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+    """Which points begin a line that leads to the next one."""
+    first = np.arange(max(len(way.points) - 1, 0))
+    kept: np.ndarray[tuple[int, ...], np.dtype[np.int64]] = first[~np.isin(first + 1, way.breaks)]
+    return kept
+
+
+def _place(nodes: list[Any], poses: Array) -> None:
+    for node, pose in zip(nodes, poses, strict=True):
+        node.position, node.wxyz = _pose(pose)
+
+
+def _pose(transform: Array) -> tuple[Array, Array]:
+    """Position, and rotation as a quaternion w x y z."""
+    from scipy.spatial.transform import Rotation
+
+    quaternion: Array = Rotation.from_matrix(transform[:3, :3]).as_quat()
+    return transform[:3, 3], np.roll(quaternion, 1)
+
+
+def _box(stage: Stage) -> tuple[Array, Array]:
+    """The least and the largest coordinates (3,) of the robot at its start and of its path."""
+    moved = moved_by(stage.robot.chain, stage.track.at(np.zeros(1))[0][0])
+    points = [stage.way.points, np.zeros((1, 3))]
+    for item in stage.items:
+        if item.kind != "zone":
+            placed = moved[item.joint] @ item.base_from_item
+            points.append(item.solid.vertices @ placed[:3, :3].T + placed[:3, 3])
+    every = np.concatenate(points)
+    return every.min(axis=0), every.max(axis=0)
+
+
+def _extent(stage: Stage) -> float:
+    low, high = _box(stage)
+    return float(np.linalg.norm(high - low)) / 2.0

@@ -1,0 +1,243 @@
+"""A stage in a browser: orders are taken, time passes, and the picture follows."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import queue
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.units import MM
+from yarclang.view import colours, figures
+from yarclang.view.clearance import SEEN, near, touching
+from yarclang.view.panel import Order, Panel
+from yarclang.view.picking import ANGLE, beside, picked_time
+from yarclang.view.picture import Picture
+from yarclang.view.player import Player
+from yarclang.view.stage import Stage
+
+if TYPE_CHECKING:
+    import viser
+
+_RATE = 30.0
+"""Pictures in a second while time passes."""
+_TEXT_RATE = 8.0
+"""How often figures and the slider follow [1/s]."""
+_MOST_CLEARANCES = 3_000
+"""Places at which clearances are looked at; in between colours run into each other."""
+_PASSES = 20.0
+"""How long a wait for an order may be [s]: only so that an interrupt is seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Door:
+    """Where the picture is served."""
+
+    host: str
+    port: int
+
+    @property
+    def url(self) -> str:
+        """What to type into a browser."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.port}"
+
+
+class PortTakenError(Exception):
+    """The door can't be opened; the message says why."""
+
+
+def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
+    """Serve a stage until it is interrupted (KeyboardInterrupt).
+
+    Args:
+        stage: what is to be seen.
+        door: where to serve it; port 0 takes a free one.
+        ready: called with the real door once it is open.
+
+    Raises:
+        PortTakenError: something else listens there, or the address isn't one of this machine.
+    """
+    server = _open(door)
+    try:
+        showing = _Showing(server, stage)
+        ready(Door(door.host, server.get_port()))
+        showing.run()
+    finally:
+        with contextlib.redirect_stdout(io.StringIO()):
+            server.stop()
+
+
+def _open(door: Door) -> viser.ViserServer:
+    # viser would take the next free port in silence, and wait for ever for an address that isn't ours
+    try:
+        family = socket.getaddrinfo(door.host, door.port, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family[0], socket.SOCK_STREAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(family[4])
+            port = probe.getsockname()[1]
+    except (OSError, UnicodeError) as error:
+        raise PortTakenError((getattr(error, "strerror", None) or str(error)).lower()) from None
+    from yarclang.view.server import GuardedServer
+
+    with contextlib.redirect_stdout(io.StringIO()):  # it prints a table of its own
+        return GuardedServer(door.host, port)
+
+
+class _Showing:
+    """What is shown at this moment. Only its own thread draws: viser's hand in orders."""
+
+    def __init__(self, server: viser.ViserServer, stage: Stage) -> None:
+        self._stage = stage
+        self._orders: queue.SimpleQueue[Order] = queue.SimpleQueue()
+        self._player = Player(stage.duration)
+        self._values: dict[str, Array] = {"speed": stage.way.speed / MM}
+        self._ramps = ramps_of(stage)
+        self._piece = -2
+        self._picture = Picture(server, stage)
+        self._panel = Panel(server.gui, stage, self._picture.groups, self._ramps, self._orders.put)
+        self._lists = {"piece": self._panel.pieces, "mark": self._panel.marks}
+
+        @server.scene.on_click()
+        def _(event: Any) -> None:
+            self._orders.put(Order("ray", np.array(event.ray_origin), np.array(event.ray_direction)))
+
+        if self._ramps:
+            self._colour(next(iter(self._ramps)))
+        self._follow(figures_too=True)
+
+    def run(self) -> None:
+        """Take orders and let time pass, for ever."""
+        last = written = time.monotonic()
+        while True:
+            due = last + 1.0 / _RATE - time.monotonic() if self._player.plays else _PASSES
+            with contextlib.suppress(queue.Empty):
+                order = self._orders.get(timeout=due) if due > 0.0 else self._orders.get_nowait()
+                self._carry_out(order)
+                continue
+            now = time.monotonic()
+            if self._player.pass_by(now - last):
+                texts = now - written >= 1.0 / _TEXT_RATE or not self._player.plays
+                written = now if texts else written
+                self._follow(figures_too=texts)
+            last = now
+
+    def _carry_out(self, order: Order) -> None:
+        match order.kind:
+            case "play":
+                self._player.press()
+                self._follow(figures_too=True)
+            case "time":
+                self._jump(order.value)
+            case "factor":
+                self._player.factor = order.value
+            case "piece":
+                self._jump(self._stage.pieces[order.value].begins)
+                self._choose(order.value)
+            case "mark":
+                self._choose_mark(order.value)
+            case "ramp":
+                self._colour(order.value)
+            case "group":
+                self._picture.show_group(order.value, order.more)
+            case "ray":
+                self._pick(order.value, order.more)
+            case "find":
+                self._lists[order.value].listing.choose(order.more)
+                self._lists[order.value].draw()
+            case "turn":
+                self._lists[order.value].listing.turn(order.more)
+                self._lists[order.value].draw()
+
+    def _jump(self, to: float) -> None:
+        self._player.plays = False
+        self._player.jump(to)
+        self._follow(figures_too=True)
+
+    def _choose(self, piece: int) -> None:
+        self._piece = piece
+        self._picture.choose_piece(piece)
+        self._panel.show_piece(piece)
+
+    def _choose_mark(self, number: int) -> None:
+        mark = self._stage.marks[number]
+        if mark.time is not None:
+            self._jump(mark.time)
+        if mark.piece >= 0:
+            self._choose(mark.piece)
+        self._picture.choose_mark(number)
+        self._panel.show_mark(number)
+
+    def _pick(self, eye: Array, direction: Array) -> None:
+        placed = [number for number, mark in enumerate(self._stage.marks) if mark.place is not None]
+        places = np.array([self._stage.marks[number].place for number in placed]).reshape(-1, 3)
+        found, angle = beside(places, eye, direction)
+        if found >= 0 and angle <= ANGLE:
+            self._choose_mark(placed[found])
+            return
+        when = picked_time(self._stage.way, eye, direction)
+        if when is not None:
+            self._jump(when)
+
+    def _colour(self, ramp: str) -> None:
+        if ramp not in self._values:
+            self._values[ramp] = values_of(self._stage, ramp)
+        values = self._values[ramp]
+        is_clearance = ramp == "clearance"
+        most = SEEN / MM if is_clearance else colours.round_up(float(values.max(initial=0.0)))
+        unit = "mm/s" if ramp == "speed" else "mm"
+        self._picture.colour_way(values, most, ramp)
+        text = f"path of {{{self._stage.frame}}}: {self._ramps[ramp]}"
+        self._panel.show_legend(figures.legend_html(ramp, most, unit, text, is_capped=is_clearance))
+
+    def _follow(self, *, figures_too: bool) -> None:
+        now, stage = self._player.time, self._stage
+        q = stage.track.at(np.array([now]))[0]
+        self._picture.move_to(now, touching(stage.scene, q[0]) if stage.scene is not None else frozenset())
+        if not figures_too:
+            return
+        self._panel.show_time(now)
+        self._panel.show_playing(self._player.plays)
+        nearest = figures.near_text(stage, near(stage.scene, q)) if stage.scene is not None else None
+        self._panel.show_now(figures.instant_html(stage, now, nearest))
+        piece = stage.piece_at(now)
+        if piece != self._piece:
+            self._choose(piece)
+
+
+def ramps_of(stage: Stage) -> dict[str, str]:
+    """By what the path can be coloured, and how that is called."""
+    if len(stage.way.points) < 2:
+        return {}
+    ramps = {"speed": "speed"}
+    if stage.ghost is not None:
+        ramps["deviation"] = "distance from the plan"
+    if stage.scene is not None:
+        ramps["clearance"] = "smallest distance of two bodies (samples)"
+    return ramps
+
+
+def values_of(stage: Stage, ramp: str) -> Array:
+    """What the path is coloured by [mm], (N,), one for each of its points."""
+    times = stage.way.times
+    if ramp == "deviation":
+        assert stage.ghost is not None  # else it isn't offered
+        from yarclang.view.track import followed
+
+        q, v = stage.ghost.at(times)
+        there = followed(stage.robot.chain, q, v, stage.flange_from_frame)[0]
+        away: Array = np.linalg.norm(stage.way.points - there, axis=1) / MM
+        return away
+    assert stage.scene is not None  # else it isn't offered
+    every = max(-(-len(times) // _MOST_CLEARANCES), 1)
+    chosen = np.unique(np.append(np.arange(0, len(times), every), len(times) - 1))
+    apart = near(stage.scene, stage.track.at(times[chosen])[0]).apart / MM
+    values: Array = np.interp(np.arange(len(times)), chosen, apart)
+    return np.maximum(values, 0.0)

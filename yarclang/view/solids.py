@@ -1,0 +1,99 @@
+"""Shapes as triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
+
+AROUND = 32
+"""Corners of a circle."""
+_RINGS = 8
+"""Rings of a half sphere."""
+_MOST_TRIANGLES = 40_000
+"""Of one mesh; a picture needs no more, and a browser takes no more of them at 30 pictures a second."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """Triangles: corners `vertices` (V, 3) [m] in the shape's frame, and which three make one, `faces` (F, 3), seen from outside against the clock."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+
+
+def solid_of(shape: Shape) -> Solid | None:
+    """The surface of a shape; None of a mesh that can't be read."""
+    match shape:
+        case Box(size=size):
+            return _box(size)
+        case Sphere(radius=radius):
+            return _turned(*_arc(radius, 0.0))
+        case Cylinder(radius=radius, length=length):
+            half = length / 2.0
+            # each edge twice, so that the light breaks there
+            profile = np.array([[0.0, -half], [radius, -half], [radius, -half], [radius, half]])
+            return _turned(*np.vstack([profile, [[radius, half], [0.0, half]]]).T)
+        case Capsule(radius=radius, length=length):
+            return _turned(*_arc(radius, length / 2.0))
+        case Mesh():
+            return _mesh(shape)
+
+
+def _box(size: Array) -> Solid:
+    vertices: list[Array] = []
+    faces: list[list[int]] = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            across, up = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
+            middle = side * np.eye(3)[axis]
+            first = len(vertices)
+            vertices += [middle + a * across + b * up for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            turn = [[0, 1, 2], [0, 2, 3]] if side > 0 else [[0, 2, 1], [0, 3, 2]]
+            faces += [[first + corner for corner in face] for face in turn]
+    return Solid(np.array(vertices) * size / 2.0, np.array(faces))
+
+
+def _arc(radius: float, half: float) -> tuple[Array, Array]:
+    """Radii and heights from the lower pole to the upper one of two half spheres that are 2 `half` apart."""
+    angle = np.linspace(0.0, np.pi / 2.0, _RINGS + 1)
+    out, up = radius * np.sin(angle), radius * np.cos(angle)
+    return np.concatenate([out, out[::-1]]), np.concatenate([-half - up, half + up[::-1]])
+
+
+def _turned(radius: Array, height: Array) -> Solid:
+    """A profile from the lower end of the axis to the upper, turned about z."""
+    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    x, y = radius[:, None] * np.cos(angle), radius[:, None] * np.sin(angle)
+    z = np.broadcast_to(height[:, None], x.shape)
+    ring, here = np.arange(len(radius) - 1)[:, None] * AROUND, np.arange(AROUND)
+    beside = (here + 1) % AROUND
+    a, b = (ring + here).ravel(), (ring + beside).ravel()
+    faces = np.concatenate([np.stack([a, b, b + AROUND], 1), np.stack([a, b + AROUND, a + AROUND], 1)])
+    vertices = np.stack([x, y, z], axis=2).reshape(-1, 3)
+    corners = vertices[faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return Solid(vertices, faces[area > 1e-12])
+
+
+def _mesh(shape: Mesh) -> Solid | None:
+    import coal
+
+    try:
+        model = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(
+            str(shape.path), np.array(shape.scale) * shape.unit
+        )
+    except Exception:  # assimp and boost throw several kinds, and all mean the same
+        return None
+    count = model.num_tris
+    vertices = np.array(model.vertices(), dtype=np.float64)
+    if not 0 < count <= _MOST_TRIANGLES or not np.isfinite(vertices).all():
+        return None
+    faces = np.array([[face[side] for side in range(3)] for face in map(model.tri_indices, range(count))])
+    # a scale below zero turns the triangles inside out
+    if np.prod(shape.scale) < 0.0:
+        faces = faces[:, ::-1]
+    return Solid(vertices, faces.astype(np.int64))

@@ -1,0 +1,162 @@
+"""What is to be seen, as plain data: bodies, frames, paths, commands, findings, and where the joints are over time.
+
+Nothing here knows a browser. Lengths are in m, times in s, everything in {B}.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.collision.scene import Scene
+from yarclang.findings import Severity
+from yarclang.robot.kinematics.fk import joint_transform
+from yarclang.robot.model import Array, Chain, Robot
+from yarclang.view.solids import Solid
+
+Colour = tuple[int, int, int]
+Kind = Literal["robot", "tool", "obstacle", "zone"]
+Rows = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Item:
+    """A body, or the border of a zone: `base_from_item` (4, 4) with all joints at zero, `joint` how many of them move it.
+
+    Bodies of one `name` are one body of the collision check.
+    """
+
+    name: str
+    kind: Kind
+    joint: int
+    base_from_item: Array
+    solid: Solid
+    colour: Colour
+    opacity: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Axes:
+    """A frame: `base_from_frame` (4, 4) with all joints at zero, `joint` how many of them move it; `of_program` says that the program has declared it."""
+
+    name: str
+    joint: int
+    base_from_frame: Array
+    of_program: bool
+
+
+class Track(Protocol):
+    """Where the joints are over time."""
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """Positions [rad or m] and velocities, (N, n) each, at times (N,) [s]; before and behind its ends it stands still."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """A path of the followed frame: at `times` (N,) [s] its origin is at `points` (N, 3), and goes with `speed` (N,) [m/s].
+
+    Points `breaks[k]` up to `breaks[k + 1]` (M + 1,) hang together; between two of these stretches nothing is drawn. `piece` (M,) is which command each
+    stretch belongs to, -1 for none.
+    """
+
+    times: Array
+    points: Array
+    speed: Array
+    breaks: Rows
+    piece: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A command: how it is called, where it stands in the source (0: not known), from when to when it is carried out [s], and what is to be said of it,
+    name and value.
+
+    `moves` is False for one that only waits or sets, and for a motion that couldn't be planned (`planned` says which).
+    """
+
+    label: str
+    name: str
+    line: int
+    begins: float
+    ends: float
+    moves: bool
+    planned: bool
+    facts: tuple[tuple[str, str], ...]
+
+    @property
+    def title(self) -> str:
+        """`P0010 MOVEL`."""
+        return f"{self.label} {self.name}".strip()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mark:
+    """A finding, or something that has happened: at `place` (3,) and `time`, where these are known; `piece` is the command it is about, -1 for none."""
+
+    code: str
+    severity: Severity
+    text: str
+    remedy: str
+    time: float | None
+    place: Array | None
+    piece: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """All that is shown.
+
+    Attributes:
+        title: the file.
+        subtitle: what it is, in a line.
+        notes: what can't be shown, and why.
+        robot: whose joints `track` has; `ghost` is where they were planned to be, beside where they were.
+        frame: the followed frame's name, and `flange_from_frame` (4, 4), where it sits.
+        way: of the robot that is shown, and `ghost_way`, as it was planned.
+        scene: the bodies of the collision check; None where there is nothing to be near to.
+        duration: the last time that is shown [s].
+    """
+
+    title: str
+    subtitle: str
+    notes: tuple[str, ...]
+    robot: Robot
+    items: tuple[Item, ...]
+    axes: tuple[Axes, ...]
+    frame: str
+    flange_from_frame: Array
+    track: Track
+    ghost: Track | None
+    way: Way
+    ghost_way: Way | None
+    pieces: tuple[Piece, ...]
+    marks: tuple[Mark, ...]
+    scene: Scene | None
+    duration: float
+
+    def piece_at(self, time: float) -> int:
+        """The command that is carried out at a time: of several at once the moving one, else the first; -1 before the first one."""
+        found = -1
+        for number, piece in enumerate(self.pieces):
+            if piece.begins > time + 1e-9:
+                break
+            if time <= piece.ends + 1e-9 or piece.moves:
+                # where one ends and the next one begins, it is the next
+                found = number if piece.moves or found < 0 or self.pieces[found].ends < time else found
+        return found
+
+
+def moved_by(chain: Chain, q: Array) -> Array:
+    """What the first joints do to what they move: (n + 1, 4, 4) from where it is with all joints at zero to where it is at `q` (n,)."""
+    moved = np.tile(np.eye(4), (chain.size + 1, 1, 1))
+    for joint in range(chain.size):
+        turn, shift = joint_transform(chain.screws[joint], q[joint : joint + 1])
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = turn[0], shift[0]
+        moved[joint + 1] = moved[joint] @ step
+    return moved

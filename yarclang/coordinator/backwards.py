@@ -10,6 +10,7 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     ArcMove,
     Array,
+    AvoidMove,
     JointGoal,
     JointMove,
     LineMove,
@@ -103,6 +104,11 @@ def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:
     match step:
         case JointMove():
             return replace(step, goal=JointGoal(one.start))
+        case AvoidMove() if len(one.waypoints) == 1:
+            return JointMove(step.origin, JointGoal(one.start), step.profile, step.timing, step.tolerance)
+        case AvoidMove() if one.whole:
+            back = tuple(JointGoal(q) for q in (*one.waypoints[-2::-1], one.start))
+            return SplineMove(step.origin, back, step.profile, step.timing, step.tolerance)
         case LineMove(goal=goal):
             return replace(step, goal=_pose(robot, one.start, goal.flange_from_moving))
         case ArcMove(goal=goal, via=via):

@@ -11,7 +11,7 @@ import numpy as np
 from yarclang.certify.certificate import Certificate, CommandCertificate
 from yarclang.coordinator.lines import Lines, Parts, numbered, parts_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors
-from yarclang.hir import JointMove, PoseGoal, Program
+from yarclang.hir import AvoidMove, JointMove, PoseGoal, Program
 from yarclang.lint.engine import lint
 from yarclang.lint.rule import Surroundings
 from yarclang.motion.plan import MotionPlan
@@ -251,7 +251,7 @@ def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
 def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
     """Which solution of a free pose was taken: `nearest of 8`."""
     step = program.steps[number]
-    if not (isinstance(step, JointMove) and isinstance(step.goal, PoseGoal)):
+    if not (isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, PoseGoal)):
         return ""
     goal = step.goal
     base_from_flange = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)

@@ -25,6 +25,10 @@ class Drive:
         now: the session's clock [s].
         stop: ends it by a hold, at once.
         tell: tells everybody why it doesn't do what is wanted.
+        lag: what lies in the controller's buffer [s].
+
+    Attributes:
+        lag: whatever is wanted is done so much later [s]; a stop isn't.
     """
 
     def __init__(
@@ -35,7 +39,9 @@ class Drive:
         now: Callable[[], float],
         stop: Callable[[], None],
         tell: Callable[[str], None],
+        lag: float,
     ) -> None:
+        self.lag = lag
         self._robot = robot
         self._generator = generator
         self._running = running
@@ -48,6 +54,16 @@ class Drive:
     def alive(self) -> bool:
         """Whether it still takes what is wanted."""
         return not self._running.done()
+
+    @property
+    def end(self) -> Array:
+        """(n,) where what is streamed ends so far [rad or m]."""
+        return self._generator.end
+
+    @property
+    def why(self) -> str:
+        """Why it doesn't do what is wanted; empty: it does."""
+        return self._generator.why
 
     def want(self, target: Target) -> None:
         """This is wanted from now on, for 200 ms.

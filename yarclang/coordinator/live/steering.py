@@ -27,7 +27,7 @@ _SAME = 1e-7
 _KEPT = 0.9
 """What of a tool's speed is used: what it can grow by within a segment must have room."""
 
-_NEAR = 0.35
+_NEAR = 0.2
 """Seconds in which a master that stands is reached."""
 
 

@@ -1,0 +1,63 @@
+"""A master in another process, over a real socket and in real time, against the simulator."""
+
+import asyncio
+import json
+import time
+
+import numpy as np
+import pytest
+from simulator.machines import robot_machine
+
+from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.engine import NO_LOG
+from yarclang.coordinator.live.serving import MasterServer
+from yarclang.coordinator.ordered import OrderedSession
+from yarclang.runtime.actions import Trouble
+from yarclang.simulator.commissioning import stand
+from yarclang.simulator.embedded import EmbeddedSimulator
+
+READY = np.array([0.0, 10.0, 10.0, 0.0, 40.0, 0.0])
+
+
+async def say(writer, reader, content):
+    writer.write(json.dumps(content).encode() + b"\n")
+    return json.loads(await reader.readline())
+
+
+def test_a_master_is_followed_over_tcp(tmp_path):
+    robot, machine = robot_machine("INDUSTRIAL6", record=False)
+    stand(machine, robot, READY * robot.axis_units)
+
+    async def session(port):
+        link = OrderedSession("127.0.0.1", port, reply_time=20.0)
+        async with Coordinator(robot, link, folder=tmp_path, log=NO_LOG) as coordinator:
+            client = coordinator.attach("test")
+            client.own()
+            async with MasterServer(client) as server:
+                reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
+                since = time.monotonic()
+                while (now := time.monotonic() - since) < 1.5:
+                    wanted = np.add(READY, [4.0 * min(now, 1.0), 0, 0, 0, 0, 0])
+                    answer = await say(writer, reader, {"joints": wanted.tolist()})
+                    assert answer["ok"], answer
+                    await asyncio.sleep(0.02)
+                assert answer["lag_s"] < 0.4
+                assert abs(answer["behind"]["J1"]) < 0.2
+                denied = await say(writer, reader, {"joints": [999, 0, 0, 0, 0, 0]})
+                assert denied == {"ok": False, "error": "J1 would be out of its limits"}
+                # one at a time
+                other, second = await asyncio.open_connection("127.0.0.1", server.port)
+                assert json.loads(await other.readline())["error"] == "another process steers the robot"
+                second.close()
+                writer.close()  # the connection ends: the robot rests
+                until = time.monotonic() + 5.0
+                while coordinator.under_way:
+                    assert time.monotonic() < until
+                    await asyncio.sleep(0.02)
+                assert (await client.stands())[0] / robot.axis_units[0] == pytest.approx(4.0, abs=0.3)
+            with pytest.raises(Trouble, match="can't be listened on"):
+                async with MasterServer(client, port, host="203.0.113.1"):
+                    pass
+
+    with EmbeddedSimulator(machine) as simulator:
+        asyncio.run(session(simulator.port))

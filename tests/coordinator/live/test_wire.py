@@ -1,0 +1,119 @@
+"""What another process says to steer the robot: read, or denied with a reason; nothing is raised."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
+from yarclang.coordinator.live.wire import Denied, Finish, Reader
+from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.transforms import roll_pitch_yaw
+
+ROBOT = load_robot("INDUSTRIAL6").value
+TOOL = ROBOT.flange_from_frame["TCP"]
+START = np.array([0.0, 10.0, 10.0, 0.0, 40.0, 0.0])
+
+
+def reader():
+    return Reader(ROBOT, TOOL, START * ROBOT.axis_units)
+
+
+def read(content, now=0.0, at=None):
+    return (at or reader()).read(json.dumps(content).encode(), now)
+
+
+def test_each_kind_is_read():
+    units = ROBOT.axis_units
+    found = read({"joints": [1, 2, 3, 4, 5, 6], "rate": [1, 0, 0, 0, 0, 0]})
+    assert isinstance(found, Master)
+    assert found.q / units == pytest.approx([1, 2, 3, 4, 5, 6])
+    assert found.rate[0] / units[0] == pytest.approx(1.0)
+    found = read({"velocity": {"j3": -5}})
+    assert isinstance(found, JointVelocity)
+    assert found.velocity / units == pytest.approx([0, 0, -5, 0, 0, 0])
+    found = read({"twist": [0, 0, 50, 0, 0, 10], "axes": "tool"})
+    assert isinstance(found, Twist)
+    assert (found.linear[2], found.angular[2], found.axes) == pytest.approx((0.05, np.deg2rad(10), "tool"))
+    assert isinstance(read({"finish": True}), Finish)
+
+
+def test_a_pose_is_the_joints_next_to_the_last():
+    there = np.add(START, [1, -1, 1, 2, -2, 1])
+    pose = tool_poses(ROBOT.chain, (there * ROBOT.axis_units)[None], TOOL)[0]
+    values = [*(pose[:3, 3] * 1e3), *np.rad2deg(roll_pitch_yaw(pose[:3, :3]))]
+    found = read({"pose": [float(value) for value in values]})
+    assert isinstance(found, Master)
+    assert found.q / ROBOT.axis_units == pytest.approx(there, abs=1e-6)
+
+
+def test_a_velocity_is_estimated_of_what_a_master_has_said():
+    at, rate = reader(), 10.0
+    for number in range(40):
+        now = 0.02 * number
+        found = read({"joints": [rate * now, 10, 10, 0, 40, 0]}, now, at)
+    assert found.rate[0] / ROBOT.axis_units[0] == pytest.approx(rate, rel=1e-3)
+    found = read({"joints": [rate * now, 10, 10, 0, 40, 0]}, now + 5.0, at)
+    assert not found.rate.any()
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        ({"joints": [1, 2, 3]}, "6 finite numbers"),
+        ({"joints": [1, 2, 3, 4, 5, "6"]}, "6 finite numbers"),
+        ({"joints": [1, 2, 3, 4, 5, True]}, "6 finite numbers"),
+        ({"joints": [500, 2, 3, 4, 5, 6]}, "J1 would be out of its limits"),
+        ({"joints": [1, 2, 3, 4, 5, 6], "rate": 3}, "6 finite numbers"),
+        ({"joints": [1, 2, 3, 4, 5, 6], "speed": 3}, "joints takes no 'speed'"),
+        ({"pose": [9000, 0, 0, 0, 0, 0]}, "out of reach by"),
+        ({"pose": [0, 900, 1400, 180, 0, 0]}, "too far from the one before"),
+        ({"pose": [0, 900, 1400]}, "six finite numbers"),
+        ({"velocity": {"J9": 1}}, "'J9' isn't a joint"),
+        ({"velocity": {}}, "velocity is an object"),
+        ({"twist": [0, 0, 1, 0, 0, 0], "axes": "world"}, '"base" or "tool"'),
+        ({"finish": False}, "finish is true"),
+        ({}, "one of joints, pose"),
+        ({"joints": [], "pose": []}, "not 2"),
+        ([1], "isn't a JSON object"),
+    ],
+)
+def test_what_is_wrong_is_denied(content, why):
+    found = read(content)
+    assert isinstance(found, Denied)
+    assert why in found.error
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.one_of(
+        st.binary(max_size=60),
+        st.recursive(
+            st.none() | st.booleans() | st.floats() | st.text(max_size=5),
+            lambda inner: (
+                st.lists(inner, max_size=7)
+                | st.dictionaries(
+                    st.sampled_from(["joints", "pose", "velocity", "twist", "finish", "axes", "rate", "J1"]),
+                    inner,
+                    max_size=3,
+                )
+            ),
+            max_leaves=12,
+        ).map(lambda one: json.dumps(one).encode()),
+    )
+)
+def test_nothing_is_raised(line):
+    found = reader().read(line, 0.0)
+    match found:
+        case Master():
+            assert np.isfinite(found.q).all()
+            assert np.isfinite(found.rate).all()
+        case JointVelocity():
+            assert np.isfinite(found.velocity).all()
+        case Twist():
+            assert np.isfinite([found.linear, found.angular]).all()
+        case _:
+            assert isinstance(found, Denied | Finish)

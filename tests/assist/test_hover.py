@@ -1,11 +1,13 @@
 """What is said of the place under the mouse."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.assist.texts import HEAD, checked, looked_at, marked, robot
+from yarclang.assist.hints import ShortestTimes, hints_in
 from yarclang.assist.hover import hover_at
 from yarclang.robot.kinematics.fk import tool_poses
 
@@ -127,3 +129,25 @@ def test_without_a_check_names_are_told_from_the_text():
 def test_suppressed_codes_are_explained():
     assert "**Y0611 " in hovered(looked_at("P0010 STOP ! yarc: ignore[Y0611]"), "Y0611")
     assert hovered(looked_at("P0010 STOP ! yarc: ignore[Y0611]"), "ignore") == ""
+
+
+def test_a_half_typed_line_leaves_the_others_what_they_were(planned):
+    """Lines that are as they were have their motions of before the edit, wherever they are now; those that were changed have none."""
+    text = PROGRAM.replace("P0010 MOVEJ READY\n", "P0007 MOV\nP0010 MOVEJ READY\n").replace(
+        "P0040 MOVEJ 10", "P0040 MOVEJ 11"
+    )
+    assert text.count("P0007 MOV") == 1
+    view = replace(checked(text), older=planned)
+    assert not view.is_planned
+    before = hovered(planned, "P0050")
+    assert hovered(view, "P0050") == before + "\n- as it was before the last edits"
+    assert "takes" not in hovered(view, "P0040")
+    lines = view.sketch.source.lines
+    found = {lines[one.line - 1].split()[0]: one for one in hints_in(view, 1, len(lines), ShortestTimes())}
+    assert "P0050" in found
+    assert not {"P0040", "P0007"} & found.keys()
+    assert found["P0050"].text == next(
+        one.text
+        for one in hints_in(planned, 1, 99, ShortestTimes())
+        if "P0050" in planned.sketch.source.line(one.line)
+    )

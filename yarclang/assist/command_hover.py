@@ -14,13 +14,16 @@ from yarclang.units import MM
 
 def command_lines(view: View, line: int) -> Iterator[str]:
     """What a view knows of the motion in a line, in Markdown; nothing for what is none. It may plan the motion once more."""
-    steps = view.steps_in(line)
-    number = first_motion(view, steps)
-    if number is None or (facts := facts_of(view, number)) is None:
+    known, there = view.planned_at(line) or (view, line)
+    steps = known.steps_in(there)
+    number = first_motion(known, steps)
+    if number is None or (facts := facts_of(known, number)) is None:
         return
-    yield from motion_lines(view, facts, pace_in(view, number))
+    yield from motion_lines(known, facts, pace_in(known, number))
     if len(steps) > 1:
         yield f"- the first of {len(steps):,} times: {facts.label}"
+    if known is not view:
+        yield "- as it was before the last edits"
 
 
 def motion_lines(view: View, facts: MotionFacts, pace: Pace | None) -> Iterator[str]:

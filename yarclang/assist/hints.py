@@ -55,15 +55,16 @@ class ShortestTimes:
 
 
 def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterator[Hint]:
-    """The hints of the lines `first` to `last`. Only planned motions have one."""
+    """The hints of the lines `first` to `last`. Only motions that are or were planned as they stand there have one."""
     for line in range(first, last + 1):
-        statement = view.sketch.statement_at(line)
-        if statement is None or statement.line != line:
+        statement, planned_at = view.sketch.statement_at(line), view.planned_at(line)
+        if statement is None or statement.line != line or planned_at is None:
             continue
-        number = first_motion(view, view.steps_in(line))
-        if number is None or (planned := view.motion(number)) is None:
+        known, there = planned_at
+        number = first_motion(known, known.steps_in(there))
+        if number is None or (planned := known.motion(number)) is None:
             continue
-        duration, shortest = planned[0].curve.duration, times.of(view, number)
+        duration, shortest = planned[0].curve.duration, times.of(known, number)
         parts = [f"{duration:.3g} s" if statement.time is None else ""]
         if shortest is not None and duration > shortest * (1.0 + _SHORTER):
             parts.append(f"min {shortest:.3g} s")
@@ -72,7 +73,7 @@ def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterato
         lines = [f"takes {duration:.3f} s"]
         if shortest is not None:
             lines.append(f"at least {shortest:.3f} s under the whole limits that the command may use")
-        if (certificate := view.proved(number)) is not None:
+        if (certificate := known.proved(number)) is not None:
             what, load = most_used(certificate)
             parts.append(f"{load.share * 100:.0f} %")
             lines.append(f"uses {load.share * 100:.1f} % of the {what} limit of {load.name}")

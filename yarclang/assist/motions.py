@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.assist.view import View
 from yarclang.certify.certificate import Clearance, CommandCertificate, Load
-from yarclang.hir import Array, FrameLink, JointGoal, JointMove, Motion, PoseGoal
+from yarclang.hir import Array, AvoidMove, FrameLink, JointGoal, JointMove, Motion, PoseGoal
 from yarclang.report.inspection.inspected import chain_of, chain_pose
 from yarclang.report.inspection.limits import Pace, pace_of
 from yarclang.robot.kinematics.fk import tool_poses
@@ -80,7 +80,7 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
     joints: Array | None = None
     if planned is not None:
         joints = planned[0].waypoints[-1]
-    elif isinstance(step, JointMove) and isinstance(step.goal, JointGoal):
+    elif isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, JointGoal):
         joints = step.goal.q
     frame, flange_from_frame = _moving(view, step.origin.moving, robot)
     world = _world(step, joints, flange_from_frame, robot)

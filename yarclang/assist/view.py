@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from yarclang.assist.sketch import Sketch
+from yarclang.assist.unchanged import Unchanged, unchanged
 from yarclang.certify.certificate import CommandCertificate
 from yarclang.hir import Gap, Program, Step
 from yarclang.motion.plan import PlannedMotion
@@ -27,13 +28,38 @@ class View:
     """A text, and what has been found out about it.
 
     `checked` is of this very text; None until it is there. `robot` is the text's, or that of an older version of it. `module` finds a module
-    by its name in upper case.
+    by its name in upper case. `older` is what was known of the last version that could be planned.
     """
 
     sketch: Sketch
     checked: Checked | None = None
     robot: Robot | None = None
     module: Callable[[str], Sketch | None] = no_module
+    older: View | None = None
+
+    @property
+    def is_planned(self) -> bool:
+        """Whether there is a plan of this very text."""
+        return self.checked is not None and self.checked.plan is not None
+
+    def planned_at(self, line: int) -> tuple[View, int] | None:
+        """Where the motions of a line are planned: here, or, while errors or a plan that isn't made yet hide them, in the last version that could be
+        planned, if the line is as it was. None where that isn't so.
+        """
+        if self.is_planned:
+            return self, line
+        if self.older is None:
+            return None
+        statement = self.sketch.statement_at(line)
+        there = self._same.then(line)
+        known = self.older.sketch.statement_at(there) if there is not None else None
+        same = statement is not None and known is not None and known.at_line(0) == statement.at_line(0)
+        return (self.older, there) if same and there is not None else None
+
+    @cached_property
+    def _same(self) -> Unchanged:
+        older = self.older.sketch.source.lines if self.older else ()
+        return unchanged(older, self.sketch.source.lines)
 
     @property
     def program(self) -> Program | None:

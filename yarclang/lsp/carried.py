@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from yarclang.assist.unchanged import unchanged
 from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile, Span
 
@@ -30,18 +31,12 @@ def _key(one: Diagnostic) -> tuple[str, str, Span | None]:
 
 def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
     """The findings of the lines that are the same in a newer text, where they are now; without fixes, which would be those of the older one."""
-    before, after = planned.source.lines, source.lines
-    shortest = min(len(before), len(after))
-    first = next((n for n in range(shortest) if before[n] != after[n]), shortest)
-    rest = shortest - first
-    last = next((n for n in range(rest) if before[-1 - n] != after[-1 - n]), rest)
-    moved = len(after) - len(before)
+    same = unchanged(planned.source.lines, source.lines)
     for one in planned.findings:
         span = one.span
         if span is None:
             continue
-        if span.end_line <= first:
-            yield replace(one, source=source, fix=None)
-        elif span.line > len(before) - last:
-            there = Span(span.line + moved, span.column, span.end_line + moved, span.end_column)
+        line, end_line = same.now(span.line), same.now(span.end_line)
+        if line is not None and end_line is not None and end_line - line == span.end_line - span.line:
+            there = Span(line, span.column, end_line, span.end_column)
             yield replace(one, source=source, span=there, fix=None)

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -99,7 +100,12 @@ class Server(LanguageServer):
             if robot is None and one is not None and one.checked.opened is not None:
                 robot = one.checked.opened.request.robot
         checked = analysis.checked if analysis else None
+        older = known[2] if known is not None else None
+        if older is not None and not older.is_planned:
+            older = older.older
         view = View(document.sketch, checked, robot, self.modules.in_folder(document.folder))
+        if not view.is_planned:
+            view = replace(view, older=older)
         self._views[uri] = document, analysis, view
         return view
 
@@ -187,6 +193,8 @@ class Server(LanguageServer):
         self.checks.texts = {one.path: one.source for one in self.documents.values() if one.path}
 
     def _arrived(self, analysis: Analysis) -> None:
+        if analysis.is_whole:
+            self.view(analysis.document.uri)  # kept for the time when an edit hides the plan
         for listener in self.listeners:
             listener(self, analysis)
 

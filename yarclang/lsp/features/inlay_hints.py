@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 async def _hints(server: Server, params: types.InlayHintParams) -> list[types.InlayHint]:
     uri = params.text_document.uri
     view = server.program_view(uri)
-    if view is None or view.checked is None or view.checked.plan is None:
-        return []  # the client is told when there are some
+    if view is None:
+        return []
     source = view.sketch.source
     first, _ = place_of(source, params.range.start, server.encoding)
     last, _ = place_of(source, params.range.end, server.encoding)

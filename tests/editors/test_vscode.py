@@ -1,0 +1,98 @@
+"""The extension for Visual Studio Code: its grammar colours as the Pygments lexer does, and it is built."""
+
+import json
+import runpy
+import subprocess
+import zipfile
+
+import pytest
+from conftest import EXAMPLES, HERE
+from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, String, Text
+
+from yarclang.commands.registry import commands
+from yarclang.highlight.lexer import YarcLexer
+
+VSCODE = HERE.parent / "editors" / "vscode"
+MADE = runpy.run_path(str(VSCODE.parent / "grammar.py"))
+PROGRAMS = sorted(EXAMPLES.glob("*.yarc"))
+SCOPES = {
+    Comment.Single: "comment.line.exclamation",
+    Keyword: "keyword.control",
+    Keyword.Constant: "constant.language",
+    Keyword.Declaration: "storage.type",
+    Keyword.Pseudo: "keyword.other.option",
+    Keyword.Type: "support.type.unit",
+    Name: "source",
+    Name.Builtin: "support.function.builtin",
+    Name.Decorator: "storage.modifier",
+    Name.Function: "support.function",
+    Name.Label: "entity.name.label",
+    Name.Namespace: "entity.name.namespace.frame",
+    Name.Variable: "variable.other",
+    Number: "constant.numeric",
+    Operator: "keyword.operator",
+    Operator.Word: "keyword.operator.word",
+    Punctuation: "source",
+    String.Double: "string.quoted.double",
+}
+"""What the grammar calls the kinds of the lexer."""
+
+
+@pytest.mark.parametrize(("path", "make"), [("GRAMMAR", "grammar"), ("SNIPPETS", "snippets")])
+def test_files_have_the_words_of_today(path, make, rewrite_golden):
+    text = MADE["text_of"](MADE[make]())
+    if rewrite_golden:
+        MADE[path].write_text(text, encoding="utf-8")
+    assert MADE[path].read_text(encoding="utf-8") == text
+
+
+def test_every_command_has_a_snippet():
+    assert set(commands()) <= set(MADE["snippets"]())
+
+
+def test_no_address_is_recorded():
+    lock = (VSCODE / "package-lock.json").read_text()
+    assert '"resolved"' not in lock
+    assert "registry" not in lock
+
+
+def test_both_lexers_say_the_same(vscode, tool):
+    run = subprocess.run(
+        [tool("node"), "test/tokens.js", *map(str, PROGRAMS)],
+        cwd=vscode,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for path, lines in zip(PROGRAMS, json.loads(run.stdout), strict=True):
+        for number, (line, pieces) in enumerate(zip(path.read_text().split("\n"), lines, strict=True), 1):
+            by_grammar = ["source"] * len(line)
+            for start, end, scope in pieces:
+                by_grammar[start:end] = [scope] * (end - start)
+            for start, kind, piece in YarcLexer().get_tokens_unprocessed(line):
+                if kind is not Text.Whitespace:
+                    found = {by_grammar[start + at] for at, one in enumerate(piece) if not one.isspace()}
+                    assert found == {SCOPES[kind]}, f"{path.name}:{number}: {piece}"
+
+
+def test_its_own_tests_pass(vscode, tool):
+    run = subprocess.run([tool("npm"), "test"], cwd=vscode, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_a_vsix_is_made(vscode, tool):
+    run = subprocess.run(
+        [tool("npm"), "run", "package"], cwd=vscode, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    with zipfile.ZipFile(vscode / "yarc.vsix") as package:
+        names = set(package.namelist())
+        manifest = json.loads(package.read("extension/package.json"))
+        bundle = package.read("extension/out/extension.js").decode()
+    contributes = manifest["contributes"]
+    paths = [one["path"] for one in (*contributes["grammars"], *contributes["snippets"])]
+    paths += [one["configuration"] for one in contributes["languages"]] + [manifest["main"]]
+    assert {f"extension/{one.removeprefix('./')}" for one in paths} <= names
+    assert not any("node_modules" in name for name in names)
+    for one in contributes["commands"]:
+        assert one["command"] in bundle

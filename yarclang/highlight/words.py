@@ -1,0 +1,61 @@
+"""The words of the language by their kinds, as the registry and the tables of the language have them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+
+from yarclang.commands.registry import commands
+from yarclang.motion.profile import profile_names
+from yarclang.semantics.names import TARGETS
+from yarclang.syntax.words import (
+    AVOID,
+    BLOCK_HEADS,
+    CONSTANTS,
+    DECLARATIONS,
+    FUNCTIONS,
+    OPERATORS,
+    OPTIONS,
+    OTHER_COMMANDS,
+    STATES,
+)
+from yarclang.units import UNITS
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """Words in upper case (units as they are written), longest first where one begins like another."""
+
+    blocks: tuple[str, ...]
+    declarations: tuple[str, ...]
+    commands: tuple[str, ...]
+    suffixes: tuple[str, ...]
+    options: tuple[str, ...]
+    operators: tuple[str, ...]
+    functions: tuple[str, ...]
+    constants: tuple[str, ...]
+    units: tuple[str, ...]
+
+
+@cache
+def words() -> Words:
+    """All of them. A new command, profile or unit is among them by itself."""
+    specs = commands().values()
+    names = {name for spec in specs for name in (spec.name, spec.old_name) if name}
+    blocks = BLOCK_HEADS | {"END", "ELSE"}
+    return Words(
+        blocks=_ordered(blocks),
+        declarations=_ordered(DECLARATIONS - blocks),
+        commands=_ordered(names | OTHER_COMMANDS),
+        suffixes=_ordered({*TARGETS, *profile_names(), AVOID}),
+        options=_ordered(OPTIONS),
+        operators=_ordered(OPERATORS),
+        functions=_ordered(FUNCTIONS),
+        constants=_ordered(CONSTANTS | STATES),
+        units=_ordered(UNITS),
+    )
+
+
+def _ordered(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(sorted(names, key=lambda name: (-len(name), name)))

@@ -39,6 +39,20 @@ def test_findings_are_sent_to_who_does_not_ask(tmp_path: Path):
     run(work, capabilities(pull=False))
 
 
+def test_nothing_flickers_while_somebody_types(tmp_path: Path):
+    """What planning has said stays, in its line, with the first that is sent behind an edit elsewhere."""
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", QUICK)
+        await one.until(document, lambda found: codes(found) == ["Y0601"])
+        one.write(document, "! a remark\n" + QUICK)
+        await one.client.wait_for_notification(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
+        (found,) = one.client.diagnostics[document.uri]
+        assert (found.code, found.range.start.line) == ("Y0601", 3)
+
+    run(work, capabilities(pull=False))
+
+
 def test_findings_are_asked_for_and_never_sent(tmp_path: Path):
     async def work(one: Editor) -> None:
         document = one.open(tmp_path / "a.yarc", QUICK)

@@ -30,7 +30,7 @@ def _can_ask_again(server: Server) -> bool:
 
 
 def _items(server: Server, analysis: Analysis) -> list[types.Diagnostic]:
-    return [diagnostic_of(analysis.document, one, server.encoding) for one in analysis.checked.diagnostics]
+    return [diagnostic_of(analysis.document, one, server.encoding) for one in analysis.shown]
 
 
 def _name(analysis: Analysis) -> str:

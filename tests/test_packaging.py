@@ -81,4 +81,13 @@ def test_sdist_builds_and_tests_itself(sdist_files: set[str]):
 
 def test_sdist_has_nothing_stray(sdist_files: set[str]):
     folders = {name.split("/")[0] for name in sdist_files if "/" in name}
-    assert folders <= {"benchmarks", "docs", "examples", "requirements", "stdlib", "tests", "yarclang"}
+    assert folders <= {
+        "benchmarks",
+        "docs",
+        "editors",
+        "examples",
+        "requirements",
+        "stdlib",
+        "tests",
+        "yarclang",
+    }

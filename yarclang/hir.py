@@ -52,6 +52,10 @@ class Origin:
     """The unit in which it stands there."""
     end_span: Span | None = None
     """An empty span where the command ends, for a fix that adds an option."""
+    name_span: Span | None = None
+    """Where the name stands, for a fix that writes another one."""
+    values_span: Span | None = None
+    """An empty span where the values begin, for a fix that adds a way-point."""
     time_given: str = ""
     """Of a motion time that is a parameter of a SUB, what was given for it, and where."""
     place: str = ""
@@ -147,6 +151,20 @@ class JointMove:
 
     origin: Origin
     goal: JointGoal | JointDelta | PoseGoal
+    profile: str
+    timing: Timing
+    tolerance: float | None = None
+    blend: Reading | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AvoidMove:
+    """In joint space to the goal by a way that keeps clear of all that is around: straight where that is free, else a natural cubic
+    spline, as that of a SplineMove, through way-points that the planner finds.
+    """
+
+    origin: Origin
+    goal: JointGoal | PoseGoal
     profile: str
     timing: Timing
     tolerance: float | None = None
@@ -301,7 +319,7 @@ class Gap:
     """A command with errors: what it does, and where the robot stands behind it, isn't known."""
 
 
-Motion = JointMove | LineMove | ArcMove | SplineMove | PoseSplineMove
+Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove
 Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
 Step = Motion | Action | Stop | Gap
 

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
-Kind = Literal["joint", "line", "arc", "spline", "pose_spline"]
+Kind = Literal["joint", "avoid", "line", "arc", "spline", "pose_spline"]
 Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_velocity", "hold", "torque"]
 
 

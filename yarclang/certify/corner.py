@@ -68,7 +68,7 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
     for row, place in enumerate(layout.places):
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
-            if end.q is None and isinstance(place.motion, hir.JointMove | hir.SplineMove):
+            if end.q is None and isinstance(place.motion, hir.JointMove | hir.AvoidMove | hir.SplineMove):
                 assert ahead is not None
                 end = _End(end.flange, _joints(judged, layout, *ahead, end.flange))
             if end.q is not None:
@@ -94,6 +94,9 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
         case hir.SplineMove():
             claimed = claimed_joints(judged, place, len(motion.waypoints))
             end = q if claimed is None else claimed[-1]
+        case hir.AvoidMove():
+            claimed = claimed_way(judged, place)
+            end = q if claimed is None else claimed[-1]
         case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
             return _End(goal_pose(goal, flange)[1] @ np.linalg.inv(goal.flange_from_moving), None)
         case hir.PoseSplineMove(waypoints=waypoints):
@@ -108,6 +111,15 @@ def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
         return None
     return claimed
+
+
+def claimed_way(judged: Judged, place: Place) -> Array | None:
+    """The way-points (k, n) of a motion: as many as it has, or, of one that finds its own, as many as the planner claims to have found."""
+    motion = place.motion
+    if isinstance(motion, hir.SplineMove):
+        return claimed_joints(judged, place, len(motion.waypoints))
+    claimed = judged.witnesses.get(place.step)
+    return claimed_joints(judged, place, max(len(claimed), 1) if claimed is not None and claimed.ndim else 1)
 
 
 def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Array) -> Array:
@@ -146,9 +158,11 @@ def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
     Infinite where there is no claim in the right form.
     """
     motion = place.motion
-    assert isinstance(motion, hir.JointMove | hir.SplineMove)
+    assert isinstance(motion, hir.JointMove | hir.AvoidMove | hir.SplineMove)
     goals = motion.waypoints if isinstance(motion, hir.SplineMove) else (motion.goal,)
     claimed = claimed_joints(judged, place, len(goals))
+    if isinstance(motion, hir.AvoidMove) and (way := claimed_way(judged, place)) is not None:
+        claimed = way[-1:]  # where it leads between is its own affair
     if claimed is None:
         shape = (len(goals), judged.robot.size)
         judged.find("Y1161", f"no joint positions of shape {shape} were given for its way-points", place.step)

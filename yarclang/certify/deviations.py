@@ -8,7 +8,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.certificate import Deviation
-from yarclang.certify.corner import Judged, check_claims, claimed_joints, find_starts, shown
+from yarclang.certify.corner import Judged, check_claims, claimed_joints, claimed_way, find_starts, shown
 from yarclang.certify.flows import find_flows, speeds_around
 from yarclang.certify.frames import frame_moves, moving_frame
 from yarclang.certify.joint import JointLines, by_kind, frame_off, joint_weights, straight_deviations
@@ -40,7 +40,7 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
             frame_moves(judged, layout, rows, flanges, around, proofs)
     for one in chosen[hir.PoseSplineMove]:
         frame_moves(judged, layout, [one], flanges, around, proofs)
-    for row, place in chosen[hir.SplineMove]:
+    for row, place in (*chosen[hir.SplineMove], *chosen[hir.AvoidMove]):
         proofs.deviations[place.step] = _spline_move(judged, layout, row, place, proofs)
     for place in layout.places:
         _judge_deviation(judged, place, proofs.deviations[place.step])
@@ -147,9 +147,9 @@ def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proof
 def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs: Proofs) -> Deviation:
     robot, start = judged.robot, proofs.starts.q[row]
     step = place.motion
-    assert isinstance(step, hir.SplineMove)
+    assert isinstance(step, hir.SplineMove | hir.AvoidMove)
     off_position, off_angle = check_claims(judged, place)
-    witness = claimed_joints(judged, place, len(step.waypoints))
+    witness = claimed_way(judged, place)
     if witness is None:
         return Deviation(np.inf, np.inf, 0.0, 0.0)
     end = layout.ends[row] if place.size else start

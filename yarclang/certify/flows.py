@@ -19,7 +19,7 @@ from yarclang.robot.model import Array, Robot
 SHORTEST = 1e-6
 """Between two corners that may not be left lies at least this [s]."""
 
-IN_JOINTS = (hir.JointMove, hir.SplineMove)
+IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove)
 
 
 @dataclass(frozen=True, slots=True)

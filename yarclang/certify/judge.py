@@ -44,7 +44,7 @@ def certify(
         robot: geometry, limits, actuation and controller.
         tolerance: how far the executed path may be from the programmed one.
         witnesses: by the number of a motion in the program's steps, the joint positions that the planner chose: for each
-            SplineMove (k, n) for its k way-points; for a JointMove to a pose that flows into the next motion, and, where that one
+            SplineMove (k, n) for its k way-points, for each AvoidMove as many as were found, the goal last; for a JointMove to a pose that flows into the next motion, and, where that one
             is in joint space, for a Cartesian motion, (1, n) for its end. Claims: each is checked against its way-point.
         laws: for SplineMoves and PoseSplineMoves, by the same number: control values (segments + 3,) of the share of the way over
             time. The segments of a motion in a chain reach half a blend beyond its own on either side. Claims: a

@@ -35,6 +35,7 @@ _REMEDIES = {
 KINDS: Mapping[type, Kind] = MappingProxyType(
     {
         hir.JointMove: "joint",
+        hir.AvoidMove: "avoid",
         hir.LineMove: "line",
         hir.ArcMove: "arc",
         hir.SplineMove: "spline",

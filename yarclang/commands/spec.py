@@ -67,7 +67,7 @@ class Arguments:
     """A checked command in SI, as its `build` gets it.
 
     `goals` has one entry a way-point: a JointGoal, JointDelta, PoseGoal or PoseDelta, as the
-    target of the command's name says (a JointGoal wherever a joint position's name stands); a position is an array (3,) in {B}.
+    target of the command's name says (a JointGoal wherever a joint position's name stands); a position is an array (3,) in {B}. `avoids` says that the name has _AVOID.
     """
 
     origin: Origin
@@ -76,6 +76,7 @@ class Arguments:
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    avoids: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ class CommandSpec:
     without values has none. `waypoints` is the least and the largest number of way-points
     (None: any). `is_motion` commands take a profile and a motion time. `frames_may_move` allows a base
     frame that is carried by the robot. `leading` are the values of the first way-points where they differ from the target's.
-    `moves_frame` commands lead the moving frame along a path, so that its speed may be given. `examples` are lines that compile as they stand for
+    `moves_frame` commands lead the moving frame along a path, so that its speed may be given. `may_avoid`: it takes the suffix _AVOID, and `build` hears of it. `examples` are lines that compile as they stand for
     every robot after the standard DEFAULT of the documentation.
     """
 
@@ -102,3 +103,4 @@ class CommandSpec:
     frames_may_move: bool = False
     leading: tuple[Values, ...] = ()
     moves_frame: bool = False
+    may_avoid: bool = False

@@ -63,8 +63,8 @@ FINDINGS = (
         "error",
         "a part of the language that this version doesn't carry out",
         "The word belongs to the language, but this version can't do what it says; to leave it out silently would move the arm otherwise.",
-        "P0010 MOVEJ_AVOID 10 0 0 0 0 0 [5] (deg,s)",
-        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+        "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 STOP\nEND",
+        'INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 HOLD "shut the door"\nEND',
     ),
     Finding(
         "Y0208",

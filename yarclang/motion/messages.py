@@ -408,24 +408,25 @@ def another_configuration(
         named = "" if isinstance(later, Gap) else later.origin.label
         label = named or (f"line {why.span.line}" if why.span is not None else "")
         blamed = f": with that, in {label}, {why.message}" if label else f": with that, {why.message}"
-    differs = ""
-    if nearest is not None:
-        # no negative zeros
-        shown = [np.round(one / robot.axis_units, 1) + 0.0 for one in (taken, nearest)]
-        apart = np.abs(taken - nearest) / robot.axis_units
-        joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
-        differs = (
-            " ("
-            + ", ".join(
-                f"{robot.joint_names[joint]} {shown[0][joint]:.1f} instead of {shown[1][joint]:.1f} "
-                f"{robot.axis_unit_names[joint]}"
-                for joint in sorted(joints)
-            )
-            + ")"
-        )
-    message = f"this target isn't taken in the nearest configuration{differs}{blamed}"
+    message = f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}{blamed}"
     help_ = "NEAR with a joint position in this configuration says that it is meant"
     return "Y0802", message, origin.span, help_, near_fix(robot, origin, taken)
+
+
+def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
+    """In which joints a solution differs from the nearest, in brackets."""
+    if nearest is None:
+        return ""
+    # no negative zeros
+    shown = [np.round(one / robot.axis_units, 1) + 0.0 for one in (taken, nearest)]
+    apart = np.abs(taken - nearest) / robot.axis_units
+    joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
+    told = (
+        f"{robot.joint_names[joint]} {shown[0][joint]:.1f} instead of {shown[1][joint]:.1f} "
+        f"{robot.axis_unit_names[joint]}"
+        for joint in sorted(joints)
+    )
+    return f" ({', '.join(told)})"
 
 
 def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:

@@ -60,7 +60,7 @@ def plan_in_part(
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
     steps = steps[:end]
-    router = Router(robot, steps, program.start)
+    router = Router(robot, steps, program.start, program.cell)
     planner = _Planner(robot, settings, bounds_of(robot), program.cell)
     for number in range(end):
         planner.tell(number / 2)

@@ -11,11 +11,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic
 from yarclang.hir import (
     Action,
     ArcMove,
     Array,
+    AvoidMove,
     Else,
     EndWhen,
     Gap,
@@ -24,27 +26,21 @@ from yarclang.hir import (
     JointMove,
     LineMove,
     Motion,
-    PoseDelta,
     PoseGoal,
     PoseSplineMove,
     SplineMove,
     Step,
     When,
 )
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion import messages
-from yarclang.motion.cartesian import CartesianPath, FramePath, along
+from yarclang.motion.leading.frame_motions import frame_motion
+from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion
+from yarclang.motion.leading.led import Led
+from yarclang.motion.leading.solving import Solver, is_free
 from yarclang.motion.path import Path
-from yarclang.motion.paths.arc import NoArc, arc_through
-from yarclang.motion.paths.joint import JointPath
-from yarclang.motion.paths.line import line_between
-from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline, through_poses
-from yarclang.motion.paths.spline import SplinePath, distinct, through
-from yarclang.robot.kinematics.fk import tool_poses
-from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
+from yarclang.motion.recalling import key_of, told_before
 from yarclang.robot.model import Robot
-from yarclang.units import MM
-
-CartesianMove = LineMove | ArcMove | PoseSplineMove
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,9 +90,16 @@ class Router:
     robot: Robot
     steps: Sequence[Step]
     start: Array
+    cell: Cell | None = None
+    memory: Memory = NO_MEMORY
     done: list[_Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
     """What was taken instead of the nearest, by step."""
+
+    @property
+    def solver(self) -> Solver:
+        """What solves poses."""
+        return Solver(self.robot, self.cell)
 
     def advance(self) -> None:
         """Route the next step; where it can't be done from here, from another solution of an earlier target if one serves."""
@@ -114,7 +117,9 @@ class Router:
         near = self._near(chosen)
         if goal is None or near is None:
             return
-        for q in self._solutions(goal, near)[1:]:
+        step = self.steps[chosen]
+        assert isinstance(step, Motion)
+        for q in self.solver.others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
             had = self._choices.get(chosen)
@@ -127,9 +132,7 @@ class Router:
                 if done.broken:
                     break
             else:
-                step = self.steps[chosen]
                 nearest = tried[0].route.waypoints[-1] if tried[0].route is not None else None
-                assert isinstance(step, Motion)
                 note = Collector(step.origin.source)
                 note.place = step.origin.place
                 note.add(
@@ -193,210 +196,45 @@ class Router:
 
     def _motion(self, number: int, step: Motion, before: _Stand, q: Array, findings: Collector) -> _Done:
         """Route one motion from `q` (n,)."""
-        choice = before.choice
-        broken = False
-        path: Path | None
+        choice, taken = before.choice, self._choices.get(number)
+        if isinstance(step, SplineMove):
+            choice = number if is_free(step.waypoints[-1]) else None
+        elif isinstance(step, JointMove | AvoidMove) and not isinstance(step.goal, JointDelta):
+            choice = number if is_free(step.goal) else None
+        chosen = None if taken is None else taken.tobytes()
+        key = ("route", self.robot, self.cell, q.tobytes(), chosen, key_of(step))
+
+        def make() -> tuple[Led, Route | None]:
+            led = self._led(step, q, taken, findings)
+            known = led.path is not None and led.waypoints is not None
+            return led, Route(led.path, led.waypoints) if known else None
+
+        # the fix of a way round takes names that stand nowhere in the text
+        around = isinstance(step, AvoidMove)
+        led, route = told_before(self.memory, key, step.origin, findings, make, may_look_around=around)
+        behind = replace(before, q=led.end, choice=choice)
+        return _Done(before, behind, route, tuple(findings.found), led.broken)
+
+    def _led(self, step: Motion, q: Array, taken: Array | None, findings: Collector) -> Led:
         match step:
             case JointMove():
-                end, broken = self._joint_end(number, step, q, findings)
-                path = None if end is None else JointPath(q, end)
-                waypoints = None if end is None else end[None]
-                if not isinstance(step.goal, JointDelta):
-                    choice = number if _is_free(step.goal) else None
+                return joint_motion(self.solver, step, q, findings, taken)
+            case AvoidMove():
+                return avoiding_motion(self.solver, step, q, findings, taken)
             case SplineMove():
-                path, end, waypoints = self._spline(number, step, q, findings)
-                choice = number if _is_free(step.waypoints[-1]) else None
+                return spline_motion(self.solver, step, q, findings, taken)
             case LineMove() | ArcMove() | PoseSplineMove():
-                path, end, broken = self._cartesian(step, q, findings)
-                waypoints = None if end is None else end[None]
-        route = None if path is None or waypoints is None else Route(path, waypoints)
-        return _Done(before, replace(before, q=end, choice=choice), route, tuple(findings.found), broken)
+                return frame_motion(self.solver, step, q, findings)
 
     def _from_anywhere(self, step: Motion, findings: Collector) -> Array | None:
         """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all."""
         goals = step.waypoints if isinstance(step, SplineMove | PoseSplineMove) else (step.goal,)
         for goal in goals:
             if isinstance(goal, PoseGoal):
-                self._solve(goal, self.robot.home, step, findings)
+                self.solver.nearest(goal, self.robot.home, step, findings)
         return goals[-1].q if isinstance(goals[-1], JointGoal) else None
-
-    def _joint_end(
-        self, number: int, step: JointMove, stands: Array, findings: Collector
-    ) -> tuple[Array | None, bool]:
-        """Where a joint motion ends, None where it can't be reached; and whether that is for want of another start."""
-        if isinstance(step.goal, JointGoal):
-            return step.goal.q, False
-        if isinstance(step.goal, JointDelta):
-            end = stands + step.goal.dq
-            if not self._within_limits(end):
-                findings.add(*messages.increments_out_of_limits(self.robot, end, step.origin))
-                return None, True
-            return end, False
-        if number in self._choices:
-            return self._choices[number], False
-        return self._solve(step.goal, stands, step, findings), False
-
-    def _solve(
-        self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
-    ) -> Array | None:
-        """The joint position nearest to `near` that takes the moving frame to its goal."""
-        near = near if goal.near is None else goal.near
-        solved = nearest_solutions(self.robot.chain, self.robot.limits, _flange(goal), near)
-        if isinstance(solved, Unreachable):
-            findings.add(*messages.unreachable(self.robot, solved, step.origin, which))
-            return None
-        return np.array(solved.q[0])
-
-    def _solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
-        """All solutions within limits with all their full turns, the nearest to `near` first."""
-        chain, limits = self.robot.chain, self.robot.limits
-        solved = nearest_solutions(chain, limits, _flange(goal), near)
-        if isinstance(solved, Unreachable):
-            return []
-        turns = np.concatenate([full_turns(chain, limits, q) for q in solved.q])
-        distance = np.square(turns - near).sum(axis=1)
-        return list(turns[np.argsort(np.round(distance, 9), kind="stable")])
-
-    def _cartesian(
-        self, step: CartesianMove, stands: Array, findings: Collector
-    ) -> tuple[Path | None, Array | None, bool]:
-        """The path of a motion of the moving frame, where it ends if that is known, and whether another start might help."""
-        goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
-        tool = goal.flange_from_moving
-        start = tool_poses(self.robot.chain, stands[None], tool)[0]
-        if isinstance(goal, PoseDelta):
-            goal = _absolute(goal, start)
-        frame = self._frame_path(step, start, goal, findings)
-        if frame is None:
-            return None, None, False
-        if frame.length < 1e-12 and frame.angle == 0.0:
-            return JointPath(stands, stands), stands, False
-        path = along(self.robot.chain, self.robot.limits, tool, frame, stands)
-        if isinstance(path, CartesianPath):
-            return path, path.end, False
-        end = self._solve(goal, stands, step, findings)
-        if end is not None:  # the goal can be reached, but not along the path
-            findings.add(*messages.broken_path(self.robot, path, frame, step))
-        return None, end, path.kind != "reach"
-
-    def _frame_path(
-        self, step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector
-    ) -> FramePath | None:
-        """The path of the moving frame from its pose at the start (4, 4)."""
-        match step:
-            case LineMove():
-                line = line_between(start, goal.base_from_moving)
-                if line is None:
-                    findings.add(*messages.half_turn(step.origin))
-                return line
-            case ArcMove():
-                arc = arc_through(start, step.via, goal.base_from_moving)
-                if not isinstance(arc, NoArc):
-                    return arc
-                findings.add(*messages.no_arc(arc, step.origin))
-                return None
-            case PoseSplineMove():
-                spline = through_poses(
-                    np.array([start, *(waypoint.base_from_moving for waypoint in step.waypoints)])
-                )
-                if isinstance(spline, int):
-                    findings.add(*messages.half_turn(step.origin, f"at way-point {spline} "))
-                    return None
-                if spline is None:  # all way-points are where the frame stands
-                    return line_between(start, start)
-                self._note_swing(spline, step, findings)
-                timed = step.timing.speed is not None and spline.slowest > 1e-3 * spline.length > 0.0
-                return AtConstantSpeed(spline) if timed else spline
-
-    def _note_swing(self, spline: PoseSpline, step: PoseSplineMove, findings: Collector) -> None:
-        """A note where a curve of the moving frame leaves the box round its way-points by much."""
-        low, low_at, high, high_at = spline.positions.extremes()
-        points = spline.positions.values
-        swing = np.maximum(points.min(axis=0) - low, high - points.max(axis=0))
-        axis = int(np.argmax(swing))
-        size = float(np.linalg.norm(np.ptp(points, axis=0)))
-        if swing[axis] > max(messages.MUCH_SWING * MM, messages.MUCH_OF_BOX * size):
-            at = low_at if points[:, axis].min() - low[axis] == swing[axis] else high_at
-            findings.add(
-                *messages.curve_swings_out("xyz"[axis], float(swing[axis]), float(at[axis]), step.origin)
-            )
-
-    def _spline(
-        self, number: int, step: SplineMove, stands: Array, findings: Collector
-    ) -> tuple[Path | None, Array | None, Array | None]:
-        """The path of a spline, where it ends, and the joint way-points that were chosen."""
-        waypoints: list[Array] = []
-        near = stands
-        for place, goal in enumerate(step.waypoints, 1):
-            if place == len(step.waypoints) and number in self._choices:
-                q: Array | None = self._choices[number]
-            elif isinstance(goal, JointGoal):
-                q = goal.q
-            else:
-                q = self._solve(goal, near, step, findings, f"way-point {place}: ")
-            if q is None:
-                return None, None, None
-            waypoints.append(q)
-            near = q
-        chosen = np.array(waypoints)
-        path = distinct(np.concatenate((stands[None], chosen)))
-        if len(path) == 1:
-            return JointPath(stands, stands), stands, chosen
-        spline = through(path, self.robot.chain.is_prismatic)
-        if not self._swings_within_limits(spline, step, findings):
-            return None, spline.end, chosen
-        return spline, spline.end, chosen
-
-    def _swings_within_limits(self, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
-        """Whether a spline keeps the joint limits all along; a note where it leaves its way-points by much."""
-        low, low_at, high, high_at = spline.extremes()
-        limits = self.robot.limits
-        excess = np.maximum(limits.lower - low, high - limits.upper) / self.robot.axis_units
-        joint = int(np.argmax(excess))
-        if excess[joint] > 1e-9:
-            at = low_at if limits.lower[joint] - low[joint] > high[joint] - limits.upper[joint] else high_at
-            findings.add(
-                *messages.spline_out_of_limits(self.robot, joint, excess[joint], at[joint], step.origin)
-            )
-            return False
-        swing = (
-            np.maximum(spline.waypoints.min(axis=0) - low, high - spline.waypoints.max(axis=0))
-            / self.robot.axis_units
-        )
-        joint = int(np.argmax(swing))
-        if swing[joint] > messages.MUCH_SWING:
-            below = spline.waypoints[:, joint].min() - low[joint]
-            at = low_at if below / self.robot.axis_units[joint] == swing[joint] else high_at
-            findings.add(*messages.spline_swings_out(self.robot, joint, swing[joint], at[joint], step.origin))
-        return True
-
-    def _within_limits(self, q: Array) -> bool:
-        limits, slack = self.robot.limits, 1e-9 * self.robot.axis_units
-        return bool(np.all((q >= limits.lower - slack) & (q <= limits.upper + slack)))
-
-
-def _is_free(goal: object) -> bool:
-    """Whether a target has solutions to choose from."""
-    return isinstance(goal, PoseGoal) and goal.near is None
 
 
 def _last_goal(step: Step) -> PoseGoal | None:
     goal = step.waypoints[-1] if isinstance(step, SplineMove) else getattr(step, "goal", None)
     return goal if isinstance(goal, PoseGoal) else None
-
-
-def _flange(goal: PoseGoal) -> Array:
-    """Where the flange stands at a goal, base_from_flange (4, 4)."""
-    flange: Array = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
-    return flange
-
-
-def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:
-    """The pose (4, 4) to which an increment leads from `start` (4, 4), both of the moving frame in {B}."""
-    axes = delta.axes
-    if delta.axes_on_flange:
-        axes = start[:3, :3] @ delta.flange_from_moving[:3, :3].T @ delta.axes
-    pose = np.eye(4)
-    pose[:3, 3] = start[:3, 3] + axes @ delta.shift
-    pose[:3, :3] = axes @ delta.turn @ axes.T @ start[:3, :3]
-    return PoseGoal(pose, delta.flange_from_moving)

@@ -16,7 +16,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import Array, Motion, Program, Reading, fingerprint
+from yarclang.hir import Array, AvoidMove, Motion, Program, Reading, fingerprint
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
@@ -181,7 +181,12 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
         "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
         "prog": f"loading moves nothing; with all motors closed-loop, &{lowered.coordinate_system}B1R runs it, from the start only",
     }[target]
-    made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}"
+    ompl = (
+        f", ompl {version('ompl')}"
+        if any(isinstance(step, AvoidMove) for step in planned.program.steps)
+        else ""
+    )
+    made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}{ompl}"
     return [
         f"yarcc {__version__}: {_printable(PurePath(planned.program.source.name).name)}",
         f"target {target}",

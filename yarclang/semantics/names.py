@@ -9,7 +9,7 @@ from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
 from yarclang.syntax.ast import Statement
-from yarclang.syntax.words import OTHER_SUFFIXES
+from yarclang.syntax.words import AVOID
 
 DEFAULT_PROFILE = "LSPB"
 TARGETS = ("RPY", "QUAT")
@@ -24,29 +24,29 @@ class ResolvedName:
     profile: str
     full: str
     """Today's name in full, as the program says it."""
+    avoids: bool = False
+    """Whether it goes round obstacles."""
 
 
 def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collector) -> ResolvedName | None:
-    """Take a command's name apart: MOTION[_TARGET][_PROFILE].
+    """Take a command's name apart: MOTION[_TARGET][_AVOID][_PROFILE].
 
     Returns:
         None where the name isn't one; the finding says why.
     """
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
-    known_words = [f"_{suffix}" for suffix in suffixes if suffix in OTHER_SUFFIXES]
-    if known_words:
-        findings.add("Y0207", f"{known_words[0]} is not carried out by this version", span, _others(profiles))
-        return None
     if spec is None:
         known = (*commands(), *(f"{one}_{suffix}" for one in commands() for suffix in (*TARGETS, *profiles)))
         help_ = suggest(name, known) or f"the commands are {', '.join(commands())}"
         findings.add("Y0202", f"{statement.name.text} is no command", span, help_)
         return None
-    target, profile = "", DEFAULT_PROFILE
+    target, profile, avoids = "", DEFAULT_PROFILE, False
     for position, suffix in enumerate(suffixes):
         if position == 0 and suffix in spec.targets and suffix:
             target = suffix
+        elif position == bool(target) and spec.may_avoid and suffix == AVOID:
+            avoids = True
         elif position == len(suffixes) - 1 and spec.is_motion and suffix in profiles:
             profile = suffix
         else:
@@ -58,11 +58,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     if old:
         fix = Fix(f"write {full}", (Edit(span, full),))
         findings.add("Y0204", f"{name} is today {full}", span, f"write {full}", fix)
-    return ResolvedName(spec, spec.targets.get(target), profile, full)
-
-
-def _others(profiles: Iterable[str]) -> str:
-    return f"this version has {', '.join(commands())}, with the profiles {', '.join(profiles)}"
+    return ResolvedName(spec, spec.targets.get(target), profile, full, avoids)
 
 
 def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:
@@ -80,15 +76,22 @@ def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool
 def _wrong_suffix(spec: CommandSpec, suffix: str, suffixes: tuple[str, ...], profiles: Iterable[str]) -> str:
     if suffix in suffixes[: suffixes.index(suffix)] or suffixes.count(suffix) > 1:
         return f"the suffix _{suffix} stands twice"
-    if suffix in spec.targets or (spec.is_motion and suffix in profiles):
+    if (
+        suffix in spec.targets
+        or (spec.is_motion and suffix in profiles)
+        or (spec.may_avoid and suffix == AVOID)
+    ):
         return f"_{suffix} stands in the wrong place in {spec.name}_{'_'.join(suffixes)}"
     return f"{spec.name} doesn't take the suffix _{suffix}"
 
 
 def _taken(spec: CommandSpec, profiles: Iterable[str]) -> str:
     targets = [f"_{target}" for target in spec.targets if target]
+    avoids = [f"_{AVOID}"] if spec.may_avoid else []
     laws = [f"_{profile}" for profile in profiles] if spec.is_motion else []
     if not targets and not laws:
         return f"{spec.name} takes no suffix"
-    kinds = [f"one of {', '.join(kind)}" for kind in (targets, laws) if kind]
+    kinds = [
+        kind[0] if len(kind) == 1 else f"one of {', '.join(kind)}" for kind in (targets, avoids, laws) if kind
+    ]
     return f"{spec.name} takes {', then '.join(kinds)}"

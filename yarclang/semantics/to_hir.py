@@ -54,7 +54,7 @@ def to_step(
         origin = replace(origin, moving=line.links[0], base=line.links[1])
     if any(found.is_error for found in findings.found[before:]):
         return None
-    return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance, blend))
+    return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids))
 
 
 def origin_of(
@@ -69,8 +69,17 @@ def origin_of(
         time_span=statement.span(statement.time.place) if statement.time else None,
         time_unit=units["time"].name if units and "time" in units else "s",
         end_span=_end(statement),
+        name_span=statement.span(statement.name.place),
+        values_span=_values(statement),
         place=findings.place,
     )
+
+
+def _values(statement: Statement) -> Span | None:
+    if not statement.waypoints:
+        return None
+    span = statement.span(statement.waypoints[0].place)
+    return Span.on_line(span.line, span.column, span.column)
 
 
 def _end(statement: Statement) -> Span:

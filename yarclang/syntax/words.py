@@ -28,8 +28,11 @@ DECLARATIONS_IN_BLOCKS = frozenset(["FRAME", "FRAME_QUAT", "JOINTS", "LET"])
 OTHER_COMMANDS = frozenset(["WAIT", "SET", "HOLD", "CALL"])
 """Commands of the language that no file of commands/builtin carries out."""
 
-OTHER_SUFFIXES = frozenset(["AVOID"])
-"""Suffixes of the language that this version doesn't carry out."""
+AVOID = "AVOID"
+"""The suffix of a name, between target and profile, of a motion that goes round obstacles."""
+
+OTHER_SUFFIXES = frozenset([AVOID])
+"""Suffixes that are neither a target nor a profile."""
 
 OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR"])
 """Words that begin an option."""

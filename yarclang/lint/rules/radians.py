@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Array, JointGoal, JointMove, Program, SplineMove
+from yarclang.hir import Array, AvoidMove, JointGoal, JointMove, Program, SplineMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.units import DEG
 
@@ -22,7 +22,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
     turning = ~around.robot.chain.is_prismatic
     for step in program.steps:
         goals: tuple[object, ...] = ()
-        if isinstance(step, JointMove):
+        if isinstance(step, JointMove | AvoidMove):
             goals = (step.goal,)
         elif isinstance(step, SplineMove):
             goals = step.waypoints

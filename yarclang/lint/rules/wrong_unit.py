@@ -11,6 +11,7 @@ from yarclang.findings import Finding
 from yarclang.hir import (
     ArcMove,
     Array,
+    AvoidMove,
     JointMove,
     LineMove,
     Motion,
@@ -64,7 +65,12 @@ def _place(step: Motion, arm: float) -> tuple[str, str] | None:
 
 def _points(step: Motion) -> Iterator[Array]:
     match step:
-        case JointMove(goal=PoseGoal() as goal) | LineMove(goal=PoseGoal() as goal) | ArcMove(goal=goal):
+        case (
+            JointMove(goal=PoseGoal() as goal)
+            | AvoidMove(goal=PoseGoal() as goal)
+            | LineMove(goal=PoseGoal() as goal)
+            | ArcMove(goal=goal)
+        ):
             yield goal.base_from_moving[:3, 3]
         case PoseSplineMove(waypoints=waypoints) | SplineMove(waypoints=waypoints):
             yield from (one.base_from_moving[:3, 3] for one in waypoints if isinstance(one, PoseGoal))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic
-from yarclang.hir import Array, JointMove, Motion, Reading, SetOutput, SplineMove, Step
+from yarclang.hir import Array, AvoidMove, JointMove, Motion, Reading, SetOutput, SplineMove, Step
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Corner, way_length
@@ -77,9 +77,12 @@ def _corner(
     if min(way_length(first), way_length(second)) < _NO_WAY:
         findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None
-    if isinstance(step, JointMove | SplineMove) and isinstance(following, JointMove | SplineMove):
+    if isinstance(step, _IN_JOINTS) and isinstance(following, _IN_JOINTS):
         return _between_joints(robot, step, first, second, step.blend, findings)
     return _of_frame(robot, step, following, first, second, step.blend, findings)
+
+
+_IN_JOINTS = (JointMove, AvoidMove, SplineMove)
 
 
 def _between_joints(

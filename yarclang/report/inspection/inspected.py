@@ -10,6 +10,7 @@ from yarclang.certify.certificate import CommandCertificate
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.hir import (
     Array,
+    AvoidMove,
     FrameLink,
     Gap,
     JointGoal,
@@ -138,7 +139,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
     end = way.start if not isinstance(step, Motion) else None
     if motion is not None:
         end = motion.waypoints[-1]
-    elif isinstance(step, JointMove) and isinstance(step.goal, JointGoal):
+    elif isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, JointGoal):
         end = step.goal.q
     pace = None
     if motion is not None and way.start is not None and isinstance(step, Motion):
@@ -192,7 +193,7 @@ def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
     """The poses of a motion, each with its solutions; of a Cartesian motion the last one."""
     step = studied.program.steps[number]
     robot = studied.request.robot
-    in_joints = isinstance(step, JointMove | SplineMove)
+    in_joints = isinstance(step, JointMove | AvoidMove | SplineMove)
     goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
     found: list[WayPoint] = []
     stands = way.start

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     Array,
+    AvoidMove,
     Else,
     EndWhen,
     Gap,
@@ -77,7 +78,7 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
         return found
     for place in range(len(line) - 1, -1, -1):
         one = line[place]
-        if isinstance(one, JointMove) and isinstance(one.goal, JointGoal):
+        if isinstance(one, JointMove | AvoidMove) and isinstance(one.goal, JointGoal):
             # wherever it came from, there it stands
             return _behind(program, one.goal.q, line[place + 1 :], request)
     return None
@@ -96,7 +97,7 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
     """
     line: list[Motion] = []
     for step in program.steps[number + 1 :]:
-        if isinstance(step, JointMove | SplineMove | Gap | Stop | When | Else | EndWhen):
+        if isinstance(step, JointMove | AvoidMove | SplineMove | Gap | Stop | When | Else | EndWhen):
             break
         if isinstance(step, Motion):
             line.append(alone(step))

@@ -1,0 +1,1 @@
+"""Ways round obstacles in joint space."""

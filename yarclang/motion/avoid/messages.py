@@ -1,0 +1,114 @@
+"""What is said of ways round obstacles, and of configurations that are blocked: as in `yarclang.motion.messages`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from yarclang.diagnostics import Edit, Fix
+from yarclang.hir import Array, AvoidMove, Motion, Origin
+from yarclang.motion.avoid.room import Obstruction
+from yarclang.motion.avoid.way import SAMPLES, NoWay, Way
+from yarclang.motion.messages import Message, differs, near_fix
+from yarclang.robot.model import Robot
+from yarclang.source import Span
+from yarclang.units import MM
+
+_SHOWN = 4
+"""Blocked configurations that are told one by one."""
+
+
+def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
+    """A way round was taken, through these way-points."""
+    count = len(way.waypoints) - 1
+    in_way = inside(way.between) if way.between is not None else "something is in the straight way"
+    message = f"the straight way isn't free: {in_way}; a way round was found, through {count} way-point{'s' * (count != 1)}"
+    help_ = "MOVEJ_SPLINE with these way-points goes the same way, whatever the cell becomes"
+    return "Y0920", message, step.origin.span, help_, _as_spline(robot, way, step)
+
+
+def no_way(why: NoWay, origin: Origin) -> Message:
+    """There is no way: what is in the way at the start, the goal, or between."""
+    if why.start is not None:
+        message = f"there is no way from where the robot stands: {inside(why.start)}"
+        if why.goal is not None:
+            message += f"; nor to the target: {inside(why.goal)}"
+        help_ = "end the motion before this one where the robot is free; or correct the cell.toml"
+        return "Y0921", message, origin.span, help_, None
+    if why.goal is not None:
+        message = f"there is no way to the target: {inside(why.goal)}"
+        return "Y0922", message, origin.span, "move the target away from it; or correct the cell.toml", None
+    between = f"; on the straight way {inside(why.between)}" if why.between is not None else ""
+    message = f"no way round was found: start and target are free, but not between them, after {SAMPLES:,} samples{between}"
+    help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
+    return "Y0923", message, origin.span, help_, None
+
+
+def configuration_blocked(
+    robot: Robot, step: Motion, taken: Array, nearest: tuple[Array, Obstruction], which: str
+) -> Message:
+    """The nearest solution of a pose isn't free: another one was taken."""
+    origin = step.origin
+    message = f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: with that, {inside(nearest[1])}"
+    help_ = "NEAR with a joint position in this configuration says that it is meant"
+    return "Y0924", message, origin.span, help_, None if which else near_fix(robot, origin, taken)
+
+
+def every_configuration_blocked(
+    robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
+) -> Message:
+    """No solution of a pose is free."""
+    reasons = list(dict.fromkeys(inside(one) for _, one in blocked))
+    count = len(blocked)
+    more = f", and {len(reasons) - _SHOWN} more reasons" if len(reasons) > _SHOWN else ""
+    all_ = "the only configuration" if count == 1 else f"each of the {count} configurations"
+    message = (
+        f"{which}{all_} that {robot.name} has for this target is blocked: {'; '.join(reasons[:_SHOWN])}{more}"
+    )
+    help_ = "move the target away from it, turn the tool, or correct the cell.toml"
+    return "Y0925", message, step.origin.span, help_, None
+
+
+def inside(one: Obstruction) -> str:
+    """What is in the way, as the end of a sentence."""
+    moving, other = one.names
+    if one.is_zone:
+        return f"{moving} doesn't keep to the zone {other}"
+    if one.distance <= 0.0:
+        return f"{moving} is {max(-one.distance / MM, 0.01):.3g} mm deep in {other}"
+    return f"{moving} is {one.distance / MM:.3g} mm from {other}, nearer than its margin"
+
+
+def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
+    """A fix that declares the way-points and writes MOVEJ_SPLINE; None where one command has many places."""
+    origin = step.origin
+    if not origin.index or ">" in origin.place or "(" in origin.place:
+        return None
+    if origin.name_span is None or origin.values_span is None:
+        return None
+    names = [f"{origin.index}_VIA{number}" for number in range(1, len(way.waypoints))]
+    if re.search(rf"\b{names[0]}\b", origin.source.text, re.IGNORECASE):
+        return None
+    units = sorted(
+        {"mm" if unit == "mm" else "deg" for unit in robot.axis_unit_names}, key=("mm", "deg").index
+    )
+    lines = [
+        f"JOINTS {name} {_written(robot, q)} ({','.join(units)})\n"
+        for name, q in zip(names, way.waypoints[:-1], strict=True)
+    ]
+    line = Span.on_line(origin.span.line, 1, 1)
+    edits = (
+        Edit(line, "".join(lines)),
+        Edit(origin.name_span, origin.name.replace("_AVOID", "").replace("MOVEJ", "MOVEJ_SPLINE", 1)),
+        Edit(origin.values_span, "".join(f"{name}; " for name in names)),
+    )
+    return Fix("write the way found as MOVEJ_SPLINE", edits)
+
+
+def _written(robot: Robot, q: Array) -> str:
+    """A joint position as numbers; way-points stand on two decimals."""
+    return " ".join(
+        f"{value:.4f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, 4) + 0.0
+    )

@@ -1,0 +1,128 @@
+"""The room in which a way is looked for: limits, bodies and zones, and how far joints move what they carry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.cell.model import Cell, JointWindow
+from yarclang.collision.course import Course
+from yarclang.collision.free import free_space, gaps, plain_free_space
+from yarclang.collision.placing import place
+from yarclang.collision.proof import clearances
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.travel import arm_lengths
+from yarclang.collision.zones.proof import kept
+from yarclang.collision.zones.watched import Moving
+from yarclang.collision.zones.workspace import Watch, slack_at, slack_of, watches_of
+from yarclang.hir import Array
+from yarclang.robot.kinematics.search import within
+from yarclang.robot.model import Robot
+
+_POSITIONS = 64
+"""Joint positions, spread over the limits, that show how far joints move bodies."""
+
+_LEAST_REACH = 0.1
+"""A joint counts as moving what it carries by at least this [m/rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Obstruction:
+    """What is in the way at a joint position: two bodies and how far they are apart [m], or a zone and what it watches, and by how
+    much it is broken [m, of joints rad or m].
+    """
+
+    names: tuple[str, str]
+    distance: float
+    is_zone: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Room:
+    """What is around a robot while a frame is moved: the bodies, and the watches of zones that aren't about speed."""
+
+    robot: Robot
+    scene: Scene
+    watches: tuple[Watch, ...]
+
+    def obstruction(self, q: Array) -> Obstruction | None:
+        """What is worst at a joint position (n,) [rad or m]; None where nothing is in the way."""
+        left = gaps(self.scene, q)
+        if len(left) and (worst := int(np.argmin(left))) >= 0 and left[worst] <= 0.0:
+            return Obstruction(self.scene.names(worst), float(left[worst]) + float(self.scene.margin[worst]))
+        slack = [(float(slack_at(self.scene, one, q[None])[0]), one) for one in self.watches]
+        broken = [(by, one) for by, one in slack if by < slack_of(one)]
+        if not broken:
+            return None
+        by, watch = min(broken, key=lambda one: one[0])
+        watched = watch.item.name if watch.item is not None else "the joints"
+        return Obstruction((watched, watch.zone.name), -by, is_zone=True)
+
+    def is_free(self, q: Array) -> bool:
+        """Whether nothing is in the way at a joint position (n,), but for the inside of hollow meshes."""
+        return plain_free_space(self.scene).has(q) and self._keeps(q)
+
+    def doubts(self, course: Course, more: Array | float = 0.0) -> Array:
+        """Where a course is not proved to be free: times on it (T,), none where it is.
+
+        Args:
+            course: one motion.
+            more: (K,) how much farther than their margins pairs stay apart [m].
+        """
+        scene = replace(self.scene, margin=self.scene.margin + more)
+        span = np.array([[0, len(course.x)]])
+        times = []
+        if len(scene.first):
+            times += [one.time for one in clearances(scene, course, span).meetings]
+        if self.watches:
+            times += [one.time for one in kept(scene, course, span, self.watches).breaches]
+        return np.array(times)
+
+    def padding(self, start: Array, goal: Array, most: float) -> Array:
+        """How much farther than their margins pairs shall stay apart on the way, (K,) [m]: `most`, and half of what they do at both ends."""
+        least = np.minimum(gaps(self.scene, start), gaps(self.scene, goal))
+        return np.clip(least / 2.0, 0.0, most)
+
+    def check(self, more: Array) -> Callable[[Array], bool]:
+        """Whether joint positions are free, for pairs that stay apart by `more` (K,) than their margins [m]."""
+        space = free_space(self.scene, more)
+        return lambda q: space.has(q) and self._keeps(q)
+
+    def _keeps(self, q: Array) -> bool:
+        return all(
+            float(slack_at(self.scene, one, q[None])[0]) >= slack_of(one) + _INSIDE * (not _of_joints(one))
+            for one in self.watches
+        )
+
+
+_INSIDE = 1e-5
+"""A way keeps this far from the borders of zones [m], or it couldn't be proved that it does."""
+
+
+def _of_joints(watch: Watch) -> bool:
+    return isinstance(watch.zone.region, JointWindow)
+
+
+def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
+    """The room around a robot while a frame is moved; None where nothing can be in the way, or a mesh can't be
+    read, which the certificate tells.
+    """
+    zones = cell is not None and any(zone.rule != "slow" for zone in cell.zones)
+    if not (robot.shapes or zones or (cell is not None and cell.obstacles)):
+        return None
+    made = scene_of(robot, cell)
+    if made.value is None:
+        return None
+    watches = watches_of(robot, cell, moving) if cell is not None else ()
+    return Room(robot, made.value, tuple(one for one in watches if one.zone.rule != "slow"))
+
+
+@lru_cache(maxsize=32)
+def reaches(scene: Scene, robot: Robot) -> Array:
+    """How far each joint moves a body at most, about, (n,) [m/rad, or 1]: what makes distances in joint space comparable."""
+    q = within(robot.chain, robot.limits, _POSITIONS)
+    arms: Array = arm_lengths(place(scene, q)).max(axis=(1, 2), initial=_LEAST_REACH)
+    return arms

@@ -1,0 +1,108 @@
+"""A way of straight pieces through joint space: RRT-Connect and shortcuts, by OMPL.
+
+OMPL's chance comes from one seed, which is set before anything of OMPL is made, and a search ends by the number of its samples, never
+by a clock: so the same question has the same answer in every process, whatever was asked before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.robot.model import Limits
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How a way is looked for: pairs stay farther apart than their margins by `padding` [m] where they can; `step` [m] is about how far bodies move between
+    two joint positions that are looked at; `samples` are drawn at most, from `seed` on.
+    """
+
+    padding: float
+    step: float
+    samples: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Question:
+    """From `start` to `goal` (n,) [rad or m] within limits, through what is `free`. `reach` (n,) are the joints' scales [m/rad or 1]."""
+
+    start: Array
+    goal: Array
+    limits: Limits
+    reach: Array
+    free: Callable[[Array], bool]
+
+
+_RANGE = 1.0
+"""A tree grows by branches of this length at most [m, of bodies]."""
+
+_INNER = 0.01
+"""Ways keep this far from the joint limits [rad or m], so that a curve has room to swing."""
+
+_FARTHEST = 6.4
+"""A joint without limits goes this far from where it stands at most [rad or m]."""
+
+
+def polyline(question: Question, effort: Effort) -> Array | None:
+    """The corners (k, n) [rad or m] of a way from start to goal, both among them; None where none was found."""
+    from ompl import base, geometric, util
+
+    util.setLogLevel(util.LogLevel.LOG_NONE)
+    util.RNG.setSeed(effort.seed)
+    scale, size = question.reach, len(question.reach)
+    low, high = _bounds(question)
+    bounds = base.RealVectorBounds(size)
+    for joint in range(size):
+        bounds.setLow(joint, float(low[joint] * scale[joint]))
+        bounds.setHigh(joint, float(high[joint] * scale[joint]))
+    space = base.RealVectorStateSpace(size)
+    space.setBounds(bounds)
+    space.setLongestValidSegmentFraction(effort.step / space.getMaximumExtent())
+    around = base.SpaceInformation(space)
+    joints, free = range(size), question.free
+
+    # it must not hold what holds it: nobody would ever let go of both
+    around.setStateValidityChecker(lambda state: free(np.array([state[joint] for joint in joints]) / scale))
+    around.setup()
+    problem = base.ProblemDefinition(around)
+    ends = []
+    for q in (question.start, question.goal):
+        state = space.allocState()
+        for joint in joints:
+            state[joint] = float(q[joint] * scale[joint])
+        ends.append(state)
+    problem.setStartAndGoalStates(*ends)
+    planner = geometric.RRTConnect(around)
+    planner.setRange(_RANGE)
+    planner.setProblemDefinition(problem)
+    planner.setup()
+    left = iter(range(effort.samples))
+    planner.solve(base.PlannerTerminationCondition(lambda: next(left, None) is None))
+    if not problem.hasExactSolution():
+        return None
+    path = problem.getSolutionPath()
+    simplifier = geometric.PathSimplifier(around)
+    # each is bounded by the number of its tries
+    simplifier.reduceVertices(path)
+    for _ in range(2):
+        simplifier.partialShortcutPath(path)
+        simplifier.reduceVertices(path)
+    simplifier.collapseCloseVertices(path)
+    corners = np.array([[path.getState(at)[joint] for joint in joints] for at in range(path.getStateCount())])
+    corners /= scale
+    corners[0], corners[-1] = question.start, question.goal
+    return corners
+
+
+def _bounds(question: Question) -> tuple[Array, Array]:
+    """Between which joint positions (n,) a way is looked for: a little inside the limits, and where it begins and ends."""
+    ends = np.stack([question.start, question.goal])
+    least, most = ends.min(axis=0), ends.max(axis=0)
+    low = np.maximum(question.limits.lower + _INNER, least - _FARTHEST)
+    high = np.minimum(question.limits.upper - _INNER, most + _FARTHEST)
+    return np.minimum(low, least), np.maximum(high, most)

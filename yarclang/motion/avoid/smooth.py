@@ -1,0 +1,167 @@
+"""A way of straight pieces to a curve with continuous acceleration that is proved to be free: the natural spline through way-points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.collision.course import Course
+from yarclang.hir import Array
+from yarclang.motion.avoid.room import Room
+from yarclang.motion.natural import NaturalSpline
+from yarclang.motion.paths.spline import distinct, through
+
+GRID = 0.01
+"""Way-points stand on whole multiples of this [deg or mm], so that they can be written with two decimals."""
+
+_ROUNDS = 14
+"""How often way-points are added where a curve swings into something."""
+
+_SHORTEST = 0.01
+"""No leg between two way-points is shorter than this [rad or m]: beyond that, more of them don't help."""
+
+_MOST = 60
+"""Way-points at most."""
+
+_PIECES = 4
+"""Pieces of a leg, whose speeds are bounded each by itself."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bend:
+    """What a curve has to keep clear of.
+
+    `free` says whether a joint position is, looked at `step` (n,) apart, about [rad or m]; `more` (K,) is how much farther than their margins pairs of
+    bodies are proved to stay apart [m].
+    """
+
+    room: Room
+    free: Callable[[Array], bool]
+    step: Array
+    more: Array
+
+    def curve(self, points: Array) -> NaturalSpline:
+        """The curve through way-points (w, n), the start among them."""
+        return through(points, self.room.robot.chain.is_prismatic).spline
+
+    def seen(self, curve: NaturalSpline) -> Array:
+        """Places s (T,) where a curve is beyond joint limits, or else isn't free, as far as samples tell."""
+        beyond = _swings_out(self.room, curve)
+        return beyond if len(beyond) else _hits(curve, self.free, self.step)
+
+    def doubts(self, curve: NaturalSpline) -> Array:
+        """Places s (T,) where it isn't proved that a curve is free."""
+        return self.room.doubts(course_of(curve), self.more)
+
+
+def smooth(bend: Bend, corners: Array) -> Array | None:
+    """Way-points (k, n), without the start, whose natural spline is proved to be free; None where there are none.
+
+    Args:
+        bend: what to keep clear of.
+        corners: (w, n) [rad or m] of a way of straight pieces that is free.
+    """
+    unit = bend.room.robot.axis_units * GRID
+    points = corners.copy()
+    points[1:-1] = np.round(points[1:-1] / unit) * unit
+    points = distinct(points)
+    for _ in range(_ROUNDS):
+        curve = bend.curve(points)
+        wrong = bend.seen(curve)
+        if not len(wrong):
+            fewer = _fewer(bend, points)
+            if not len(bend.doubts(bend.curve(fewer))):
+                return fewer[1:]
+            wrong = bend.doubts(curve)
+        if not len(wrong):
+            return points[1:]
+        finer = _between(points, curve, wrong, unit)
+        if len(finer) == len(points) or len(finer) > _MOST:
+            return None
+        points = finer
+    return None
+
+
+def _fewer(bend: Bend, points: Array) -> Array:
+    """The way-points (w, n), the start among them, without those whose absence leaves the curve free, as far as samples tell; and those that are left
+    moved towards the straight way as far as it stays so: a shorter way with less bends.
+    """
+    at = 1
+    while at < len(points) - 1 and len(points) > 3:
+        candidate = np.delete(points, at, axis=0)
+        if len(bend.seen(bend.curve(candidate))):
+            at += 1
+        else:
+            points = candidate
+    unit = bend.room.robot.axis_units * GRID
+    for at in range(1, len(points) - 1):
+        chord = points[at + 1] - points[at - 1]
+        share = float((points[at] - points[at - 1]) @ chord / max(float(chord @ chord), 1e-12))
+        straight = points[at - 1] + np.clip(share, 0.2, 0.8) * chord
+        for part in _PULLS:
+            candidate = points.copy()
+            candidate[at] = np.round((points[at] + part * (straight - points[at])) / unit) * unit
+            if len(distinct(candidate)) == len(points) and not len(bend.seen(bend.curve(candidate))):
+                points = candidate
+                break
+    return points
+
+
+_PULLS = (0.75, 0.5, 0.25)
+"""The shares of the way to the straight one by which way-points are tried to be moved."""
+
+
+def course_of(curve: NaturalSpline) -> Course:
+    """A spline as the proof of collisions sees it: its parameter, from 0 to 1, is the time [s]."""
+    width = np.diff(curve.knots)
+    begin = (curve.knots[:-1, None] + width[:, None] * np.arange(_PIECES) / _PIECES).ravel()
+    h = np.repeat(width / _PIECES, _PIECES)
+    leg = np.repeat(np.arange(len(width)), _PIECES)
+    jerk = (np.diff(curve.bends, axis=0) / width[:, None])[leg]
+    bend = curve.bends[leg] + (begin - curve.knots[leg])[:, None] * jerk
+    slope = curve.slope_at(begin)
+    # the slope is a parabola: largest at an end, or where it turns
+    end = slope + h[:, None] * (bend + h[:, None] * jerk / 2.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = np.where(jerk != 0.0, -bend / jerk, -1.0)
+    inside = (turn > 0.0) & (turn < h[:, None])
+    top = np.where(inside, slope + turn * bend / 2.0, slope)
+    peaks = np.maximum.reduce([np.abs(slope), np.abs(end), np.abs(top)])
+    return Course.of(curve.at(begin), slope, bend, jerk, h, peaks)
+
+
+def straight_course(start: Array, goal: Array) -> Course:
+    """The straight way between two joint positions (n,), in 1 s."""
+    way = (goal - start)[None]
+    return Course.of(start[None], way, np.zeros_like(way), np.zeros_like(way), np.ones(1), np.abs(way))
+
+
+def _swings_out(room: Room, curve: NaturalSpline) -> Array:
+    """Places s (T,) where a curve is beyond joint limits."""
+    low, low_at, high, high_at = curve.extremes()
+    limits, slack = room.robot.limits, 1e-9 * room.robot.axis_units
+    return np.concatenate([low_at[low < limits.lower - slack], high_at[high > limits.upper + slack]])
+
+
+def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> Array:
+    """Places s (T,) where a curve isn't free, among those that are about a step apart."""
+    legs = np.abs(np.diff(curve.values, axis=0)) / step
+    counts = np.clip(np.ceil(1.2 * np.sqrt(np.square(legs).sum(axis=1))), 2, 400).astype(np.int64)
+    s = np.concatenate(
+        [
+            curve.knots[leg] + (curve.knots[leg + 1] - curve.knots[leg]) * (np.arange(count) + 0.5) / count
+            for leg, count in enumerate(counts.tolist())
+        ]
+    )
+    # the ends of the way are what they are
+    return s[[not free(q) for q in curve.at(s)]]
+
+
+def _between(points: Array, curve: NaturalSpline, wrong: Array, unit: Array) -> Array:
+    """The way-points with the middles of those legs between them on which something is wrong."""
+    legs = np.unique(np.clip(np.searchsorted(curve.knots, wrong, side="right") - 1, 0, len(points) - 2))
+    legs = legs[np.linalg.norm(points[legs + 1] - points[legs], axis=1) > 2.0 * _SHORTEST]
+    middles = np.round((points[legs] + points[legs + 1]) / 2.0 / unit) * unit
+    return np.insert(points, legs + 1, middles, axis=0)

@@ -1,0 +1,106 @@
+"""The way from one joint position to another round what is between: the straight one where that is free, else a smooth one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.avoid.room import Obstruction, Room, reaches
+from yarclang.motion.avoid.search import Effort, Question, polyline
+from yarclang.motion.avoid.smooth import Bend, smooth, straight_course
+from yarclang.transforms import constant
+
+EFFORTS = (
+    Effort(0.02, 0.05, 500, 1),
+    Effort(0.01, 0.05, 1_500, 2),
+    Effort(0.003, 0.03, 3_000, 3),
+    Effort(0.0005, 0.02, 3_000, 4),
+)
+"""One after the other until a way is found: first with room to spare, and quickly; in the end close by, and long."""
+
+SAMPLES = sum(effort.samples for effort in EFFORTS)
+"""How many joint positions are drawn until it is given up."""
+
+_PROVED = 1e-3
+"""The curve is proved to stay farther apart than the margins by this [m] at most: what is executed may be that much beside it."""
+
+
+_LOOK = 0.05
+"""How far bodies move, about, between two places of the straight way that are looked at [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """Way-points (k, n) [rad or m], without the start; the last is the goal. One by itself is the straight way; else `between` is
+    in that.
+    """
+
+    waypoints: Array
+    between: Obstruction | None = None
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether nothing had to be gone round."""
+        return len(self.waypoints) == 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NoWay:
+    """Why there is no way: what is in the way at the `start`, or at the `goal`; neither says that nothing was found between, of which `between` is
+    in the straight way.
+    """
+
+    start: Obstruction | None = None
+    goal: Obstruction | None = None
+    between: Obstruction | None = None
+
+
+def find_way(room: Room | None, start: Array, goal: Array) -> Way | NoWay:
+    """The way from `start` to `goal` (n,) [rad or m], both within limits; the same for the same question, always."""
+    straight = Way(constant(goal[None].copy()))
+    if room is None or np.array_equal(start, goal):
+        return straight
+    between = _straight(room, start, goal)
+    if between is None:
+        return straight
+    at_start, at_goal = room.obstruction(start), room.obstruction(goal)
+    if at_start is not None or at_goal is not None:
+        return NoWay(at_start, at_goal)
+    for effort in EFFORTS:
+        waypoints = _found(room, start, goal, effort)
+        if waypoints is not None:
+            return Way(constant(waypoints), between)
+    return NoWay(between=between)
+
+
+def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | None:
+    """The way-points (k, n) of a way; None where this effort isn't enough."""
+    padding = room.padding(start, goal, effort.padding)
+    reach = reaches(room.scene, room.robot)
+    free = room.check(padding)
+    if not (free(start) and free(goal)):
+        return None
+    corners = polyline(Question(start, goal, room.robot.limits, reach, free), effort)
+    if corners is None:
+        return None
+    # what is proved needs less room than what is looked for
+    kept = np.minimum(padding / 2.0, _PROVED)
+    return smooth(Bend(room, room.check(kept), effort.step / reach, kept), corners)
+
+
+def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:
+    """What is in the straight way; None where it is proved to be free."""
+    steps = np.abs(goal - start) * reaches(room.scene, room.robot)
+    count = int(np.ceil(np.linalg.norm(steps) / _LOOK)) + 1
+    for share in np.linspace(0.0, 1.0, count + 1):
+        q = start + share * (goal - start)
+        if not room.is_free(q) and (found := room.obstruction(q)) is not None:
+            return found
+    course = straight_course(start, goal)
+    doubts = room.doubts(course)
+    if not len(doubts):
+        return None
+    found = room.obstruction(course.at(doubts)[0])
+    return Obstruction(("the arm", "what is around it"), 0.0) if found is None else found

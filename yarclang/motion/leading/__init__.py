@@ -1,0 +1,1 @@
+"""Where single motions lead from where the robot stands, each kind by its own module."""

@@ -1,0 +1,95 @@
+"""Where motions along paths of the moving frame lead: lines, arcs and splines of poses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import ArcMove, Array, LineMove, PoseDelta, PoseGoal, PoseSplineMove
+from yarclang.motion import messages
+from yarclang.motion.cartesian import CartesianPath, FramePath, along
+from yarclang.motion.leading.led import NOWHERE, Led
+from yarclang.motion.leading.solving import Solver
+from yarclang.motion.paths.arc import NoArc, arc_through
+from yarclang.motion.paths.joint import JointPath
+from yarclang.motion.paths.line import line_between
+from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline, through_poses
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.units import MM
+
+CartesianMove = LineMove | ArcMove | PoseSplineMove
+
+
+def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: Collector) -> Led:
+    """Where a motion of the moving frame leads from `stands` (n,) [rad or m]."""
+    robot = solver.robot
+    goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
+    tool = goal.flange_from_moving
+    start = tool_poses(robot.chain, stands[None], tool)[0]
+    if isinstance(goal, PoseDelta):
+        goal = _absolute(goal, start)
+    frame = _frame_path(step, start, goal, findings)
+    if frame is None:
+        return NOWHERE
+    if frame.length < 1e-12 and frame.angle == 0.0:
+        return Led(JointPath(stands, stands), stands, stands[None])
+    path = along(robot.chain, robot.limits, tool, frame, stands)
+    if isinstance(path, CartesianPath):
+        return Led(path, path.end, path.end[None])
+    end = solver.nearest(goal, stands, step, findings)
+    if end is not None:  # the goal can be reached, but not along the path
+        findings.add(*messages.broken_path(robot, path, frame, step))
+    return Led(None, end, None, path.kind != "reach")
+
+
+def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector) -> FramePath | None:
+    """The path of the moving frame from its pose at the start (4, 4)."""
+    match step:
+        case LineMove():
+            line = line_between(start, goal.base_from_moving)
+            if line is None:
+                findings.add(*messages.half_turn(step.origin))
+            return line
+        case ArcMove():
+            arc = arc_through(start, step.via, goal.base_from_moving)
+            if not isinstance(arc, NoArc):
+                return arc
+            findings.add(*messages.no_arc(arc, step.origin))
+            return None
+        case PoseSplineMove():
+            spline = through_poses(
+                np.array([start, *(waypoint.base_from_moving for waypoint in step.waypoints)])
+            )
+            if isinstance(spline, int):
+                findings.add(*messages.half_turn(step.origin, f"at way-point {spline} "))
+                return None
+            if spline is None:  # all way-points are where the frame stands
+                return line_between(start, start)
+            _note_swing(spline, step, findings)
+            timed = step.timing.speed is not None and spline.slowest > 1e-3 * spline.length > 0.0
+            return AtConstantSpeed(spline) if timed else spline
+
+
+def _note_swing(spline: PoseSpline, step: PoseSplineMove, findings: Collector) -> None:
+    """A note where a curve of the moving frame leaves the box round its way-points by much."""
+    low, low_at, high, high_at = spline.positions.extremes()
+    points = spline.positions.values
+    swing = np.maximum(points.min(axis=0) - low, high - points.max(axis=0))
+    axis = int(np.argmax(swing))
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if swing[axis] > max(messages.MUCH_SWING * MM, messages.MUCH_OF_BOX * size):
+        at = low_at if points[:, axis].min() - low[axis] == swing[axis] else high_at
+        findings.add(
+            *messages.curve_swings_out("xyz"[axis], float(swing[axis]), float(at[axis]), step.origin)
+        )
+
+
+def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:
+    """The pose (4, 4) to which an increment leads from `start` (4, 4), both of the moving frame in {B}."""
+    axes = delta.axes
+    if delta.axes_on_flange:
+        axes = start[:3, :3] @ delta.flange_from_moving[:3, :3].T @ delta.axes
+    pose = np.eye(4)
+    pose[:3, 3] = start[:3, 3] + axes @ delta.shift
+    pose[:3, :3] = axes @ delta.turn @ axes.T @ start[:3, :3]
+    return PoseGoal(pose, delta.flange_from_moving)

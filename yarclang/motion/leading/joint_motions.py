@@ -1,0 +1,127 @@
+"""Where motions in joint space lead: straight ones, splines, and ways round obstacles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array, AvoidMove, JointDelta, JointGoal, JointMove, PoseGoal, SplineMove
+from yarclang.motion import messages
+from yarclang.motion.avoid.messages import no_way, way_round
+from yarclang.motion.avoid.way import NoWay, Way, find_way
+from yarclang.motion.leading.led import NOWHERE, Led
+from yarclang.motion.leading.solving import Solver, is_free
+from yarclang.motion.paths.joint import JointPath
+from yarclang.motion.paths.spline import SplinePath, distinct, through
+from yarclang.robot.model import Robot
+
+_CONFIGURATIONS = 3
+"""So many solutions of a pose are tried for one to which there is a way."""
+
+
+def joint_motion(
+    solver: Solver, step: JointMove, stands: Array, findings: Collector, choice: Array | None = None
+) -> Led:
+    """Where a straight motion leads from `stands` (n,) [rad or m]; `choice` (n,) is the solution to take for its pose."""
+    if isinstance(step.goal, JointDelta):
+        end: Array | None = stands + step.goal.dq
+        assert end is not None
+        if not _within_limits(solver.robot, end):
+            findings.add(*messages.increments_out_of_limits(solver.robot, end, step.origin))
+            return Led(None, None, None, broken=True)
+    else:
+        end = _end(solver, step, step.goal, stands, findings, choice)
+    return NOWHERE if end is None else Led(JointPath(stands, end), end, end[None])
+
+
+def avoiding_motion(
+    solver: Solver, step: AvoidMove, stands: Array, findings: Collector, choice: Array | None = None
+) -> Led:
+    """Where a motion leads that goes round obstacles; of the solutions of its pose, to the nearest to which there is a way."""
+    end = _end(solver, step, step.goal, stands, findings, choice)
+    if end is None or any(one.is_error for one in findings.found):
+        return Led(None, end, None)
+    room = solver.room(step)
+    way = find_way(room, stands, end)
+    if isinstance(way, NoWay) and way.start is None and choice is None and isinstance(step.goal, PoseGoal):
+        others = solver.others(step.goal, stands, step) if is_free(step.goal) else []
+        for other in others[: _CONFIGURATIONS - 1]:
+            found = find_way(room, stands, other)
+            if isinstance(found, Way):
+                findings.add(*messages.another_configuration(solver.robot, step, other, end, step, ()))
+                end, way = other, found
+                break
+    if isinstance(way, NoWay):
+        findings.add(*no_way(way, step.origin))
+        return Led(None, end, None)
+    if way.is_straight:
+        return Led(JointPath(stands, end), end, end[None])
+    findings.add(*way_round(solver.robot, way, step))
+    points = distinct(np.concatenate((stands[None], way.waypoints)))
+    return Led(through(points, solver.robot.chain.is_prismatic), end, way.waypoints)
+
+
+def _end(
+    solver: Solver,
+    step: JointMove | AvoidMove,
+    goal: JointGoal | PoseGoal,
+    stands: Array,
+    findings: Collector,
+    choice: Array | None,
+) -> Array | None:
+    if isinstance(goal, JointGoal):
+        return goal.q
+    return choice if choice is not None else solver.chosen(goal, stands, step, findings)
+
+
+def spline_motion(
+    solver: Solver, step: SplineMove, stands: Array, findings: Collector, choice: Array | None = None
+) -> Led:
+    """Where a spline leads; `choice` (n,) is the solution to take for its last pose."""
+    waypoints: list[Array] = []
+    near = stands
+    for place, goal in enumerate(step.waypoints, 1):
+        if place == len(step.waypoints) and choice is not None:
+            q: Array | None = choice
+        elif isinstance(goal, JointGoal):
+            q = goal.q
+        else:
+            q = solver.chosen(goal, near, step, findings, f"way-point {place}: ")
+        if q is None:
+            return NOWHERE
+        waypoints.append(q)
+        near = q
+    chosen = np.array(waypoints)
+    path = distinct(np.concatenate((stands[None], chosen)))
+    if len(path) == 1:
+        return Led(JointPath(stands, stands), stands, chosen)
+    spline = through(path, solver.robot.chain.is_prismatic)
+    if not _swings_within_limits(solver.robot, spline, step, findings):
+        return Led(None, spline.end, chosen)
+    return Led(spline, spline.end, chosen)
+
+
+def _swings_within_limits(robot: Robot, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
+    """Whether a spline keeps the joint limits all along; a note where it leaves its way-points by much."""
+    low, low_at, high, high_at = spline.extremes()
+    limits = robot.limits
+    excess = np.maximum(limits.lower - low, high - limits.upper) / robot.axis_units
+    joint = int(np.argmax(excess))
+    if excess[joint] > 1e-9:
+        at = low_at if limits.lower[joint] - low[joint] > high[joint] - limits.upper[joint] else high_at
+        findings.add(*messages.spline_out_of_limits(robot, joint, excess[joint], at[joint], step.origin))
+        return False
+    swing = (
+        np.maximum(spline.waypoints.min(axis=0) - low, high - spline.waypoints.max(axis=0)) / robot.axis_units
+    )
+    joint = int(np.argmax(swing))
+    if swing[joint] > messages.MUCH_SWING:
+        below = spline.waypoints[:, joint].min() - low[joint]
+        at = low_at if below / robot.axis_units[joint] == swing[joint] else high_at
+        findings.add(*messages.spline_swings_out(robot, joint, swing[joint], at[joint], step.origin))
+    return True
+
+
+def _within_limits(robot: Robot, q: Array) -> bool:
+    limits, slack = robot.limits, 1e-9 * robot.axis_units
+    return bool(np.all((q >= limits.lower - slack) & (q <= limits.upper + slack)))

@@ -1,0 +1,86 @@
+"""Which joint position takes a frame to its pose: the nearest at which nothing is in the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array, Motion, PoseGoal
+from yarclang.motion import messages
+from yarclang.motion.avoid.messages import configuration_blocked, every_configuration_blocked
+from yarclang.motion.avoid.room import Obstruction, Room, room_of
+from yarclang.motion.zones import moving_of
+from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
+from yarclang.robot.model import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Solver:
+    """Solves poses for a robot in its cell."""
+
+    robot: Robot
+    cell: Cell | None = None
+
+    def room(self, step: Motion) -> Room | None:
+        """What is around while a motion is under way."""
+        return room_of(self.robot, self.cell, moving_of(self.robot, step))
+
+    def nearest(
+        self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
+    ) -> Array | None:
+        """The joint position nearest to `near` that takes the moving frame to its goal, whatever is in the way there; None with a finding where there is none."""
+        near = near if goal.near is None else goal.near
+        solved = nearest_solutions(self.robot.chain, self.robot.limits, flange_at(goal), near)
+        if isinstance(solved, Unreachable):
+            findings.add(*messages.unreachable(self.robot, solved, step.origin, which))
+            return None
+        return np.array(solved.q[0])
+
+    def chosen(
+        self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
+    ) -> Array | None:
+        """The nearest joint position at which nothing is in the way; a finding where it isn't the nearest of all. NEAR is obeyed as it stands."""
+        q = self.nearest(goal, near, step, findings, which)
+        if q is None or goal.near is not None:
+            return q
+        room = self.room(step)
+        if room is None or room.is_free(q) or (found := room.obstruction(q)) is None:
+            return q
+        blocked: list[tuple[Array, Obstruction]] = [(q, found)]
+        for other in self.solutions(goal, near)[1:]:
+            if (inside := room.obstruction(other)) is None:
+                findings.add(*configuration_blocked(self.robot, step, other, blocked[0], which))
+                return other
+            blocked.append((other, inside))
+        findings.add(*every_configuration_blocked(self.robot, step, blocked, which))
+        return q
+
+    def solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
+        """All solutions within limits with all their full turns, the nearest to `near` first."""
+        chain, limits = self.robot.chain, self.robot.limits
+        solved = nearest_solutions(chain, limits, flange_at(goal), near)
+        if isinstance(solved, Unreachable):
+            return []
+        turns = np.concatenate([full_turns(chain, limits, q) for q in solved.q])
+        distance = np.square(turns - near).sum(axis=1)
+        return list(turns[np.argsort(np.round(distance, 9), kind="stable")])
+
+    def others(self, goal: PoseGoal, near: Array, step: Motion) -> list[Array]:
+        """The solutions behind the nearest at which nothing is in the way, the nearest to `near` first."""
+        room = self.room(step)
+        others = self.solutions(goal, near)[1:]
+        return others if room is None else [q for q in others if room.obstruction(q) is None]
+
+
+def is_free(goal: object) -> bool:
+    """Whether a target has solutions to choose from."""
+    return isinstance(goal, PoseGoal) and goal.near is None
+
+
+def flange_at(goal: PoseGoal) -> Array:
+    """Where the flange stands at a goal, base_from_flange (4, 4)."""
+    flange: Array = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
+    return flange

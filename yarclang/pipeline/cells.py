@@ -8,6 +8,8 @@ from pathlib import Path
 from yarclang.cell.description import Names, load_cell, read_cell
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.memory import NO_MEMORY, Memory
+from yarclang.pipeline.kept import cell_kept
 from yarclang.pipeline.sources import NO_TEXTS
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import DESCRIPTION
@@ -19,7 +21,7 @@ SUFFIX = ".toml"
 
 
 def cell_loader(
-    folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS
+    folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS, memory: Memory = NO_MEMORY
 ) -> Callable[[str, SourceFile | None], Result[Cell]]:
     """How cells of a program in `folder` are read: the path of a CELL line, and the module that it stands in (None: the program).
 
@@ -35,7 +37,12 @@ def cell_loader(
             key = place
         if key not in known:
             text, names = texts.get(place.absolute()) or texts.get(key), Names(is_word, robot)
-            known[key] = load_cell(place, names) if text is None else read_cell(text, place.parent, names)
+
+            def read() -> Result[Cell]:
+                return load_cell(place, names) if text is None else read_cell(text, place.parent, names)
+
+            # findings name the file as it was asked for
+            known[key] = cell_kept(memory, place, robot, None if text is None else text.text, read)
         return known[key]
 
     return load

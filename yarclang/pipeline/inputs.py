@@ -10,7 +10,9 @@ import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.hir import Array
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.pipeline.cells import cell_loader
+from yarclang.pipeline.kept import robot_kept
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
@@ -30,7 +32,8 @@ from yarclang.units import DEG, MM
 class Options:
     """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
     `tolerance` in mm and deg (None: the robot's own). `texts` are files that are open somewhere, by their absolute
-    paths: modules, cells and robots are read from there before what is saved.
+    paths: modules, cells and robots are read from there before what is saved. `memory` keeps what is worked out, for the
+    next time (pipeline/incremental.py makes one).
     """
 
     robot: str | None = None
@@ -40,6 +43,7 @@ class Options:
     target: Target = "rotary"
     progress: Progress | None = None
     texts: Mapping[Path, SourceFile] = field(default_factory=lambda: NO_TEXTS)
+    memory: Memory = NO_MEMORY
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +109,8 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         target=options.target,
         progress=options.progress,
         load=loader(folder, options.texts),
-        load_cell=cell_loader(folder, robot, options.texts),
+        load_cell=cell_loader(folder, robot, options.texts, options.memory),
+        memory=options.memory,
     )
     return Result(Opened(module, request), diagnostics)
 
@@ -114,10 +119,10 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
     """The command line and a ROBOT line, which must agree; else yarc.toml."""
     declared = declared_robot(module)
     if options.robot is not None:
-        found = _loaded(options.robot, options.texts)
+        found = _loaded(options.robot, options.texts, options.memory)
         if declared is None or found.value is None:
             return found
-        other = _named(declared[0], folder, module.source, declared[1], options.texts)
+        other = _named(declared[0], folder, module.source, declared[1], options)
         if other.value is not None and other.value.fingerprint != found.value.fingerprint:
             message = f"the program is for {other.value.name}, the command line says {found.value.name}"
             if other.value.name == found.value.name:
@@ -128,13 +133,13 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
             return Result(None, (Diagnostic("Y1392", message, module.source, declared[1], help_),))
         return Result(found.value if other.value else None, other.diagnostics)
     if declared is not None:
-        return _named(declared[0], folder, module.source, declared[1], options.texts)
+        return _named(declared[0], folder, module.source, declared[1], options)
     malformed = [one for one in module.statements if one.index is None and one.name.name == "ROBOT"]
     if malformed:
         findings = Collector(module.source)
         check_robot(malformed[0], findings)
         return Result(None, tuple(findings.found))
-    return _of_project(project, module.source, options.texts)
+    return _of_project(project, module.source, options)
 
 
 def robot_for(folder: Path, name: str | None) -> Result[Robot]:
@@ -142,7 +147,11 @@ def robot_for(folder: Path, name: str | None) -> Result[Robot]:
     if name is not None:
         return load_robot(name)
     project = find_project(folder)
-    return Result(None, project.diagnostics) if project.value is None else _of_project(project.value, None)
+    return (
+        Result(None, project.diagnostics)
+        if project.value is None
+        else _of_project(project.value, None, Options())
+    )
 
 
 def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) -> Result[Array]:
@@ -160,12 +169,10 @@ def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) ->
     return Result(q, tuple(replace(one, source=None) for one in findings.found))
 
 
-def _of_project(
-    project: Project, program: SourceFile | None, texts: Mapping[Path, SourceFile] = NO_TEXTS
-) -> Result[Robot]:
+def _of_project(project: Project, program: SourceFile | None, options: Options) -> Result[Robot]:
     """The robot of yarc.toml, or a finding about the program that none was named anywhere."""
     if project.robot is not None:
-        return _named(project.robot, project.folder, project.source, project.span_of("robot"), texts)
+        return _named(project.robot, project.folder, project.source, project.span_of("robot"), options)
     names = ", ".join(robot.name for robot in list_robots())
     help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
     return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", program, help=help_),))
@@ -176,21 +183,25 @@ def _named(
     folder: Path,
     source: SourceFile | None,
     span: Span | None,
-    texts: Mapping[Path, SourceFile],
+    options: Options,
 ) -> Result[Robot]:
     """The robot of a name or path that stands in a file; what is wrong with the name is said there."""
-    found = _loaded(_placed(name, folder), texts)
+    found = _loaded(_placed(name, folder), options.texts, options.memory)
     placed = tuple(
         one if one.source is not None else replace(one, source=source, span=span) for one in found.diagnostics
     )
     return Result(found.value, placed)
 
 
-def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile]) -> Result[Robot]:
+def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile], memory: Memory) -> Result[Robot]:
     """The robot of a name or path; that of an open text where its robot.toml is open."""
-    path = find_robot(name_or_path)[0] if texts else None
+    path = find_robot(name_or_path)[0] if texts or memory is not NO_MEMORY else None
     text = texts.get(path.absolute()) if path is not None else None
-    return load_robot(name_or_path) if path is None or text is None else read_robot(text, path.parent)
+
+    def load() -> Result[Robot]:
+        return load_robot(name_or_path) if path is None or text is None else read_robot(text, path.parent)
+
+    return robot_kept(memory, path, None if text is None else text.text, load)
 
 
 def _placed(name_or_path: str, folder: Path) -> str:

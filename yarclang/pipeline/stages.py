@@ -17,6 +17,7 @@ from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
 from yarclang.hir import Array, AvoidMove, Motion, Program, Reading, fingerprint
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
@@ -40,7 +41,8 @@ class Request:
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
-    the modules that the program uses, `load_cell` its cell. `index_needed` says whether a command must have an index.
+    the modules that the program uses, `load_cell` its cell. `index_needed` says whether a command must have an index. `memory`
+    keeps what the stages work out, for the next time.
     """
 
     robot: Robot
@@ -53,6 +55,7 @@ class Request:
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
     index_needed: bool = True
+    memory: Memory = NO_MEMORY
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ else joint positions are. Where the ball is of no size the paths are tangent: th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +38,12 @@ class Corner:
     radius: float
     flange_from_moving: Array | None
     reach: Array | None = None
+
+    @property
+    def key(self) -> Hashable:
+        """All of it, by value."""
+        arrays = (self.point, self.flange_from_moving, self.reach)
+        return self.radius, *(None if one is None else one.tobytes() for one in arrays)
 
     def farthest(self, chain: Chain, q: Array) -> Array:
         """How far joint positions `q` (N, n) are from the corner, as shares (N,) of what is allowed."""

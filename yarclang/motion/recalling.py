@@ -1,0 +1,137 @@
+"""Motions that were planned before: by what they do and where they begin, wherever their commands stand in the file now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import fields, replace
+from typing import TypeVar
+
+from yarclang.diagnostics import Collector, Diagnostic, Edit
+from yarclang.hir import (
+    Array,
+    JointDelta,
+    JointGoal,
+    Motion,
+    Origin,
+    PoseDelta,
+    PoseGoal,
+    Reading,
+)
+from yarclang.memory import Forgetful, Memory
+from yarclang.source import Span
+
+T = TypeVar("T")
+
+
+def told_before(
+    memory: Memory,
+    key: Hashable,
+    origin: Origin,
+    findings: Collector,
+    make: Callable[[], T],
+    *,
+    may_look_around: bool = False,
+) -> T:
+    """What was kept under a key with the findings that were told about its command, else what `make` gives and tells.
+
+    Args:
+        memory: keeps results and findings; of these, places as seen from the command's line.
+        key: what the result depends on, without the place of the command.
+        origin: the command; if it is spelled in another way, what is told may be another.
+        findings: where `make` tells, and where what was told is told again.
+        make: works out the result; what it tells is about this command alone.
+        may_look_around: whether what it tells may depend on other lines: then that is worked out each time.
+    """
+    if isinstance(memory, Forgetful):
+        return make()
+    line = origin.span.line
+    kept: tuple[T, tuple[Diagnostic, ...], int, Hashable] | None = memory.get(key)
+    if kept is not None:
+        value, found, kept_line, spelling = kept
+        if not found:
+            return value
+        if spelling == _spelling(origin):
+            findings.found += [_moved(one, origin, findings.place, line - kept_line) for one in found]
+            return value
+    before = len(findings.found)
+    value = make()
+    told = findings.found[before:]
+    if all(_is_of_command(one, origin) for one in told) and not (told and may_look_around):
+        found = tuple(replace(one, source=None) for one in told)  # no text is kept
+        memory.keep(key, (value, found, line, _spelling(origin) if found else None))
+    return value
+
+
+def _spelling(origin: Origin) -> Hashable:
+    """All that messages may take from a command's origin, but for its line and its file."""
+    line = origin.span.line
+    places: list[Hashable] = [
+        None if one is None else (one.line - line, one.column, one.end_line - line, one.end_column)
+        for one in (getattr(origin, name) for name in _SPANS)
+    ]
+    text = origin.source.lines[line - 1 : _last_line(origin)]
+    return origin.index, origin.name, origin.place, origin.time_unit, origin.time_given, *places, *text
+
+
+_SPANS = tuple(entry.name for entry in fields(Origin) if "Span" in str(entry.type))
+
+
+def _last_line(origin: Origin) -> int:
+    return max(origin.span.end_line, origin.end_span.end_line if origin.end_span else 0)
+
+
+def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
+    """Whether a finding speaks of nothing but the lines of its command: else it may be another where other lines have changed."""
+    spans = [edit.span for edit in one.fix.edits] if one.fix else []
+    spans += [one.span] if one.span else []
+    last = _last_line(origin)
+    return one.source is origin.source and all(
+        origin.span.line <= span.line and span.end_line <= last for span in spans
+    )
+
+
+def _moved(one: Diagnostic, origin: Origin, place: str, lines: int) -> Diagnostic:
+    """A finding of a command that stands `lines` further down now."""
+    span = None if one.span is None else _shifted(one.span, lines)
+    fix = one.fix
+    if fix is not None and lines:
+        fix = replace(fix, edits=tuple(Edit(_shifted(edit.span, lines), edit.text) for edit in fix.edits))
+    return replace(one, source=origin.source, span=span, fix=fix, place=place)
+
+
+def _shifted(span: Span, lines: int) -> Span:
+    return Span(span.line + lines, span.column, span.end_line + lines, span.end_column)
+
+
+def key_of(step: Motion) -> Hashable:
+    """What a motion does, by value: all of it but where it comes from."""
+    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
+    timing, speed = step.timing, step.timing.speed
+    via: Array | None = getattr(step, "via", None)
+    return (
+        type(step),
+        tuple(map(_key_of_goal, goals)),
+        None if via is None else via.tobytes(),
+        step.profile,
+        (timing.duration, timing.share, timing.ramp, None if speed is None else _key_of_reading(speed)),
+        step.tolerance,
+        None if step.blend is None else _key_of_reading(step.blend),
+    )
+
+
+def _key_of_reading(reading: Reading) -> Hashable:
+    return reading.length, reading.angle
+
+
+def _key_of_goal(goal: JointGoal | JointDelta | PoseGoal | PoseDelta) -> Hashable:
+    match goal:
+        case JointGoal():
+            return "joints", goal.q.tobytes()
+        case JointDelta():
+            return "delta", goal.dq.tobytes()
+        case PoseGoal():
+            near = None if goal.near is None else goal.near.tobytes()
+            return "pose", goal.base_from_moving.tobytes(), goal.flange_from_moving.tobytes(), near
+        case PoseDelta():
+            parts = (goal.shift, goal.turn, goal.axes, goal.flange_from_moving)
+            return "poses apart", goal.axes_on_flange, *(part.tobytes() for part in parts)

@@ -20,9 +20,9 @@ from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.units import UNITS
 
 REMAINDER = 0.003
-"""What lies between two calculated places adds at most about this share of an effort."""
-PARTS = (2, 64)
-"""The fewest and the most parts into which a segment is cut."""
+"""What lies between two calculated places adds at most about this share of an effort to the largest torque of a motion."""
+PARTS = 64
+"""The most parts into which a segment is cut."""
 ROOM = 0.03
 """By this share a proposed time is longer than the one at which the effort is used up: in another time a law has another number of segments, and other ramps."""
 
@@ -71,16 +71,34 @@ def find_torques(layout: Layout, robot: Robot) -> tuple[dict[int, Load], list[Di
 
 
 def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
-    """Torques so close together that what lies between hardly counts."""
-    count = len(cubics.h)
+    """Torques so close together that what lies between hardly counts, where it could count at all."""
     lower, upper = cubics.position_range()
     travel = np.maximum(np.abs(lower), np.abs(upper)).max(axis=0)
     peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
     bends = torque_bends(robot.chain, dynamics, travel, peaks)
     # a function is above the line between two of its values by d^2 / 8 of its second derivative at most
     whole = bends * (cubics.h[:, None] ** 2 / 8.0)
-    wanted = np.sqrt((whole / (REMAINDER * dynamics.effort)).max(axis=1))
-    parts = np.clip(np.ceil(wanted), *PARTS).astype(np.int64)
+    coarse = _looked_at(cubics, starts, whole, np.ones(len(cubics.h), dtype=np.int64), robot)
+    # only where the bound is beyond what was found in the same motion anyway, a closer look tells more
+    seen = segment_max((np.abs(coarse.torque) / dynamics.effort).max(axis=1), coarse.first)
+    motion = np.repeat(np.arange(len(starts)), np.diff(np.append(coarse.first, len(coarse.row))))
+    beyond = coarse.share.max(axis=1) > seen[motion] + REMAINDER
+    if not beyond.any():
+        return coarse
+    wanted = np.ceil(np.sqrt((whole / (REMAINDER * dynamics.effort)).max(axis=1)))
+    close = np.zeros(len(cubics.h), dtype=np.bool_)
+    close[coarse.row[beyond]] = True
+    parts = np.where(close, np.clip(wanted, 1, PARTS), 1).astype(np.int64)
+    return _looked_at(cubics, starts, whole, parts, robot)
+
+
+def _looked_at(
+    cubics: Cubics, starts: NDArray[np.int64], whole: Array, parts: NDArray[np.int64], robot: Robot
+) -> _Samples:
+    """Torques at the ends of equal parts of segments; `whole` (N, n) bounds what a whole segment adds."""
+    dynamics = robot.dynamics
+    assert dynamics is not None  # only then torques are looked at
+    count = len(cubics.h)
     ends = np.append(starts[1:], count) - 1
     number = parts.copy()
     number[ends] += 1  # the end of a motion is looked at as well

@@ -1,14 +1,16 @@
 """Torques of a moving arm, at many instants at once (recursive Newton-Euler; Featherstone, Rigid Body Dynamics Algorithms, ch. 5).
 
-Rigid bodies alone: no friction, no motors' rotors, no springs. Everything is expressed at the origin of {B}, with the instants as the last index, so that a
-step is a few operations on whole rows.
+Rigid bodies alone: no friction, no motors' rotors, no springs. Each link has a frame whose z is its joint's axis, so that a joint turns two rows, and what lies between two joints is a
+constant matrix. The instants are the last index: a step is a few operations on whole rows.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from yarclang.robot.kinematics.fk import skew
+from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain, Dynamics
 
 BLOCK = 2048
@@ -43,53 +45,104 @@ def holding_torques(chain: Chain, dynamics: Dynamics, q: Array) -> Array:
 
 def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
     """The same with the instants last, (n, P)."""
+    links = _links(chain, dynamics)
     size, count = q.shape
-    turn = np.broadcast_to(np.eye(3)[:, :, None], (3, 3, count))
-    shift = np.zeros((3, count))
-    # how fast the arm turns, how fast its point in the origin of {B} goes, and how both change
-    spin, slide, spin_rate, slide_rate = (np.zeros((3, count)) for _ in range(4))
-    slide_rate -= dynamics.gravity[:, None]
-    axes, sides = np.empty((size, 3, count)), np.empty((size, 3, count))
-    forces, moments = np.empty((size, 3, count)), np.empty((size, 3, count))
+    angle = q * links.turn[:, None]
+    sin, cos = np.sin(angle), np.cos(angle)
+    # of each link, in its own axes: how it turns, and how its origin is accelerated, against a fall
+    spin, spin_rate = np.zeros((3, count)), np.zeros((3, count))
+    rise = np.repeat(-dynamics.gravity[:, None], count, axis=1)
+    forces, moments, arms = [], [], []
     for joint in range(size):
-        linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
-        axis = np.tensordot(angular, turn, (0, 1))
-        side = np.tensordot(linear, turn, (0, 1)) + _cross(shift, axis)
-        axes[joint], sides[joint] = axis, side
-        rate = v[joint]
-        spin_rate = spin_rate + a[joint] * axis + rate * _cross(spin, axis)
-        slide_rate = slide_rate + a[joint] * side + rate * (_cross(spin, side) + _cross(slide, axis))
-        spin, slide = spin + rate * axis, slide + rate * side
-        turn, shift = _moved(turn, shift, chain.screws[joint], q[joint])
-        center = np.tensordot(dynamics.center[joint], turn, (0, 1)) + shift
-        way = slide + _cross(spin, center)
-        force = dynamics.mass[joint] * (slide_rate + _cross(spin_rate, center) + _cross(spin, way))
-        momentum, change = (
-            np.einsum("ijp,jp->ip", turn, dynamics.inertia[joint] @ np.einsum("jip,jp->ip", turn, one))
-            for one in (spin, spin_rate)
+        arm = links.shift[joint][:, None]
+        turn, slide = links.turn[joint], links.slide[joint]
+        if slide:
+            axis = links.step[joint][:, 2:]
+            arm = arm + slide * q[joint] * axis
+            rise = rise + slide * (a[joint] * axis + 2.0 * v[joint] * _cross(spin, axis))
+        rise = rise + _swung(spin, spin_rate, arm)
+        spin, spin_rate, rise = (
+            _into(links.step[joint], sin[joint], cos[joint], one) for one in (spin, spin_rate, rise)
         )
-        forces[joint] = force
-        moments[joint] = change + _cross(spin, momentum) + _cross(center, force)
-    # each joint moves all that is behind it
-    force, moment = (np.cumsum(one[::-1], axis=0)[::-1] for one in (forces, moments))
-    found: Array = (axes * moment).sum(axis=1) + (sides * force).sum(axis=1)
+        if turn:
+            # across the axis the turn of what is before turns this joint's own rate
+            spin_rate[0] += spin[1] * (turn * v[joint])
+            spin_rate[1] -= spin[0] * (turn * v[joint])
+            spin_rate[2] += turn * a[joint]
+            spin[2] += turn * v[joint]
+        center = links.center[joint][:, None]
+        force = links.mass[joint] * (rise + _swung(spin, spin_rate, center))
+        inertia = links.inertia[joint]
+        forces.append(force)
+        moments.append(inertia @ spin_rate + _cross(spin, inertia @ spin) + _cross(center, force))
+        arms.append(arm)
+    found = np.empty((size, count))
+    force, moment = forces[-1], moments[-1]
+    for joint in reversed(range(size)):
+        found[joint] = links.turn[joint] * moment[2] + links.slide[joint] * force[2]
+        if joint:
+            force, moment = (
+                _out_of(links.step[joint], sin[joint], cos[joint], one) for one in (force, moment)
+            )
+            moment = moments[joint - 1] + moment + _cross(arms[joint], force)
+            force = forces[joint - 1] + force
     return found
 
 
-def _moved(turn: Array, shift: Array, screw: Array, q: Array) -> tuple[Array, Array]:
-    """Where the bodies behind a joint are: exp(screw q) behind what the joints before do."""
-    linear, angular = screw[:3], screw[3:]
-    w = skew(angular)
-    sin, versine = np.sin(q), 1.0 - np.cos(q)
-    parts = np.stack([linear, w @ linear, w @ w @ linear])
-    way = np.tensordot(parts, turn, (1, 1))  # (3, 3, P): a part, along an axis
-    shift = shift + way[0] * q + way[1] * versine + way[2] * (q - sin)
-    first, second = (np.einsum("ijp,jk->ikp", turn, one) for one in (w, w @ w))
-    return turn + first * sin + second * versine, shift
+@dataclass(frozen=True, slots=True, eq=False)
+class _Links:
+    """The constants of an arm: of each joint `step` (n, 3, 3), the turn into its frame from the one before, and `shift` (n, 3), where it is there; of what it moves
+    `mass` (n,), `center` (n, 3) and `inertia` (n, 3, 3) in its frame. `turn` and `slide` are about and along z, per unit of joint position.
+    """
+
+    step: Array
+    shift: Array
+    mass: Array
+    center: Array
+    inertia: Array
+    turn: Array
+    slide: Array
+
+
+def _links(chain: Chain, dynamics: Dynamics) -> _Links:
+    links = links_of(chain)
+    turns, origins = links.frames[:, :3, :3], links.frames[:, :3, 3]
+    back = turns.transpose(0, 2, 1)
+    before = np.concatenate([np.eye(3)[None], back[:-1]])
+    ways = np.diff(origins, axis=0, prepend=np.zeros((1, 3)))
+    return _Links(
+        before @ turns,
+        (before @ ways[:, :, None])[:, :, 0],
+        dynamics.mass,
+        (back @ (dynamics.center - origins)[:, :, None])[:, :, 0],
+        back @ dynamics.inertia @ turns,
+        links.turn,
+        links.slide,
+    )
+
+
+def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
+    """How a point at an arm (3, 1) or (3, P) is accelerated by a turn alone."""
+    along = (spin * arm).sum(axis=0)
+    swung: Array = _cross(spin_rate, arm) + spin * along - arm * (spin * spin).sum(axis=0)
+    return swung
+
+
+def _into(step: Array, sin: Array, cos: Array, one: Array) -> Array:
+    """Vectors (3, P) in the axes of a link, from those of the link before."""
+    x, y, z = step.T @ one
+    return np.stack([cos * x + sin * y, cos * y - sin * x, z])
+
+
+def _out_of(step: Array, sin: Array, cos: Array, one: Array) -> Array:
+    """The other way round."""
+    x, y, z = one
+    back: Array = step @ np.stack([cos * x - sin * y, sin * x + cos * y, z])
+    return back
 
 
 def _cross(one: Array, other: Array) -> Array:
-    """The cross products of (3, P) and (3, P)."""
+    """The cross products of (3, P) and (3, P) or (3, 1)."""
     return np.stack(
         [
             one[1] * other[2] - one[2] * other[1],

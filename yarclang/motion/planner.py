@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
+from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.chain import linked
@@ -21,6 +22,7 @@ from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.motion.profile import load_profile
+from yarclang.motion.recalling import key_of, told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
 from yarclang.motion.zones import slow_zones
@@ -29,7 +31,7 @@ from yarclang.robot.model import Robot, Tolerance
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How to plan: the segment times that the controller takes, the tolerance, and who wants to hear of progress.
+    """How to plan: the segment times that the controller takes, the tolerance, who wants to hear of progress, and what was planned before.
 
     `progress` is called with the number of steps done.
     """
@@ -37,6 +39,7 @@ class Settings:
     grid: Grid
     tolerance: Tolerance
     progress: Callable[[int], None] | None = None
+    memory: Memory = NO_MEMORY
 
 
 def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPlan]:
@@ -60,7 +63,7 @@ def plan_in_part(
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
     steps = steps[:end]
-    router = Router(robot, steps, program.start, program.cell)
+    router = Router(robot, steps, program.start, program.cell, settings.memory)
     planner = _Planner(robot, settings, bounds_of(robot), program.cell)
     for number in range(end):
         planner.tell(number / 2)
@@ -121,6 +124,15 @@ class _Planner:
 
     def link(self, step: Motion, path: Path, findings: Collector) -> Link | None:
         """A motion by itself; None with a finding where it can't be done as the command says."""
+        told = self.settings
+        key = ("link", self.robot, self.cell, told.grid, told.tolerance, path, key_of(step))
+
+        def make() -> tuple[Link | None]:
+            return (self._link(step, path, findings),)
+
+        return told_before(told.memory, key, step.origin, findings, make)[0]
+
+    def _link(self, step: Motion, path: Path, findings: Collector) -> Link | None:
         timing, tolerance = step.timing, self.settings.tolerance
         if step.tolerance is not None:
             tolerance = Tolerance(step.tolerance, tolerance.angle)
@@ -169,7 +181,11 @@ class _Planner:
         """The curves of motions that flow into each other, or of one."""
         if len(chain) == 1:
             return [chain[0].as_alone]
-        return linked(self.robot.chain, chain, self.settings.grid)
+        settings = self.settings
+        # a curve is of one link, and stands for all that it was made of
+        parts = [(link.alone, None if link.corner is None else link.corner.key) for link in chain]
+        key = ("chain", self.robot, settings.grid, *parts)
+        return recall(settings.memory, key, lambda: linked(self.robot.chain, chain, settings.grid))
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
         """Say where a chain can't do quite what its commands say."""

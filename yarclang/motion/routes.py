@@ -206,8 +206,9 @@ class Router:
 
         def make() -> tuple[Led, Route | None]:
             led = self._led(step, q, taken, findings)
-            known = led.path is not None and led.waypoints is not None
-            return led, Route(led.path, led.waypoints) if known else None
+            if led.path is None or led.waypoints is None:
+                return led, None
+            return led, Route(led.path, led.waypoints)
 
         # the fix of a way round takes names that stand nowhere in the text
         around = isinstance(step, AvoidMove)

@@ -111,6 +111,7 @@ def _settings(program: Program, request: Request) -> Result[Settings]:
             grid.value,
             request.tolerance or request.robot.tolerance,
             (lambda done: report("planning", done, total)) if report else None,
+            request.memory,
         )
     )
 

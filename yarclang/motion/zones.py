@@ -10,7 +10,7 @@ import numpy as np
 from yarclang.cell.model import Cell
 from yarclang.collision.course import Course
 from yarclang.collision.scene import Scene, scene_of
-from yarclang.collision.zones.speed import fastest_inside
+from yarclang.collision.zones.speed import fastest_inside, may_enter
 from yarclang.collision.zones.watched import Moving, tool_frame
 from yarclang.collision.zones.workspace import SLACK, Watch, watches_of
 from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, PoseSplineMove, SplineMove
@@ -25,6 +25,12 @@ _SHARP = 1e-3
 
 _PLACES = 100
 """Places of a way that are looked at to foresee how fast it can be gone."""
+
+_FEW = 12
+"""Parts of a way that are looked at to foresee whether it gets into a zone."""
+
+_STEEPER = 1.5
+"""A way may be steeper somewhere than it is about, by this factor."""
 
 _LARGER = 2.0 * SLACK
 """Zones count as larger by this [m]: the printed curve may enter them where this one doesn't."""
@@ -64,6 +70,14 @@ class SlowZones:
                 yield float(found.speed[0]) / limit, int(found.segment[0]) + 1, watch
                 if stops:
                     return
+
+    def beside(self, way: Callable[[Array], Array], slope: Array) -> SlowZones | None:
+        """Those that a way (its joints over the share of it) may get into, with about the steepest `slope` (n,) of the joints over it."""
+        q = way(np.linspace(0.0, 1.0, _FEW + 1))
+        step = np.broadcast_to(_STEEPER * slope / _FEW, q[1:].shape)
+        enters = may_enter(self.scene, (q[:-1], q[1:]), step, self.watches)
+        near = tuple(one for one, is_near in zip(self.watches, enters, strict=True) if is_near.any())
+        return SlowZones(self.scene, near) if near else None
 
     def shortest(self, way: Callable[[Array], Array]) -> float:
         """About the least time [s] that the whole of a way (its joints over the share of it) takes at a steady speed."""

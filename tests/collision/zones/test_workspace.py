@@ -149,7 +149,7 @@ def test_rates_bound_all_points(robot):
         bounds = rates(scene.chain, course, item)
         pieces = Pieces.whole(course, 0, len(course.x))
         d = pieces.end / 8.0
-        places = [pieces.arm(scene, course, d * at).points(item, item.rim) for at in range(9)]
+        places = [pieces.posed(item, scene, course, d * at).points(item.rim) for at in range(9)]
         bound = np.stack([bounds.first, bounds.second, bounds.third])
         differences = np.stack(places)
         for order in range(3):

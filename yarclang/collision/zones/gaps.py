@@ -12,25 +12,24 @@ from typing import Any
 import numpy as np
 
 from yarclang.cell.model import HalfSpace
-from yarclang.collision.zones.moved import Arm, Pieces, Rates
+from yarclang.collision.zones.moved import Pieces, Posed, Rates
 from yarclang.collision.zones.regions import Place, coal_of, direction, faces_of, outside, reach
 from yarclang.collision.zones.watched import Item
 from yarclang.shapes import Array
 
 
-def depth_inside(region: Place, item: Item, arm: Arm) -> Array:
+def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
     """How far an item is inside a region at each instant (P,) [m]; negative by how far it sticks out."""
     faces = faces_of(region)
     if faces is not None:
-        directions = np.broadcast_to(faces.normals, (arm.turn.shape[1], *faces.normals.shape))
-        flat: Array = (faces.offsets - arm.support(item, directions)).min(axis=1)
+        flat: Array = (faces.offsets[:, None] - posed.support(item, faces.normals)).min(axis=0)
         return flat
-    points = arm.points(item, item.rim)
+    points = posed.points(item.rim)
     round_: Array = -outside(region, points).max(axis=1) - item.radius
     return round_
 
 
-def distance_outside(region: Place, item: Item, arm: Arm, normal: Array | None = None) -> Array:
+def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | None = None) -> Array:
     """How far an item is from a region at each instant (P,) [m]; negative by how deep it is in.
 
     `normal` (P, 3) is filled with the unit directions in {B} from the region to the item.
@@ -38,25 +37,25 @@ def distance_outside(region: Place, item: Item, arm: Arm, normal: Array | None =
     if isinstance(region, HalfSpace):
         if normal is not None:
             normal[:] = -region.normal
-        down = np.broadcast_to(region.normal, (arm.turn.shape[1], 1, 3))
-        return region.offset - arm.support(item, down)[:, 0]
+        below: Array = region.offset - posed.support(item, region.normal[None])[0]
+        return below
     if item.of_coal is None:
-        points = arm.middle(item)
+        points = posed.point(item.middle)
         if normal is not None:
             normal[:] = direction(region, points)
         return outside(region, points)
     shape, placed = coal_of(region)
-    return _apart(shape, placed, item, arm, normal)
+    return _apart(shape, placed, item, posed, normal)
 
 
-def _apart(shape: Any, placed: Any, item: Item, arm: Arm, normal: Array | None) -> Array:
+def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | None) -> Array:
     """The same by coal, for bodies."""
     import coal
 
     assert item.base_from_body is not None
     request, answer, there = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s()
-    turns = arm.turn[item.joint] @ item.base_from_body[:3, :3]
-    shifts = arm.turn[item.joint] @ item.base_from_body[:3, 3] + arm.shift[item.joint]
+    turns = posed.turn.transpose(2, 0, 1) @ item.base_from_body[:3, :3]
+    shifts = posed.point(item.base_from_body[:3, 3])
     found = np.empty(len(turns))
     for row, (turn, shift) in enumerate(zip(turns, shifts, strict=True)):
         answer.clear()
@@ -67,28 +66,22 @@ def _apart(shape: Any, placed: Any, item: Item, arm: Arm, normal: Array | None) 
     return found
 
 
-def roughly_outside(region: Place, item: Item, ends: tuple[Arm, Arm], way: Array) -> Array:
+def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: Array) -> Array:
     """A lower bound (P,) of how far an item is from a region on pieces [m], from balls around it; `way` (P,) is the longest that its points go."""
-    before, behind = (outside(region, arm.middle(item)) for arm in ends)
+    before, behind = (outside(region, posed.point(item.middle)) for posed in ends)
     least: Array = (before + behind - way) / 2.0 - item.bound
     return least
 
 
 def least_outside(
-    region: Place,
-    item: Item,
-    pieces: Pieces,
-    arms: tuple[Arm, Arm, Arm],
-    bounds: Rates,
+    region: Place, item: Item, pieces: Pieces, posed: tuple[Posed, Posed, Posed], bounds: Rates
 ) -> tuple[Array, Array]:
-    """How far an item is from a region on pieces: at least, and in the middle, (P,) each [m]; `arms` are at their begins, middles and ends."""
+    """How far an item is from a region on pieces: at least, and in the middle, (P,) each [m]; `posed` are what moves it at their begins, middles and ends."""
     long = pieces.end - pieces.begin
-    middle = arms[1]
     normal = np.empty((len(long), 3))
-    seen = distance_outside(region, item, middle, normal)
+    seen = distance_outside(region, item, posed[1], normal)
     # beyond the plane that holds both apart in the middle, with what it lies behind its chord
-    down = -normal[:, None]
-    planes = np.minimum.reduce([-arm.support(item, down)[:, 0] for arm in arms])
+    planes = np.minimum.reduce([-one.support_each(item, -normal) for one in posed])
     planes = planes - reach(region, normal) - bounds.second[pieces.segment] * long**2 / 32.0
     least: Array = np.maximum(planes, seen - bounds.first[pieces.segment] * long / 2.0)
     return least, seen

@@ -16,10 +16,60 @@ from yarclang.shapes import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Arm:
-    """The arm at P instants: `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) bring what the first joints move from where it is with all joints at zero to
-    where it is [m]; `angular` and `linear` (n + 1, P, 3) are how fast it turns, and how fast its point in the origin of {B} goes then [rad/s, m/s].
+class Posed:
+    """What some of the joints move, at P instants: `turn` (3, 3, P) and `shift` (3, P) [m] bring it from where it is with all joints at zero to where it is;
+    `angular` and `linear` (3, P) are how fast it turns, and how fast its point in the origin of {B} goes then [rad/s, m/s].
     """
+
+    turn: Array
+    shift: Array
+    angular: Array
+    linear: Array
+
+    def points(self, points: Array) -> Array:
+        """Where points (V, 3) of it are, (P, V, 3) in {B} [m]."""
+        moved: Array = np.matmul(points, self.turn) + self.shift[:, None]
+        return moved.transpose(2, 1, 0)
+
+    def point(self, point: Array) -> Array:
+        """Where one point (3,) of it is, (P, 3) in {B} [m]."""
+        moved: Array = np.matmul(point, self.turn) + self.shift
+        return moved.T
+
+    def support(self, item: Item, directions: Array) -> Array:
+        """How far an item reaches in unit directions (F, 3): the largest d . p over its points, (F, P) [m]."""
+        return _reach(item, np.tensordot(directions, self.turn, axes=1)) + directions @ self.shift
+
+    def support_each(self, item: Item, directions: Array) -> Array:
+        """The same in one direction an instant, (P, 3): (P,) [m]."""
+        own = np.einsum("pi,ijp->jp", directions, self.turn)
+        reach: Array = _reach(item, own) + np.einsum("pi,ip->p", directions, self.shift)
+        return reach
+
+    def speed(self, item: Item) -> Array:
+        """The speed of the fastest point of an item (P,) [m/s], or a little more where it is round."""
+        at = np.matmul(item.points, self.turn) + self.shift[:, None]
+        velocity = _cross(self.angular[:, None], at) + self.linear[:, None]
+        fastest: Array = np.sqrt(np.einsum("ivp,ivp->vp", velocity, velocity).max(axis=0))
+        turning: Array = (item.disc + item.radius) * np.sqrt(
+            np.einsum("ip,ip->p", self.angular, self.angular)
+        )
+        return fastest + turning
+
+    def take(self, rows: Rows) -> Posed:
+        """Some of the instants."""
+        return Posed(*(getattr(self, name)[..., rows] for name in self.__slots__))
+
+    def beside(self, other: Posed) -> Posed:
+        """These instants, and then those of another."""
+        return Posed(
+            *(np.concatenate([getattr(self, name), getattr(other, name)], axis=-1) for name in self.__slots__)
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """The arm at P instants: what the first joints move, none to all of them, each as in `Posed`."""
 
     turn: Array
     shift: Array
@@ -30,63 +80,40 @@ class Arm:
     def at(scene: Scene, q: Array, rate: Array | None = None) -> Arm:
         """The arm at joint positions (P, n) [rad or m] and their rates (P, n); without rates it stands."""
         placed = place(scene, q)
-        turn, shift = placed.turn, placed.shift
-        angular, linear = np.zeros_like(shift), np.zeros_like(shift)
+        # as they are calculated: the instants last
+        turn, shift = placed.turn.transpose(0, 2, 3, 1), placed.shift.transpose(0, 2, 1)
+        angular, linear = np.zeros(shift.shape), np.zeros(shift.shape)
         for joint in range(scene.chain.size if rate is not None else 0):
             assert rate is not None
             screw = scene.chain.screws[joint]
-            now = rate[:, joint, None]
-            spin = turn[joint] @ screw[3:]
-            angular[joint + 1] = angular[joint] + now * spin
-            slide = turn[joint] @ screw[:3] + _cross(shift[joint], spin)
-            linear[joint + 1] = linear[joint] + now * slide
+            spin, slide = np.matmul(screw[3:], turn[joint]), np.matmul(screw[:3], turn[joint])
+            slide += _cross(shift[joint], spin)
+            np.multiply(spin, rate[:, joint], out=angular[joint + 1])
+            angular[joint + 1] += angular[joint]
+            np.multiply(slide, rate[:, joint], out=linear[joint + 1])
+            linear[joint + 1] += linear[joint]
         return Arm(turn, shift, angular, linear)
 
-    def points(self, item: Item, points: Array) -> Array:
-        """Where points (V, 3) of an item are, (P, V, 3) in {B} [m]."""
-        moved: Array = points @ self.turn[item.joint].transpose(0, 2, 1) + self.shift[item.joint][:, None]
-        return moved
+    def of(self, item: Item) -> Posed:
+        """What moves an item."""
+        return Posed(*(getattr(self, name)[item.joint] for name in self.__slots__))
 
-    def middle(self, item: Item) -> Array:
-        """Where the middle of an item is, (P, 3) in {B} [m]."""
-        return self.points(item, item.middle[None])[:, 0]
 
-    def support(self, item: Item, directions: Array) -> Array:
-        """How far an item reaches in unit directions (P, F, 3): the largest d . p over its points, (P, F) [m]."""
-        own = directions @ self.turn[item.joint]
-        reach: Array = (own @ item.points.T).max(axis=2)
-        if item.disc:
-            along = own @ item.axis
-            reach = reach + item.disc * np.sqrt(np.maximum(1.0 - along**2, 0.0))
-        shifted: Array = reach + np.einsum("pfi,pi->pf", directions, self.shift[item.joint])
-        return shifted + item.radius
-
-    def speed(self, item: Item) -> Array:
-        """The speed of the fastest point of an item (P,) [m/s], or a little more where it is round."""
-        spin, base = self.angular[item.joint], self.linear[item.joint]
-        velocity = base[:, None] + _cross(spin[:, None], self.points(item, item.points))
-        fastest: Array = np.sqrt(np.einsum("pvi,pvi->pv", velocity, velocity)).max(axis=1)
-        turning: Array = (item.disc + item.radius) * np.sqrt(np.einsum("pi,pi->p", spin, spin))
-        return fastest + turning
-
-    def take(self, rows: Rows) -> Arm:
-        """Some of the instants."""
-        return Arm(*(getattr(self, name)[:, rows] for name in self.__slots__))
-
-    def beside(self, other: Arm) -> Arm:
-        """These instants, and then those of another."""
-        return Arm(
-            *(np.concatenate([getattr(self, name), getattr(other, name)], axis=1) for name in self.__slots__)
-        )
+def _reach(item: Item, directions: Array) -> Array:
+    """How far an item reaches in unit directions (..., 3, P) in its own axes, (..., P) [m]."""
+    reach: Array = np.matmul(item.points, directions).max(axis=-2) + item.radius
+    if item.disc:
+        reach += item.disc * np.sqrt(np.maximum(1.0 - np.matmul(item.axis, directions) ** 2, 0.0))
+    return reach
 
 
 def _cross(one: Array, other: Array) -> Array:
-    """The cross products (..., 3), several times as fast as numpy's for a few hundred."""
+    """The cross products of vectors whose components come first, (3, ...)."""
     product = np.empty(np.broadcast_shapes(one.shape, other.shape))
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
-        np.multiply(one[..., after], other[..., before], out=product[..., row])
-        product[..., row] -= one[..., before] * other[..., after]
+        np.multiply(one[after], other[before], out=product[row])
+        product[row] -= one[before] * other[after]
     return product
 
 
@@ -183,25 +210,32 @@ class Pieces:
             np.concatenate([middle, self.end]),
         )
 
-    def arm(self, scene: Scene, course: Course, time: Array, *, moving: bool = False) -> Arm:
-        """The arm at times (P,) after the segments' starts."""
+    def posed(self, item: Item, scene: Scene, course: Course, time: Array, *, moving: bool = False) -> Posed:
+        """What moves an item at times (P,) after the segments' starts."""
         q, rate = joints(course, self.segment, time)
-        return Arm.at(scene, q, rate if moving else None)
+        return Arm.at(scene, q, rate if moving else None).of(item)
 
 
-def arms_at_ends(scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> tuple[Arm, Arm]:
-    """The arm at both ends of whole segments; most end where the next one begins."""
-    begin, rate = joints(course, pieces.segment, pieces.begin)
-    end, last = joints(course, pieces.segment, pieces.end)
-    off = (np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1) | (np.abs(last[:-1] - rate[1:]) > _SAME).any(
-        axis=1
-    )
-    jumps = np.append(np.flatnonzero(off), len(end) - 1)
-    q, rates_there = np.concatenate([begin, end[jumps]]), np.concatenate([rate, last[jumps]])
-    arm = Arm.at(scene, q, rates_there if moving else None)
-    behind = np.arange(1, len(begin) + 1)
-    behind[jumps] = len(begin) + np.arange(len(jumps))
-    return arm.take(np.arange(len(begin))), arm.take(behind)
+class Ends:
+    """The arm at both ends of whole segments; most end where the next one begins, and are calculated once."""
+
+    def __init__(self, scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> None:
+        begin, rate = joints(course, pieces.segment, pieces.begin)
+        end, last = joints(course, pieces.segment, pieces.end)
+        off = (np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1)
+        off |= (np.abs(last[:-1] - rate[1:]) > _SAME).any(axis=1)
+        jumps = np.append(np.flatnonzero(off), len(end) - 1)
+        q, there = np.concatenate([begin, end[jumps]]), np.concatenate([rate, last[jumps]])
+        self.arm = Arm.at(scene, q, there if moving else None)
+        self.begins = np.arange(len(begin))
+        self.stops = np.arange(1, len(begin) + 1)
+        self.stops[jumps] = len(begin) + np.arange(len(jumps))
+
+    def of(self, item: Item, rows: Rows | None = None) -> tuple[Posed, Posed]:
+        """What moves an item at the begins and at the ends of the segments, or of some of them."""
+        posed = self.arm.of(item)
+        begins, stops = (self.begins, self.stops) if rows is None else (self.begins[rows], self.stops[rows])
+        return posed.take(begins), posed.take(stops)
 
 
 _SAME = 1e-10

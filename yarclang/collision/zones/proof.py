@@ -17,7 +17,7 @@ from yarclang.collision.course import Course
 from yarclang.collision.proof import COARSE, KNOWN, SHARE
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
-from yarclang.collision.zones.moved import Arm, Pieces, Rates, arms_at_ends, joints, rates
+from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
 from yarclang.collision.zones.regions import outside
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
@@ -79,7 +79,7 @@ class _Search:
         self.nearest = np.full(len(spans), -1, dtype=np.int64)
         self.breaches: list[Breach] = []
         self.pieces = Pieces.whole(course, int(spans[0, 0]), int(spans[-1, 1]))
-        self.ends = arms_at_ends(scene, course, self.pieces)
+        self.ends = Ends(scene, course, self.pieces)
         self.bounds: dict[int, Rates] = {}
 
     def look(self, number: int, watch: Watch) -> None:
@@ -95,49 +95,49 @@ class _Search:
         look = self._inside if watch.zone.rule == "allowed" else self._outside
         near = self._rough(watch, item, bounds)
         done = 0
-        waiting = [(self.pieces.take(near), tuple(arm.take(near) for arm in self.ends))]
+        waiting = [(self.pieces.take(near), self.ends.of(item, near))]
         while waiting:
             pieces, ends = waiting.pop()
             if not len(pieces.segment):
                 continue
-            assert len(ends) == 2
-            found = look(watch, item, bounds, pieces, (ends[0], ends[1]))
+            found = look(watch, item, bounds, pieces, ends)
             left = self._learn(number, pieces.segment, found, watch.zone.margin, hit)
             done += len(pieces.segment)
             if done > MOST:
-                self._break(
-                    number, pieces.segment[left], np.ones(len(left), np.bool_), pieces.middle[left], hit
-                )
+                rest = pieces.take(left)
+                self._break(number, rest.segment, np.ones(len(left), np.bool_), rest.middle, hit)
                 continue
             for part in _blocks(pieces.take(left).halves()):
-                arms = (part.arm(self.scene, self.course, time) for time in (part.begin, part.end))
-                waiting.append((part, tuple(arms)))
+                begins, stops = (
+                    part.posed(item, self.scene, self.course, time) for time in (part.begin, part.end)
+                )
+                waiting.append((part, (begins, stops)))
 
     def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
         """The segments on which balls don't settle a watch; of the others it is kept what they say."""
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, JointWindow)
         if watch.zone.rule == "allowed":
-            far = np.maximum(*(outside(region, arm.middle(item)) for arm in self.ends))
+            far = np.maximum(*(outside(region, posed.point(item.middle)) for posed in self.ends.of(item)))
             least = -far - item.bound - bounds.second * pieces.end**2 / 8.0
         else:
-            least = roughly_outside(region, item, self.ends, bounds.first * pieces.end)
+            least = roughly_outside(region, item, self.ends.of(item), bounds.first * pieces.end)
         done = least >= max(KNOWN, margin)
         np.minimum.at(self.least, self.motion[pieces.segment[done]], least[done])
         return np.flatnonzero(~done)
 
     def _inside(
-        self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Arm, Arm]
+        self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Posed, Posed]
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
         assert not isinstance(region, JointWindow)
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
-        before, behind = (depth_inside(region, item, arm) for arm in ends)
+        before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)
         return seen - sag, seen, np.where(before < behind, pieces.begin, pieces.end)
 
     def _outside(
-        self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Arm, Arm]
+        self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Posed, Posed]
     ) -> tuple[Array, Array, Array]:
         region, posture = watch.zone.region, watch.zone.posture
         assert not isinstance(region, JointWindow)
@@ -152,7 +152,7 @@ class _Search:
         near = np.flatnonzero(open_)
         if len(near):
             part = pieces.take(near)
-            middle = part.arm(self.scene, self.course, part.middle)
+            middle = part.posed(item, self.scene, self.course, part.middle)
             arms = (ends[0].take(near), middle, ends[1].take(near))
             sure, found = least_outside(region, item, part, arms, bounds)
             least[near] = np.maximum(least[near], sure)

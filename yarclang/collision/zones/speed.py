@@ -6,6 +6,7 @@ length of a vector is largest at an end of a line. So the bound of a piece is sh
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +16,14 @@ from yarclang.cell.model import JointWindow
 from yarclang.collision.course import Course
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import least_outside, roughly_outside
-from yarclang.collision.zones.moved import Arm, Pieces, Rates, arms_at_ends, joints, rates
+from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
 from yarclang.shapes import Array
+
+Flags = NDArray[np.bool_]
 
 SHARP = 2e-4
 """The largest speed is told to within this share of it."""
@@ -63,6 +66,38 @@ def fastest_inside(
     return _Search(scene, course, spans, watch, (least, beyond, sharp), stops=stops).made()
 
 
+def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Sequence[Watch]) -> Flags:
+    """Whether items may get into their zones on short ways, (W, R).
+
+    Args:
+        scene: the bodies of robot and cell.
+        ways: the joint positions at their beginnings and at their ends, (R, n) each [rad or m].
+        step: (R, n) how far each joint goes on them at most, forth and back.
+        watches: of slow zones.
+    """
+    begin, end = ways
+    # a course of one second a way
+    still = np.zeros(begin.shape)
+    course = Course.of(begin, end - begin, still, still, np.ones(len(begin)), step)
+    ends = Ends(scene, course, Pieces.whole(course, 0, len(begin)))
+    found = np.empty((len(watches), len(begin)), dtype=np.bool_)
+    for number, watch in enumerate(watches):
+        region, item = watch.zone.region, watch.item
+        assert item is not None
+        if isinstance(region, JointWindow):
+            inner = np.maximum(room(region, begin), room(region, end))
+            found[number] = (inner >= -step).all(axis=1)
+        else:
+            way = rates(scene.chain, course, item).first
+            near = roughly_outside(region, item, ends.of(item), way)
+            found[number] = near <= watch.zone.margin + _ASIDE
+    return found
+
+
+_ASIDE = 1e-3
+"""How far the arm may be beside the way that was looked at [m]."""
+
+
 class _Search:
     """One watch on all motions."""
 
@@ -91,12 +126,14 @@ class _Search:
 
     def made(self) -> Fastest:
         """Halve until all is settled."""
-        # no point of it can be faster, wherever the arm is
-        (rows,) = np.nonzero(self.bounds.first[self.pieces.segment] > self.least)
-        pieces = self.pieces.take(rows)
-        ends: tuple[Arm, Arm] | None = None
-        if len(rows):
-            ends = arms_at_ends(self.scene, self.course, pieces, moving=True)
+        ends: tuple[Posed, Posed] | None = None
+        # no point of it can be faster, wherever the arm is; nor where it is far away
+        pieces = self.pieces.take(np.flatnonzero(self.bounds.first[self.pieces.segment] > self.least))
+        if len(pieces.segment):
+            still = Ends(self.scene, self.course, pieces).of(self.item)
+            pieces = pieces.take(np.flatnonzero(~self._surely_outside(pieces, still)))
+        if len(pieces.segment):
+            ends = Ends(self.scene, self.course, pieces, moving=True).of(self.item)
         while ends is not None:
             pieces, ends = self._look(pieces, ends)
             if self.stops and (self.segment >= 0).all():
@@ -105,7 +142,7 @@ class _Search:
         speed = np.where(self.segment >= 0, self.best * (1.0 + self.sharp), 0.0)
         return Fastest(speed, self.segment, self.time)
 
-    def _look(self, pieces: Pieces, ends: tuple[Arm, Arm]) -> tuple[Pieces, tuple[Arm, Arm] | None]:
+    def _look(self, pieces: Pieces, ends: tuple[Posed, Posed]) -> tuple[Pieces, tuple[Posed, Posed] | None]:
         """What is left of pieces, with the arm at their ends."""
         long, segment = pieces.end - pieces.begin, pieces.segment
         bound = (
@@ -116,7 +153,7 @@ class _Search:
         if not len(rows):
             return pieces, None
         pieces, bound = pieces.take(rows), bound[rows]
-        middle = pieces.arm(self.scene, self.course, pieces.middle, moving=True)
+        middle = pieces.posed(self.item, self.scene, self.course, pieces.middle, moving=True)
         arms = ends[0].take(rows), middle, ends[1].take(rows)
         out, in_middle = self._where(pieces, arms)
         (seen,) = np.nonzero(in_middle)
@@ -133,7 +170,7 @@ class _Search:
         begin, half, end = (arm.take(left) for arm in arms)
         return pieces.take(left).halves(), (begin.beside(half), half.beside(end))
 
-    def _surely_outside(self, pieces: Pieces, ends: tuple[Arm, Arm]) -> NDArray[np.bool_]:
+    def _surely_outside(self, pieces: Pieces, ends: tuple[Posed, Posed]) -> NDArray[np.bool_]:
         region = self.watch.zone.region
         if isinstance(region, JointWindow):
             most = room_on(region, pieces, self.course)[1]
@@ -144,7 +181,7 @@ class _Search:
         return far
 
     def _where(
-        self, pieces: Pieces, arms: tuple[Arm, Arm, Arm]
+        self, pieces: Pieces, arms: tuple[Posed, Posed, Posed]
     ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Which pieces are outside of the zone all along, and which are in it in their middles."""
         region = self.watch.zone.region

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell, JointWindow, Zone
-from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.scene import Rows, Scene, scene_of
 from yarclang.collision.zones.gaps import depth_inside, distance_outside
 from yarclang.collision.zones.moved import Arm
 from yarclang.collision.zones.watched import Item, Moving, items_of
@@ -32,6 +33,12 @@ class Watch:
 
 def watches_of(robot: Robot, cell: Cell, moving: Moving) -> tuple[Watch, ...]:
     """All that the zones of a cell watch while a frame is moved, in the order of the file."""
+    return _watches(robot, cell, moving.name, moving.flange_from_moving.tobytes())
+
+
+@lru_cache(maxsize=64)
+def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, ...]:
+    moving = Moving(name, np.frombuffer(frame).reshape(4, 4))
     found: list[Watch] = []
     for zone in cell.zones:
         if isinstance(zone.region, JointWindow) and zone.rule != "slow":
@@ -52,25 +59,39 @@ def in_workspace(robot: Robot, cell: Cell, moving: Moving, q: Array) -> NDArray[
     """
     made = scene_of(robot, cell)
     kept = np.ones(len(q), dtype=np.bool_)
-    for watch in watches_of(robot, cell, moving) if made.value else ():
-        assert made.value is not None
-        if watch.zone.rule != "slow":
-            (open_,) = np.nonzero(kept)
-            kept[open_] = slack_at(made.value, watch, q[open_]) >= slack_of(watch)
+    watches = [one for one in watches_of(robot, cell, moving) if one.zone.rule != "slow"]
+    if made.value is None or not watches:
+        return kept
+    arm = Arm.at(made.value, q)
+    for watch in watches:
+        (open_,) = np.nonzero(kept)
+        kept[open_] = _slack(watch, q[open_], arm, open_) >= slack_of(watch)
     return kept
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
     """How far a watch is from being broken at joint positions (P, n), (P,) [m, of a joint window rad or m]: below `slack_of` it is."""
+    arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
+    return _slack(watch, q, arm, np.arange(len(q)))
+
+
+@lru_cache(maxsize=16)
+def _one_arm(scene: Scene, q: bytes) -> Arm:
+    """The arm at one joint position: all watches are asked there, one after the other."""
+    return Arm.at(scene, np.frombuffer(q)[None])
+
+
+def _slack(watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
+    """The same of some of the instants of an arm."""
     zone, region = watch.zone, watch.zone.region
     if isinstance(region, JointWindow):
         inner: Array = room(region, q).min(axis=1)
         return inner if zone.rule == "allowed" else -inner
     assert watch.item is not None
-    arm = Arm.at(scene, q)
+    posed = arm.of(watch.item).take(rows)
     if zone.rule == "allowed":
-        return depth_inside(region, watch.item, arm) - zone.margin
-    gap = distance_outside(region, watch.item, arm) - zone.margin
+        return depth_inside(region, watch.item, posed) - zone.margin
+    gap = distance_outside(region, watch.item, posed) - zone.margin
     if zone.posture is None:
         return gap
     wrong = (room(zone.posture, q) < -WINDOW_SLACK / 2.0).any(axis=1)

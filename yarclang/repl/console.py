@@ -28,6 +28,18 @@ _REDRAWN_EACH = 0.1
 _LOOKED_EACH = 0.01
 """How often lines of standard input look whether they may go on [s]."""
 
+_NAMES = {
+    "c-m": "enter",
+    "c-j": "enter",
+    "escape": "escape",
+    "c-d": "c-d",
+    "up": "up",
+    "down": "down",
+    "left": "left",
+    "right": "right",
+}
+"""Keys that a jog takes besides characters, as prompt_toolkit calls them, and as the jog does."""
+
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 
 
@@ -74,6 +86,7 @@ async def _prompted(interpreter: Interpreter, toolbar: Toolbar, served: asyncio.
     from prompt_toolkit.patch_stdout import patch_stdout
 
     session = prompt_session(interpreter, toolbar)
+    interpreter.has_keys = True
     with patch_stdout(raw=True):
         while not interpreter.ended:
             typed = asyncio.create_task(session.prompt_async())
@@ -122,11 +135,23 @@ def _columns(session: PromptSession[str]) -> int:
 
 
 def _keys(interpreter: Interpreter) -> KeyBindings:
+    from prompt_toolkit.filters import Condition
     from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
+    from prompt_toolkit.keys import Keys
 
     keys = KeyBindings()
+    jogs = Condition(lambda: interpreter.jogging is not None)
 
-    @keys.add("enter")
+    def jogged(event: KeyPressEvent) -> None:
+        key = event.key_sequence[0].key
+        name = key.value if isinstance(key, Keys) else key
+        if interpreter.jogging is not None:
+            interpreter.jogging.press(_NAMES.get(name, name), asyncio.get_running_loop().time())
+
+    for key in (Keys.Any, *_NAMES):
+        keys.add(key, filter=jogs, eager=True)(jogged)
+
+    @keys.add("enter", filter=~jogs)
     def _(event: KeyPressEvent) -> None:
         buffer = event.current_buffer
         menu = buffer.complete_state

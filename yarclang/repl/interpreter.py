@@ -17,6 +17,7 @@ from yarclang.pipeline.stages import context_of
 from yarclang.repl.answers import ended_text, offer_text
 from yarclang.repl.dot import DotCommand, Misused, dot_commands
 from yarclang.repl.file import LoadedFile
+from yarclang.repl.jogging import Jogging
 from yarclang.repl.touching import Touching
 from yarclang.report.finding import finding_text
 from yarclang.runtime.actions import Trouble
@@ -47,6 +48,8 @@ class Interpreter:
     Attributes:
         file: the program that was loaded.
         touching: the calibration that goes on.
+        jogging: the jog that goes on: keys are for it.
+        has_keys: whether there are keys to hold.
         plan: what was planned last, for `.plot`.
         messages: what was told of the robot, newest last.
         failed: whether something that was typed couldn't be carried out.
@@ -69,6 +72,8 @@ class Interpreter:
         self.asks = asks
         self.file: LoadedFile | None = None
         self.touching: Touching | None = None
+        self.jogging: Jogging | None = None
+        self.has_keys = False
         self.plan: MotionPlan | None = None
         self.messages: deque[str] = deque(maxlen=_KEPT)
         self.failed = False
@@ -85,6 +90,8 @@ class Interpreter:
     @property
     def prompt(self) -> str:
         """What stands in front of what is typed next: a question, if one is open."""
+        if self.jogging is not None:
+            return f"{self.jogging.text} "
         return self._asked if self._question is not None else PROMPT
 
     @property
@@ -169,7 +176,9 @@ class Interpreter:
             question.set_result("")
 
     def drop(self) -> None:
-        """Forget what waits, and an open question."""
+        """Forget what waits, an open question, and a jog."""
+        if self.jogging is not None:
+            self.jogging.ended = True
         if self._waiting:
             self.say(f"{len(self._waiting)} that waited {'is' if len(self._waiting) == 1 else 'are'} dropped")
             self._waiting.clear()

@@ -1,0 +1,181 @@
+"""Jogging by keys that are held: which axis, which way, how fast; and the loop that says so to the robot. Knows no terminal.
+
+A terminal tells when a key is pressed and pressed again, and never when it is let go. So each press moves for `HELD`; a keyboard that
+repeats keeps the robot going. Between two presses the live motion stays open and wants rest.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from yarclang.coordinator.live.opening import Settings
+from yarclang.coordinator.live.steering import SPEED, JointVelocity, Target, Twist
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.units import DEG, MM
+
+if TYPE_CHECKING:
+    from yarclang.repl.interpreter import Interpreter
+
+HELD = 0.2
+"""A press moves for so long [s]."""
+
+EACH = 0.05
+"""How often it is said what is wanted [s]: less than the robot's watchdog."""
+
+_LEAVING = ("enter", "escape", "q", "c-d")
+_FASTER, _SLOWER = ("up", "down")
+_STEP = 1.25
+_SLOWEST = 0.01
+"""Of the fastest."""
+
+AXES = "xyzabc"
+"""Of a tool: along x, y, z; about them a, b, c."""
+
+_FAST_TURN = 30.0 * DEG
+"""The largest rate of a jog about an axis [rad/s]."""
+
+_START = 0.1
+"""Of the fastest, at first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """What a key moves: a joint of the robot, by its number from 0, or one of `AXES` of the tool, in axes of {B} or its own."""
+
+    kind: Literal["joint", "base", "tool"]
+    number: int
+
+
+class Jogging:
+    """What was pressed last, and what the robot shall do now.
+
+    Args:
+        robot: that is jogged.
+        axis: at first.
+        sign: of the way that a key without a sign moves.
+        moving: the frame that is moved, in braces.
+
+    Attributes:
+        axis: that keys move now.
+        share: of the fastest.
+        ended: whether the person wants to end it.
+    """
+
+    def __init__(self, robot: Robot, axis: Axis, sign: int = 1, moving: str = "{TCP}") -> None:
+        self.robot = robot
+        self.axis = axis
+        self.share = _START
+        self.moving = moving
+        self.ended = False
+        self._sign = sign
+        self._since = -np.inf
+
+    def press(self, key: str, now: float) -> None:
+        """A key, by its name, at a time [s]. Any key that means nothing here brings the robot to rest."""
+        self._since = -np.inf
+        if key in ("+", "-", " ", "right", "left"):
+            self._sign = {"+": 1, "right": 1, "-": -1, "left": -1}.get(key, self._sign)
+            self._since = now
+        elif key in _LEAVING:
+            self.ended = True
+        elif key == _FASTER:
+            self.share = min(self.share * _STEP, 1.0)
+        elif key == _SLOWER:
+            self.share = max(self.share / _STEP, _SLOWEST)
+        elif key.isdigit() and 1 <= int(key) <= self.robot.size:
+            self.axis = Axis("joint", int(key) - 1)
+        elif key in AXES:
+            self.axis = Axis("tool" if self.axis.kind == "tool" else "base", AXES.index(key))
+        elif key == "t" and self.axis.kind != "joint":
+            self.axis = Axis("base" if self.axis.kind == "tool" else "tool", self.axis.number)
+
+    def moves(self, now: float) -> bool:
+        """Whether a key is held."""
+        return now - self._since < HELD
+
+    def target(self, now: float) -> Target:
+        """What the robot shall do at a time [s]."""
+        speed = self._sign * self.share * self._fastest if self.moves(now) else 0.0
+        if self.axis.kind == "joint":
+            velocity = np.zeros(self.robot.size)
+            velocity[self.axis.number] = speed
+            return JointVelocity(velocity)
+        twist = np.zeros(6)
+        twist[self.axis.number] = speed
+        return Twist(twist[:3], twist[3:], "tool" if self.axis.kind == "tool" else "base")
+
+    @property
+    def _fastest(self) -> float:
+        """Of the axis [rad/s or m/s]."""
+        if self.axis.kind == "joint":
+            return float(self.robot.limits.velocity[self.axis.number])
+        return SPEED if self.axis.number < 3 else _FAST_TURN
+
+    @property
+    def text(self) -> str:
+        """What is jogged, how fast, and the keys."""
+        speed = self.share * self._fastest
+        if self.axis.kind == "joint":
+            unit = self.robot.axis_unit_names[self.axis.number]
+            name = self.robot.joint_names[self.axis.number]
+            shown = f"{speed / float(self.robot.axis_units[self.axis.number]):.3g} {unit}/s"
+        else:
+            frame = self.moving if self.axis.kind == "tool" else "{B}"
+            name = f"{self.moving} {AXES[self.axis.number]} of {frame}"
+            shown = f"{speed / MM:.3g} mm/s" if self.axis.number < 3 else f"{speed / DEG:.3g} deg/s"
+        return f"jog {name} at {shown}: hold + or -; 1-{min(self.robot.size, 9)} joint, {AXES} axis, t tool/base, up/down speed, Enter ends"
+
+
+async def jog(interpreter: Interpreter, jogging: Jogging) -> None:
+    """Move the robot as keys are held, until the person ends it or something else does."""
+    loop = asyncio.get_running_loop()
+    client = interpreter.client
+    drive = None
+    while not jogging.ended:
+        now = loop.time()
+        target = jogging.target(now)
+        if drive is None:
+            if jogging.moves(now):
+                begun = await client.drive(target, moving=jogging.moving, settings=Settings())
+                interpreter.show(begun.diagnostics)
+                drive = begun.value
+        elif drive.alive:
+            drive.want(target)
+        else:
+            ended = await drive.ended()
+            drive = None
+            if not ended.well:
+                interpreter.over(ended)
+                return
+        await asyncio.sleep(EACH)
+    if drive is not None and drive.alive:
+        drive.finish()
+        interpreter.over(await drive.ended())
+
+
+def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:
+    """`J3 +`, `{TCP} +x`, `{TCP} -b tool`: the axis, the sign, the moving frame.
+
+    Raises:
+        Trouble: it is none of these.
+    """
+    what = words[0].upper() if words else ""
+    rest = words[1:]
+    names = [name.upper() for name in robot.joint_names]
+    if what in names and len(rest) <= 1 and all(word in ("+", "-") for word in rest):
+        return Axis("joint", names.index(what)), -1 if rest == ["-"] else 1, "{TCP}"
+    if what.startswith("{") and what.endswith("}") and len(rest) <= 2:
+        along = rest[0].lower() if rest else "x"
+        kind: Literal["base", "tool"] = "tool" if rest[1:] == ["tool"] else "base"
+        sign, letter = (-1 if along.startswith("-") else 1), along.lstrip("+-")
+        if letter in AXES and len(letter) == 1 and rest[1:] in ([], ["tool"], ["base"]):
+            return Axis(kind, AXES.index(letter)), sign, what
+    raise Trouble(
+        "what is jogged is a joint, as J3 +, or a frame along or about an axis, as {TCP} +x",
+        f"the joints are {', '.join(names)}",
+    )

@@ -103,10 +103,8 @@ def test_a_jog_in_virtual_time(tmp_path):
             await asyncio.sleep(0.1)
             assert person.interpreter.prompt.startswith("jog J1")
             await hold(person, "+", 2.0)
-            await asyncio.sleep(1.0)
+            assert await person.world.until(lambda: not person.world.moving) < 0.6
             first = person.world.stands()
-            await asyncio.sleep(0.5)  # the live motion is still open, and wants rest
-            assert person.world.stands() == pytest.approx(first, abs=1e-6)
             assert 6.0 < first[0] < 15.0
             assert first[1:] == pytest.approx([0, 0, 0, 30, 0], abs=1e-3)
             person.interpreter.jogging.press("z", 0.0)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from yarclang.coordinator.live.opening import Settings
+from yarclang.coordinator.live.drive import Drive
 from yarclang.coordinator.live.steering import SPEED, JointVelocity, Target, Twist
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
@@ -132,30 +132,36 @@ class Jogging:
 
 
 async def jog(interpreter: Interpreter, jogging: Jogging) -> None:
-    """Move the robot as keys are held, until the person ends it or something else does."""
+    """Move the robot as keys are held, until the person ends it or something else does.
+
+    A key that is let go is a hold at once: what lies in the controller's buffer doesn't delay it.
+    """
     loop = asyncio.get_running_loop()
-    client = interpreter.client
-    drive = None
+    drive: Drive | None = None
     while not jogging.ended:
         now = loop.time()
-        target = jogging.target(now)
-        if drive is None:
-            if jogging.moves(now):
-                begun = await client.drive(target, moving=jogging.moving, settings=Settings())
-                interpreter.show(begun.diagnostics)
-                drive = begun.value
-        elif drive.alive:
-            drive.want(target)
-        else:
+        if drive is not None and not drive.alive:
             ended = await drive.ended()
-            drive = None
-            if not ended.well:
-                interpreter.over(ended)
-                return
+            interpreter.over(ended)
+            return
+        if not jogging.moves(now):
+            if drive is not None:
+                await _at_rest(drive)
+                drive = None
+        elif drive is not None:
+            drive.want(jogging.target(now))
+        else:
+            begun = await interpreter.client.drive(jogging.target(now), moving=jogging.moving)
+            interpreter.show(begun.diagnostics)
+            drive = begun.value
         await asyncio.sleep(EACH)
-    if drive is not None and drive.alive:
-        drive.finish()
-        interpreter.over(await drive.ended())
+    if drive is not None:
+        await _at_rest(drive)
+
+
+async def _at_rest(drive: Drive) -> None:
+    drive.stop()
+    await drive.ended()
 
 
 def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:

@@ -117,11 +117,13 @@ class _Search:
         """The segments on which balls don't settle a watch; of the others it is kept what they say."""
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, JointWindow)
+        # all instants once, not each as an end and as a begin
+        far = outside(region, self.ends.arm.of(item).point(item.middle))
+        before, behind = far[self.ends.begins], far[self.ends.stops]
         if watch.zone.rule == "allowed":
-            far = np.maximum(*(outside(region, posed.point(item.middle)) for posed in self.ends.of(item)))
-            least = -far - item.bound - bounds.second * pieces.end**2 / 8.0
+            least = -np.maximum(before, behind) - item.bound - bounds.second * pieces.end**2 / 8.0
         else:
-            least = roughly_outside(region, item, self.ends.of(item), bounds.first * pieces.end)
+            least = (before + behind - bounds.first * pieces.end) / 2.0 - item.bound
         done = least >= max(KNOWN, margin)
         np.minimum.at(self.least, self.motion[pieces.segment[done]], least[done])
         return np.flatnonzero(~done)

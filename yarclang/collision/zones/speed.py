@@ -17,6 +17,7 @@ from yarclang.collision.course import Course
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import least_outside, roughly_outside
 from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
+from yarclang.collision.zones.regions import outside
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
@@ -130,8 +131,7 @@ class _Search:
         # no point of it can be faster, wherever the arm is; nor where it is far away
         pieces = self.pieces.take(np.flatnonzero(self.bounds.first[self.pieces.segment] > self.least))
         if len(pieces.segment):
-            still = Ends(self.scene, self.course, pieces).of(self.item)
-            pieces = pieces.take(np.flatnonzero(~self._surely_outside(pieces, still)))
+            pieces = pieces.take(np.flatnonzero(~self._surely_far(pieces)))
         if len(pieces.segment):
             ends = Ends(self.scene, self.course, pieces, moving=True).of(self.item)
         while ends is not None:
@@ -169,6 +169,17 @@ class _Search:
             return pieces, None
         begin, half, end = (arm.take(left) for arm in arms)
         return pieces.take(left).halves(), (begin.beside(half), half.beside(end))
+
+    def _surely_far(self, pieces: Pieces) -> Flags:
+        """Which whole segments are outside of the zone, from balls."""
+        region = self.watch.zone.region
+        if isinstance(region, JointWindow):
+            return np.zeros(len(pieces.segment), dtype=np.bool_)
+        ends = Ends(self.scene, self.course, pieces)
+        far = outside(region, ends.arm.of(self.item).point(self.item.middle))
+        way = self.bounds.first[pieces.segment] * pieces.end
+        apart: Flags = (far[ends.begins] + far[ends.stops] - way) / 2.0 - self.item.bound > self.margin
+        return apart
 
     def _surely_outside(self, pieces: Pieces, ends: tuple[Posed, Posed]) -> NDArray[np.bool_]:
         region = self.watch.zone.region

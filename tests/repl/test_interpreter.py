@@ -295,3 +295,16 @@ def test_quit_brings_the_robot_to_rest(tmp_path):
             assert person.world.stands()[0] < 20.0
 
     run(session())
+
+
+def test_a_bug_of_ours_keeps_the_prompt(tmp_path, monkeypatch):
+    async def session():
+        async with talking(tmp_path) as person:
+            monkeypatch.setattr(person.coordinator.planner, "offer", lambda *_: 1 / 0)
+            told = await person.type(MOVE)
+            assert "a bug of yarclang has ended this: ZeroDivisionError" in told
+            assert "test_interpreter.py" in told
+            monkeypatch.undo()
+            assert "done" in await person.type(MOVE)
+
+    run(session())

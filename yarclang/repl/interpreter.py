@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import traceback
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
@@ -147,6 +148,9 @@ class Interpreter:
                 await self.carry_out(text)
         except Trouble as trouble:
             self.refuse(trouble_text(trouble))
+        except Exception as error:
+            # a bug of ours must not take the prompt, and with it the stop key, from a person at a robot
+            self.refuse(bug_text(error))
 
     def interrupt(self) -> None:
         """Ctrl-C: the robot comes to rest on its path, at once the second time; what waits, and an open question, are dropped."""
@@ -308,3 +312,9 @@ class Interpreter:
 def trouble_text(trouble: Trouble) -> str:
     """What can't be done, and what to do instead."""
     return f"{trouble.what}\n  help: {trouble.remedy}" if trouble.remedy else trouble.what
+
+
+def bug_text(error: Exception) -> str:
+    """What to say of a bug of ours, with the place to report."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"a bug of yarclang has ended this: {error!r}\n  help: report it, with this place: {place.filename}:{place.lineno} in {place.name}"

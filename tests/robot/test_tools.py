@@ -1,8 +1,11 @@
 """Tools of robot.toml: shapes and masses on the flange, mistakes, and that nothing of them gets lost on the way to the collision check."""
 
+import re
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from conftest import EXAMPLES
 from programs import codes, compiled
 
 from tests.collision.test_bodies import POST, changed, cube, with_cell
@@ -182,3 +185,18 @@ def test_the_checklist_tells_tools(tmp_path):
     assert "GRIPPER: 1 shape, 2.5 kg" in told
     assert "SPARE isn't mounted" in told
     assert "HEAVY has no shape, 4 kg" in told
+
+
+def test_a_new_robot_shows_how_a_tool_is_written(tmp_path):
+    """The lines at the end of a new robot.toml are a tool once their marks are taken away."""
+    folder = tmp_path / "scara"
+    made = CliRunner().invoke(
+        main, ["robot", "new", str(EXAMPLES / "scara.urdf"), "--yes", "-o", str(folder)]
+    )
+    assert made.exit_code == 0, made.output
+    text = (folder / "robot.toml").read_text()
+    assert load_robot(str(folder)).value.tools == ()
+    at = text.index("# [tools.GRIPPER]")
+    (folder / "robot.toml").write_text(text[:at] + re.sub("^# ", "", text[at:], flags=re.MULTILINE))
+    (tool,) = load_robot(str(folder)).value.tools
+    assert (tool.mass, len(tool.shapes)) == (1.8, 1)

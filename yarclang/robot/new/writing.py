@@ -23,6 +23,20 @@ _HEAD = """\
 """
 
 
+_TOOL = (
+    "# What hangs on the flange, with its shapes and its mass, is checked for collisions and torques once it stands here:",
+    "# [tools.GRIPPER]",
+    '# frame = "FLANGE"            # or a frame of this file',
+    "# mass = 1.8                  # kg",
+    "# center_of_mass = [0, 0, 60] # mm",
+    "# [[bodies]]",
+    '# tool = "GRIPPER"',
+    '# shape = "box"               # or cylinder, capsule (radius, length), sphere (radius), mesh (file)',
+    "# xyz = [0, 0, 60]            # mm",
+    "# size = [80, 60, 120]        # mm",
+)
+
+
 def robot_toml(sketch: Sketch, home: Said) -> str:
     """The whole file."""
     chain, size = sketch.chain, len(sketch.joints)
@@ -80,6 +94,8 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         "[tolerance]",
         "position = 0.02  # mm",
         "angle = 0.002    # deg",
+        "",
+        *_TOOL,
         "",
     ]
     return "\n".join(lines)

@@ -36,7 +36,7 @@ def test_no_torque_bends_more(seed, size, pace):
     h = 0.03
     cubics = Cubics(x, v, a, j, np.full(6, h))
     low, high = cubics.position_range()
-    travel = np.maximum(np.abs(low), np.abs(high)).max(axis=0)
+    travel = np.maximum(np.abs(low), np.abs(high))
     peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
     bound = torque_bends(arm.chain, arm.dynamics, travel, peaks)
     times = np.linspace(0, h, 61)
@@ -93,6 +93,17 @@ def test_what_is_certified_is_pinocchios(tmp_path, ur5):
     assert re.search(r"torque \d+ % of the limits", value.text)
     assert "shoulder_lift_joint" in certificate_table(value.certificate)
     assert "torque" in certificate_table(value.certificate).splitlines()[0]
+
+
+def test_a_motion_is_judged_by_itself(tmp_path, ur5):
+    """What stands before and behind it in the program makes no difference."""
+    folder = with_effort(tmp_path, ur5)
+    last = "P30 MOVEJ 0 -40 30 0 0 0 [1.7] (deg,s)"
+    whole = compiled(
+        f"P10 MOVEJ 90 -20 0 0 0 0 [4] (deg,s)\nP20 MOVEJ 40 -90 60 0 20 0 [2] (deg,s)\n{last}", folder
+    )[0]
+    alone = compiled(f"START 40 -90 60 0 20 0 (deg)\n{last}", folder)[0]
+    assert whole.certificate.commands[-1].torque == alone.certificate.commands[0].torque
 
 
 def test_slower_it_works(tmp_path, ur5):

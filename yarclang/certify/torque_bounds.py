@@ -26,7 +26,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
     Args:
         chain: the arm.
         dynamics: its masses.
-        travel: (n,) largest |q| of each sliding joint [m].
+        travel: (N, n) largest |q| of each joint on the pieces; of those that slide it is read [m].
         peaks: largest |velocity|, |acceleration| and |jerk| of each joint on the pieces, (N, n) each.
     """
     prismatic = chain.is_prismatic
@@ -73,9 +73,9 @@ class _Rates:
     a_slide: Array
     j_slide: Array
 
-    def grown(self, length: float) -> Derivatives:
+    def grown(self, length: Array | float) -> Derivatives:
         """Bell's polynomials (N,) of the order 0 to 4: by how much its length the derivatives of a vector of `length` [m] are at most."""
-        scale = 1.0 / length if length > 0.0 else 0.0
+        scale = 1.0 / np.maximum(length, 1e-9)  # where something slides, lengths are longer
         w, a, j = (
             turn + scale * slide
             for turn, slide in ((self.w, self.v_slide), (self.a, self.a_slide), (self.j, self.j_slide))
@@ -130,22 +130,22 @@ def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
     return _product(both, three)
 
 
-def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> Array:
-    """How far a body's centre can ever be from a point of each turning joint's axis before it (body + 1,) [m]; see `reaches` of bounds.py.
+def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Array]:
+    """How far a body's centre can be from a point of each turning joint's axis before it on N pieces, body + 1 times (N,) [m]; see `reaches` of bounds.py.
 
     Of a sliding joint it is what the joint behind it has.
     """
-    point, length = center, 0.0
-    slides = chain.is_prismatic[: body + 1].any()
-    found = np.zeros(body + 1)
+    point, length = center, np.zeros(len(travel))
+    least = LEAST_LENGTH if chain.is_prismatic[: body + 1].any() else 0.0
+    found: list[Array] = []
     for joint in reversed(range(body + 1)):
         linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
         if angular.any():
             on_axis = np.cross(angular, linear)
             nearest = on_axis + angular * float(angular @ (point - on_axis))
-            length += float(np.linalg.norm(point - nearest))
+            length = length + float(np.linalg.norm(point - nearest))
             point = nearest
         else:
-            length += float(travel[joint])
-        found[joint] = max(length, LEAST_LENGTH) if slides else length
+            length = length + travel[:, joint]
+        found.insert(0, np.maximum(length, least))
     return found

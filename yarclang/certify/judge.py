@@ -10,17 +10,19 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.blend import judge_blends
-from yarclang.certify.certificate import Certificate, Deviation
+from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation
 from yarclang.certify.clearance import NOTHING_NEAR
 from yarclang.certify.corner import Judged
 from yarclang.certify.deviations import find_deviations
 from yarclang.certify.flow import check_places
 from yarclang.certify.judgement import Judge
-from yarclang.certify.layout import Layout, lay_out
+from yarclang.certify.layout import Layout, Place, lay_out
 from yarclang.certify.read import read
+from yarclang.certify.stretches import Claims, Proved, recalled
 from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.certify.zones import NO_ZONES
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile, Span
@@ -35,6 +37,7 @@ def certify(
     tolerance: Tolerance,
     witnesses: Mapping[int, Array],
     laws: Mapping[int, Array] = NO_LAWS,
+    memory: Memory = NO_MEMORY,
 ) -> Result[Certificate]:
     """Prove what a controller text makes the robot do, against the program that it was compiled from.
 
@@ -49,6 +52,7 @@ def certify(
         laws: for SplineMoves and PoseSplineMoves, by the same number: control values (segments + 3,) of the share of the way over
             time. The segments of a motion in a chain reach half a blend beyond its own on either side. Claims: a
             wrong one proves less, never more.
+        memory: keeps what was proved, by the numbers in the text and what they shall be.
 
     Returns:
         The certificate, also where it proves violations (these are errors among the findings); None where
@@ -70,8 +74,16 @@ def certify(
     judge.flow(content, start)
     judge.segment_times(content, layout)
     judge.rest(layout)
+    claims = Claims(witnesses, laws)
+    proofs = recalled(memory, judge, layout, claims, lambda part: _prove(judge, part, claims))
+    commands = tuple(_row(judge, layout, place, proofs[place.step]) for place in layout.places)
+    return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
+
+
+def _prove(judge: Judge, layout: Layout, claims: Claims) -> dict[int, Proved]:
+    """What is proved of each step of a layout."""
     loads = judge.limits(layout)
-    judged = Judged(robot, tolerance, witnesses, laws, judge.find)
+    judged = Judged(judge.robot, judge.tolerance, claims.witnesses, claims.laws, judge.find)
     # the bounds of a motion that nobody would plan may be without end
     with np.errstate(over="ignore", invalid="ignore"):
         proofs = find_deviations(judged, layout)
@@ -80,21 +92,32 @@ def certify(
     apart = judge.clearances(layout)
     zones = judge.zones(layout)
     torques = judge.torques(layout)
-    commands = tuple(
-        judge.command(
-            layout,
-            place,
-            loads[place.step],
-            proofs.deviations[place.step],
-            proofs.speeds.get(place.step),
-            blends.get(place.step),
-            apart.get(place.step, NOTHING_NEAR),
-            zones.get(place.step, NO_ZONES),
-            torques.get(place.step),
+    return {
+        step: Proved(
+            loads[step],
+            proofs.deviations[step],
+            proofs.speeds.get(step),
+            blends.get(step),
+            apart.get(step, NOTHING_NEAR),
+            zones.get(step, NO_ZONES),
+            torques.get(step),
         )
-        for place in layout.places
+        for step in (place.step for place in layout.places)
+    }
+
+
+def _row(judge: Judge, layout: Layout, place: Place, proved: Proved) -> CommandCertificate:
+    return judge.command(
+        layout,
+        place,
+        proved.loads,
+        proved.deviation,
+        proved.speed,
+        proved.blended,
+        proved.apart,
+        proved.zones,
+        proved.torque,
     )
-    return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
 
 
 def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certificate]:

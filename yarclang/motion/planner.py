@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import Gap, Motion, Program, Stop
+from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
@@ -22,10 +23,10 @@ from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.motion.profile import load_profile
-from yarclang.motion.recalling import key_of, told_before
+from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
-from yarclang.motion.zones import slow_zones
+from yarclang.motion.zones import SlowZones, slow_zones
 from yarclang.robot.model import Robot, Tolerance
 
 
@@ -70,15 +71,18 @@ def plan_in_part(
         router.advance()
     found: list[list[Diagnostic]] = [list(done.found) for done in router.done]
     links: dict[int, Link] = {}
+    flows = False
     for number, (step, done) in enumerate(zip(steps, router.done, strict=True)):
         planner.tell((end + number) / 2)
         if isinstance(step, Motion) and done.route is not None:
             findings = Collector(step.origin.source)
             findings.place = step.origin.place
-            link = planner.link(step, done.route.path, findings)
+            link = planner.link(step, done.route.path, flows or step.blend is not None, findings)
             found[number] += findings.found
             if link is not None:
                 links[number] = link
+        if isinstance(step, Motion):
+            flows = step.blend is not None
     motions: list[PlannedMotion] = []
     for numbers, chain in chained(robot, steps, links, found):
         for number, piece in zip(numbers, planner.pieces(chain), strict=True):
@@ -122,17 +126,22 @@ class _Planner:
         if self.settings.progress is not None:
             self.settings.progress(int(done))
 
-    def link(self, step: Motion, path: Path, findings: Collector) -> Link | None:
-        """A motion by itself; None with a finding where it can't be done as the command says."""
+    def zones(self, step: Motion, path: Path, *, leaves: bool) -> SlowZones | None:
+        """The slow zones that a motion may get into; `leaves` says that it may leave its path to flow into another one."""
+        zones = slow_zones(self.robot, self.cell, step)
+        return zones if zones is None or leaves else zones.beside(path.joints, path.slope)
+
+    def link(self, step: Motion, path: Path, leaves: bool, findings: Collector) -> Link | None:
+        """A motion by itself; None with a finding where it can't be done as the command says. `leaves`: as of `zones`."""
         told = self.settings
-        key = ("link", self.robot, self.cell, told.grid, told.tolerance, path, key_of(step))
+        key = ("link", self.robot, self.cell, told.grid, told.tolerance, path, leaves, key_of(step))
 
         def make() -> tuple[Link | None]:
-            return (self._link(step, path, findings),)
+            return (self._link(step, path, self.zones(step, path, leaves=leaves), findings),)
 
         return told_before(told.memory, key, step.origin, findings, make)[0]
 
-    def _link(self, step: Motion, path: Path, findings: Collector) -> Link | None:
+    def _link(self, step: Motion, path: Path, zones: SlowZones | None, findings: Collector) -> Link | None:
         timing, tolerance = step.timing, self.settings.tolerance
         if step.tolerance is not None:
             tolerance = Tolerance(step.tolerance, tolerance.angle)
@@ -140,7 +149,6 @@ class _Planner:
         if isinstance(path, JointPath) and bool((path.slope <= NO_WAY * self.robot.axis_units).all()):
             findings.add(*messages.no_motion(step.origin))
         profile = load_profile(step.profile)
-        zones = slow_zones(self.robot, self.cell, step)
         bounds = replace(self.bounds, zones=zones).reduced(timing.share, timing.ramp)
         full: float | None = None
         grid = self.settings.grid

@@ -7,16 +7,7 @@ from dataclasses import fields, replace
 from typing import TypeVar
 
 from yarclang.diagnostics import Collector, Diagnostic, Edit
-from yarclang.hir import (
-    Array,
-    JointDelta,
-    JointGoal,
-    Motion,
-    Origin,
-    PoseDelta,
-    PoseGoal,
-    Reading,
-)
+from yarclang.hir import Origin
 from yarclang.memory import Forgetful, Memory
 from yarclang.source import Span
 
@@ -101,37 +92,3 @@ def _moved(one: Diagnostic, origin: Origin, place: str, lines: int) -> Diagnosti
 
 def _shifted(span: Span, lines: int) -> Span:
     return Span(span.line + lines, span.column, span.end_line + lines, span.end_column)
-
-
-def key_of(step: Motion) -> Hashable:
-    """What a motion does, by value: all of it but where it comes from."""
-    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
-    timing, speed = step.timing, step.timing.speed
-    via: Array | None = getattr(step, "via", None)
-    return (
-        type(step),
-        tuple(map(_key_of_goal, goals)),
-        None if via is None else via.tobytes(),
-        step.profile,
-        (timing.duration, timing.share, timing.ramp, None if speed is None else _key_of_reading(speed)),
-        step.tolerance,
-        None if step.blend is None else _key_of_reading(step.blend),
-    )
-
-
-def _key_of_reading(reading: Reading) -> Hashable:
-    return reading.length, reading.angle
-
-
-def _key_of_goal(goal: JointGoal | JointDelta | PoseGoal | PoseDelta) -> Hashable:
-    match goal:
-        case JointGoal():
-            return "joints", goal.q.tobytes()
-        case JointDelta():
-            return "delta", goal.dq.tobytes()
-        case PoseGoal():
-            near = None if goal.near is None else goal.near.tobytes()
-            return "pose", goal.base_from_moving.tobytes(), goal.flange_from_moving.tobytes(), near
-        case PoseDelta():
-            parts = (goal.shift, goal.turn, goal.axes, goal.flange_from_moving)
-            return "poses apart", goal.axes_on_flange, *(part.tobytes() for part in parts)

@@ -32,6 +32,7 @@ from yarclang.hir import (
     Step,
     When,
 )
+from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion import messages
 from yarclang.motion.leading.frame_motions import frame_motion
@@ -39,7 +40,7 @@ from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion,
 from yarclang.motion.leading.led import Led
 from yarclang.motion.leading.solving import Solver, is_free
 from yarclang.motion.path import Path
-from yarclang.motion.recalling import key_of, told_before
+from yarclang.motion.recalling import told_before
 from yarclang.robot.model import Robot
 
 

@@ -5,13 +5,12 @@ They are the same values then, so that what was worked out for them holds.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
-from yarclang.memory import Memory, NO_MEMORY
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
 from yarclang.shapes import Mesh, Shape
 
@@ -92,7 +91,7 @@ def _stamp(files: Iterable[Path]) -> Stamp:
     stamps: list[Hashable] = []
     for path in files:
         try:
-            seen = os.stat(path)
+            seen = path.stat()
         except OSError:
             stamps.append((path, None))
         else:

@@ -163,7 +163,8 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
 def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
     """Controller text against the program: what it does, by its own reading. The plan only gives claims that are checked."""
     tolerance = request.tolerance or request.robot.tolerance
-    return certify(text, _as_told(planned), request.robot, tolerance, _witnesses(planned), _laws(planned))
+    told, memory = _as_told(planned), request.memory
+    return certify(text, told, request.robot, tolerance, _witnesses(planned), _laws(planned), memory)
 
 
 def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[str]:

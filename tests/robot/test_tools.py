@@ -185,6 +185,8 @@ def test_the_checklist_tells_tools(tmp_path):
     assert "GRIPPER: 1 shape, 2.5 kg" in told
     assert "SPARE isn't mounted" in told
     assert "HEAVY has no shape, 4 kg" in told
+    shown = CliRunner().invoke(main, ["robot", "list", str(tmp_path / "arm")]).output
+    assert "tool GRIPPER: 1 shape, 2.5 kg\ntool SPARE: 0 shapes, not mounted\n" in shown
 
 
 def test_a_new_robot_shows_how_a_tool_is_written(tmp_path):

@@ -21,6 +21,10 @@ def robot_text(robot: Robot) -> str:
         lines.append(f"{name:{wide}}{robot.controller.axes[joint]:6}{cells} {robot.axis_unit_names[joint]}")
     lines.append("")
     lines.append("frames on the flange: " + ", ".join(f"{{{name}}}" for name in robot.flange_from_frame))
+    for tool in robot.tools:
+        mass = f", {tool.mass:g} kg" if tool.mass else ""
+        away = "" if tool.mounted else ", not mounted"
+        lines.append(f"tool {tool.name}: {len(tool.shapes)} shape{'s' * (len(tool.shapes) != 1)}{mass}{away}")
     for name, q in robot.positions.items():
         lines.append(f"joint position {name}: " + " ".join(f"{value:g}" for value in q / units))
     controller = robot.controller

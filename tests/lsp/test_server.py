@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+import subprocess
 from pathlib import Path
 from shutil import copytree
 
@@ -170,6 +171,7 @@ def test_over_a_port(tmp_path: Path):
     [
         (("--tcp", "here"), "neither PORT nor HOST:PORT"),
         (("--tcp", "70000"), "neither PORT"),
+        (("--tcp", "0"), "neither PORT"),
         (("--stdio", "--tcp", "1"), "choose one"),
     ],
 )
@@ -177,6 +179,18 @@ def test_wrong_usage(arguments: tuple[str, ...], told: str):
     done = CliRunner().invoke(yarc, ["lsp", *arguments])
     assert done.exit_code == 2
     assert told in done.output
+
+
+def test_a_port_that_is_taken():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        done = CliRunner().invoke(yarc, ["lsp", "--tcp", str(taken.getsockname()[1])])
+    assert done.exit_code == 1
+    assert "choose another port" in done.output
+
+
+def test_a_client_that_goes_away_ends_the_server():
+    done = subprocess.run(COMMAND, input=b"", capture_output=True, timeout=LONGEST, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 
 def test_nothing_grows_with_edits(tmp_path: Path):

@@ -10,7 +10,7 @@ def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> t
     if value is None:
         return None
     host, _, port = value.rpartition(":")
-    if not port.isdecimal() or not 0 <= int(port) < 65536:
+    if not port.isdecimal() or not 0 < int(port) < 65536:
         raise click.BadParameter(f"{value!r} is neither PORT nor HOST:PORT", ctx, param)
     return host or "127.0.0.1", int(port)
 
@@ -33,4 +33,13 @@ def command(stdio: bool, tcp: tuple[str, int] | None, robot: str | None) -> None
         raise click.UsageError("--stdio and --tcp: choose one")
     from yarclang.lsp.serving import serve
 
-    serve(tcp, robot)
+    if tcp is not None:
+        click.echo(f"waiting for an editor on {tcp[0]}:{tcp[1]}; Ctrl-C ends", err=True)
+    try:
+        serve(tcp, robot)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        where = f"{tcp[0]}:{tcp[1]}" if tcp else "standard input and output"
+        raise click.ClickException(f"{where}: {reason}; choose another port, or none") from None
+    except KeyboardInterrupt:
+        click.echo(err=True)

@@ -47,7 +47,7 @@ FINDINGS: tuple[Finding, ...] = (
         "run-of-another-robot",
         "error",
         "the robot of the log isn't the one that would be shown",
-        "A log has the joint positions of a run, but not what the robot looks like: that comes from the robot's own files. With another number "
-        "of joints, or joints of other names, the positions would be shown on the wrong axes.",
+        "A log has the joint positions of a run, but not what the robot looks like: that comes from the robot's own files. Those of another robot would "
+        "show a motion that never was.",
     ),
 )

@@ -41,6 +41,14 @@ def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
     return np.column_stack([np.interp(share, places, anchors[:, part]) for part in range(3)]).astype(np.uint8)
 
 
+def linear(shades: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Colours as the light that they give: viser takes the colours of points as such, and those of whole things as they are in pictures (IEC 61966-2-1)."""
+    share = shades / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    result: NDArray[np.uint8] = np.round(255.0 * light).astype(np.uint8)
+    return result
+
+
 def round_up(value: float) -> float:
     """The next round number: 1, 2 or 5 times a power of ten."""
     if value <= 0.0:

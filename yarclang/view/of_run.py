@@ -50,12 +50,13 @@ def stage_of_run(file: str, robot_name: str | None) -> Result[Stage]:
     if robot is None:
         help_ = "if it is one of your own, say where it is: --robot PATH"
         return Result(None, (*found, *(_with_help(one, help_) for one in loaded.diagnostics)))
-    if robot.joint_names != run.robot.joint_names:
-        theirs, ours = (", ".join(names) for names in (run.robot.joint_names, robot.joint_names))
-        message = f"{file} is of {run.robot.name} with the joints {theirs}; {robot.name} has {ours}"
-        return Result(
-            None, (*found, Diagnostic("Y1406", message, help="name the robot of the run: --robot PATH"))
+    if (robot.name, robot.joint_names) != (run.robot.name, run.robot.joint_names):
+        theirs, ours = (
+            f"{one.name} with the joints {', '.join(one.joint_names)}" for one in (run.robot, robot)
         )
+        message = f"{file} is of {theirs}, and --robot is {ours}"
+        help_ = "name the robot of the run: --robot PATH"
+        return Result(None, (*found, Diagnostic("Y1406", message, help=help_)))
     planned = planned_motion(run)
     if planned.value is None:
         return Result(None, (*found, *planned.diagnostics))
@@ -146,7 +147,7 @@ def _pieces(run: RecordedRun, tracking: Tracking) -> tuple[Piece, ...]:
             facts.append(
                 ("farthest off", f"{run.robot.joint_names[joint]} by {off[here, joint].max():.3f} {unit}")
             )
-        if one.begins < program[-1] < one.ends:
+        if one.begins < program[-1] < one.ends and outcome_text(run)[1] is not True:
             facts.append(("", "the run ended in it"))
         found.append(
             Piece(

@@ -44,7 +44,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
             return Result(None, robot.diagnostics)
         made = stage_of_text(read.value, folder, robot.value)
         return Result(made.value, (*robot.diagnostics, *made.diagnostics))
-    return _program(read.value, folder, options)
+    return program_stage(read.value, folder, options)
 
 
 def is_log(file: str) -> bool:
@@ -61,7 +61,8 @@ def is_log(file: str) -> bool:
         return False
 
 
-def _program(source: SourceFile, folder: Path, options: Options) -> Result[Stage]:
+def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[Stage]:
+    """What a program that belongs to a folder shows; None, with findings, where it isn't known for which robot."""
     checked = check_text(source, folder, options)
     found = checked.diagnostics
     if checked.program is None:

@@ -93,7 +93,7 @@ class Picture:
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
         """Colour the path by values (N,), one for each of its points, from 0 to `most`."""
         if self._way is not None:
-            shades = colours.coloured(values, most, ramp)
+            shades = colours.linear(colours.coloured(values, most, ramp))
             first = _lines(self._stage.way)
             self._way.colors = self._shades = np.stack([shades[first], shades[first + 1]], axis=1)
             self.choose_piece(self._piece)

@@ -1,0 +1,158 @@
+"""`yarc view` in a real browser: what is drawn, that controls do something, and that nothing is fetched from outside."""
+
+import io
+import json
+import re
+
+import matplotlib.image
+import numpy as np
+import pytest
+from view.browser import browser_or_skip, opened_browser, viewed, waited
+from view.stages import CRASH, EXAMPLES
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("program")
+    (folder / "cell.toml").write_text((EXAMPLES / "cell.toml").read_text())
+    path = folder / "crash.yarc"
+    path.write_text(CRASH)
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(program, tmp_path_factory):
+    """The page of a program, once it is there, the process behind it, and its address."""
+    browser_or_skip()
+    with (
+        viewed(str(program)) as (url, process),
+        opened_browser(tmp_path_factory.mktemp("profile")) as browser,
+    ):
+        browser.get(url)
+        waited(lambda: "P0010 MOVEJ_RPY" in text_of(browser))
+        yield browser, process, url
+        # what the page has asked for, in all that was done
+        asked = {
+            message["params"]["request"]["url"]
+            if "request" in message["params"]
+            else message["params"]["url"]
+            for entry in browser.get_log("performance")
+            for message in (json.loads(entry["message"])["message"],)
+            if message["method"] in {"Network.requestWillBeSent", "Network.webSocketCreated"}
+        }
+        own = re.compile(
+            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome:|about:"
+        )
+        assert [one for one in asked if not own.match(one)] == []
+        assert any(own.match(one) for one in asked)
+
+
+def text_of(browser):
+    return browser.execute_script("return document.body.innerText")
+
+
+def press(browser, text):
+    def found():
+        elements = browser.find_elements("css selector", "button, [role=tab]")
+        return next((one for one in elements if text in one.text), None)
+
+    waited(found).click()
+
+
+def picture(browser):
+    """The part of the screen with the scene (rows, columns, 3), 0 to 1."""
+    pixels = matplotlib.image.imread(io.BytesIO(browser.get_screenshot_as_png()))[:, :, :3]
+    return pixels[:, 320:790]
+
+
+def red(pixels):
+    """How many pixels have the colour of bodies that touch, in whatever light."""
+    r, g, b = pixels[:, :, 0], pixels[:, :, 1], pixels[:, :, 2]
+    return int(((r > 0.6) & (g < 0.3 * r) & (b < 0.3 * r)).sum())
+
+
+def orange(pixels):
+    """How many have that of the robot's links."""
+    r, g, b = pixels[:, :, 0], pixels[:, :, 1], pixels[:, :, 2]
+    return int(((r > 0.6) & (g > 0.35 * r) & (g < 0.75 * r) & (b < 0.6 * g)).sum())
+
+
+def test_the_robot_is_drawn_and_the_bench_is_not_red(page):
+    browser, _, _ = page
+    waited(lambda: orange(picture(browser)) > 4_000)
+    assert red(picture(browser)) < 200
+
+
+def test_a_finding_leads_to_its_place_and_colours_the_bodies(page):
+    browser, _, _ = page
+    press(browser, "Findings")
+    press(browser, "Y0901 P0030")
+    waited(lambda: "FINGERS goes 30 mm into BENCH" in text_of(browser))
+    waited(lambda: "-30.0 mm (FINGERS, BENCH)" in text_of(browser))
+    waited(lambda: red(picture(browser)) > 1_500)
+
+
+def test_a_command_leads_to_its_beginning_and_time_passes(page):
+    browser, _, _ = page
+    press(browser, "Commands")
+    press(browser, "P0020 MOVEL")
+    waited(lambda: re.search(r"duration\s+2\.000 s", text_of(browser)))
+    before = picture(browser)
+    press(browser, "Play")
+    waited(lambda: np.abs(picture(browser) - before).max() > 0.2)
+    waited(lambda: "P0050 MOVEL · line 10" in text_of(browser))
+
+
+def test_the_path_by_clearance(page):
+    browser, _, _ = page
+    assert "mm/s" in text_of(browser)
+    field = next(
+        one for one in browser.find_elements("css selector", "input") if one.get_attribute("value") == "speed"
+    )
+    field.click()
+    option = waited(
+        lambda: next(
+            (
+                one
+                for one in browser.find_elements("css selector", "[role=option]")
+                if "smallest distance" in one.text
+            ),
+            None,
+        )
+    )
+    option.click()
+    waited(lambda: "≥ 200 mm" in text_of(browser))
+
+
+def test_a_page_of_another_site_is_refused(page):
+    """Its connection is closed before anything was sent."""
+    import asyncio
+
+    import viser
+    from websockets.asyncio.client import connect
+
+    _, _, url = page
+
+    async def listened(origin):
+        address = url.replace("http", "ws")
+        protocol = f"viser-v{viser.__version__}"
+        async with connect(address, subprotocols=[protocol], origin=origin, max_size=None) as stream:
+            return [message async for message in _first(stream)]
+
+    assert asyncio.run(listened("https://elsewhere.example")) == []
+    assert len(asyncio.run(listened(url))) == 1
+
+
+async def _first(stream):
+    from websockets.exceptions import ConnectionClosed
+
+    try:
+        yield await stream.recv()
+    except ConnectionClosed:
+        return
+
+
+def test_ctrl_c_ends_it(program):
+    with viewed(str(program)) as (_, process):
+        pass
+    assert process.returncode == 0

@@ -124,7 +124,7 @@ def _finding(
     more = f"; as well too near: {', '.join(names)}" if names else ""
     message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
     fix = _round_it(place.motion)
-    help_ = f"{fix.title}, which goes round it; or {_REMEDIES[code]}" if fix else _REMEDIES[code]
+    help_ = f"{fix.title}, which finds a way round by itself; or {_REMEDIES[code]}" if fix else _REMEDIES[code]
     return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
 
 

@@ -124,7 +124,8 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array) -> Way:
         return Way("")
     if loaded.begins_within and job.commands:
         text = text.replace(f"where {job.name} starts", f"where {job.commands[0].title} starts")
-    made = approach(robot, joints, job.start)
+    cell = loaded.plan.program.cell if loaded.plan is not None else None
+    made = approach(robot, joints, job.start, cell)
     if made.value is None:
         return Way(text, None, made.diagnostics)
     return Way(text, job_of_compiled(made.value, APPROACH))

@@ -60,4 +60,14 @@ FINDINGS = (
         "P0010 MOVEJ_RPY 900 0 100 180 0 0 [5]      ! the TABLE is 200 mm high",
         "P0010 MOVEJ_RPY 900 0 250 180 0 0 [5]",
     ),
+    Finding(
+        "Y0926",
+        "approach-blocked",
+        "error",
+        "there is no free way to where a program starts",
+        "Before a run the robot goes slowly from where it stands to where the program starts, straight if that is free, else by a way round. Here it stands in "
+        "something, the start is in something, or no way was found between: somebody has to move it with open eyes.",
+        "$ yarc run program.yarc      # the arm was left between two shelves",
+        "$ yarc repl      # jog it into the open first",
+    ),
 )

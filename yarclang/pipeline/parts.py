@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from yarclang.cell.model import Cell
+from yarclang.collision.zones.watched import tool_frame
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.hir import (
     Array,
@@ -16,10 +18,14 @@ from yarclang.hir import (
     JointMove,
     Origin,
     Program,
+    SplineMove,
     Step,
     Timing,
     When,
 )
+from yarclang.motion.avoid.messages import inside
+from yarclang.motion.avoid.room import room_of
+from yarclang.motion.avoid.way import SAMPLES, NoWay, Way, find_way
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.places import matching
 from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
@@ -33,25 +39,63 @@ _SHORTEST = 0.5
 """No approach is quicker [s]."""
 
 
-def approach(robot: Robot, here: Array, there: Array) -> Result[Compiled]:
-    """A certified joint motion at the robot's rapid share of its speed limits.
+def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) -> Result[Compiled]:
+    """A certified motion of all joints at the robot's rapid share of its limits: straight where that is free, else a way round.
 
     Args:
         robot: whose.
         here: (n,) where it stands [rad or m].
         there: (n,) where it shall go [rad or m].
+        cell: what is around.
+
+    Returns:
+        A finding instead, where there is no way.
     """
-    way = np.abs(there - here)
+    way = find_way(room_of(robot, cell, tool_frame(robot)), here, there)
+    if isinstance(way, NoWay):
+        source = SourceFile("<approach>", "")
+        return Result(None, (Diagnostic("Y0926", f"{_why(way)}", source, None, _BY_HAND),))
+    if not way.is_straight:
+        return _round(robot, here, way, cell)
+    far = np.abs(there - here)
     limits, share = robot.limits, robot.controller.rapid_share
-    by_speed = _PEAK * way / (limits.velocity * share)
-    by_acceleration = np.sqrt(4.5 * way / (limits.acceleration * share))
+    by_speed = _PEAK * far / (limits.velocity * share)
+    by_acceleration = np.sqrt(4.5 * far / (limits.acceleration * share))
     duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
-    values = " ".join(f"{value:.6g}" for value in there / robot.axis_units)
-    text = f"P0001 MOVEJ_LSPB {values} [{duration:g}] (deg,s)"
-    source = SourceFile("<approach>", text)
-    origin = Origin("P0001", "MOVEJ_LSPB", source, Span.on_line(1, 1, len(text) + 1))
+    source, origin = _line(robot, "MOVEJ_LSPB", [there], f"{duration:g}")
     move = JointMove(origin, JointGoal(there), "LSPB", Timing(duration))
-    return _compiled(Program(source, here, (move,)), Request(robot))
+    return _compiled(Program(source, here, (move,), cell=cell), Request(robot))
+
+
+def _round(robot: Robot, here: Array, way: Way, cell: Cell | None) -> Result[Compiled]:
+    share = robot.controller.rapid_share
+    points = list(way.waypoints)
+    source, origin = _line(robot, "MOVEJ_SPLINE_LSPB", points, f"{100.0 * share:g}%")
+    goals = tuple(JointGoal(q) for q in points)
+    move = SplineMove(origin, goals, "LSPB", Timing(None, share=share))
+    made = _compiled(Program(source, here, (move,), cell=cell), Request(robot))
+    # how it swings is worth a note only of what somebody has written
+    return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
+
+
+def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[SourceFile, Origin]:
+    """The one command of an approach, as it would be written."""
+    values = "; ".join(" ".join(f"{value:.6g}" for value in q / robot.axis_units) for q in points)
+    text = f"P0001 {name} {values} [{time}] (deg,s)"
+    source = SourceFile("<approach>", text)
+    return source, Origin("P0001", name, source, Span.on_line(1, 1, len(text) + 1))
+
+
+def _why(way: NoWay) -> str:
+    if way.start is not None:
+        return f"the robot can't leave from where it stands: {inside(way.start)}"
+    if way.goal is not None:
+        return f"the robot can't go to the start: there, {inside(way.goal)}"
+    between = f"; on the straight way {inside(way.between)}" if way.between is not None else ""
+    return f"no way from where the robot stands to the start was found, after {SAMPLES:,} samples{between}"
+
+
+_BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where the program starts"
 
 
 def part(

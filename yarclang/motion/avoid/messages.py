@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, AvoidMove, Motion, Origin
-from yarclang.motion.avoid.room import Obstruction
+from yarclang.motion.avoid.room import JOINTS, Obstruction
 from yarclang.motion.avoid.way import SAMPLES, NoWay, Way
 from yarclang.motion.messages import Message, differs, near_fix
 from yarclang.robot.model import Robot
@@ -75,7 +75,7 @@ def inside(one: Obstruction) -> str:
     """What is in the way, as the end of a sentence."""
     moving, other = one.names
     if one.is_zone:
-        return f"{moving} doesn't keep to the zone {other}"
+        return f"{moving} {'leave' if moving == JOINTS else 'leaves'} what the zone {other} allows"
     if one.distance <= 0.0:
         return f"{moving} is {max(-one.distance / MM, 0.01):.3g} mm deep in {other}"
     return f"{moving} is {one.distance / MM:.3g} mm from {other}, nearer than its margin"

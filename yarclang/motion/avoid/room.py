@@ -58,7 +58,7 @@ class Room:
         if not broken:
             return None
         by, watch = min(broken, key=lambda one: one[0])
-        watched = watch.item.name if watch.item is not None else "the joints"
+        watched = watch.item.name if watch.item is not None else JOINTS
         return Obstruction((watched, watch.zone.name), -by, is_zone=True)
 
     def is_free(self, q: Array) -> bool:
@@ -97,6 +97,9 @@ class Room:
             for one in self.watches
         )
 
+
+JOINTS = "the joints"
+"""What a window of joints watches."""
 
 _INSIDE = 1e-5
 """A way keeps this far from the borders of zones [m], or it couldn't be proved that it does."""

@@ -96,17 +96,35 @@ def _fewer(bend: Bend, points: Array) -> Array:
         else:
             points = candidate
     unit = bend.room.robot.axis_units * GRID
+
+    def tried(at: int, q: Array) -> Array | None:
+        candidate = points.copy()
+        candidate[at] = np.round(q / unit) * unit
+        if len(distinct(candidate)) < len(points) or len(bend.seen(bend.curve(candidate))):
+            return None
+        return candidate
+
     for at in range(1, len(points) - 1):
-        chord = points[at + 1] - points[at - 1]
-        share = float((points[at] - points[at - 1]) @ chord / max(float(chord @ chord), 1e-12))
-        straight = points[at - 1] + np.clip(share, 0.2, 0.8) * chord
+        for joint in np.argsort(bend.step)[::-1]:  # those that move least first
+            q = points[at].copy()
+            q[joint] = _straight(points, at)[joint]
+            found = tried(at, q)
+            points = points if found is None else found
         for part in _PULLS:
-            candidate = points.copy()
-            candidate[at] = np.round((points[at] + part * (straight - points[at])) / unit) * unit
-            if len(distinct(candidate)) == len(points) and not len(bend.seen(bend.curve(candidate))):
-                points = candidate
+            found = tried(at, points[at] + part * (_straight(points, at) - points[at]))
+            if found is not None:
+                points = found
                 break
     return points
+
+
+def _straight(points: Array, at: int) -> Array:
+    """Where a way-point would stand on the straight way between its neighbours (n,)."""
+    before, behind = points[at - 1], points[at + 1]
+    chord = behind - before
+    share = float((points[at] - before) @ chord / max(float(chord @ chord), 1e-12))
+    place: Array = before + np.clip(share, 0.2, 0.8) * chord
+    return place
 
 
 _PULLS = (0.75, 0.5, 0.25)

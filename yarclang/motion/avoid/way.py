@@ -94,10 +94,10 @@ def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:
     """What is in the straight way; None where it is proved to be free."""
     steps = np.abs(goal - start) * reaches(room.scene, room.robot)
     count = int(np.ceil(np.linalg.norm(steps) / _LOOK)) + 1
-    for share in np.linspace(0.0, 1.0, count + 1):
-        q = start + share * (goal - start)
-        if not room.is_free(q) and (found := room.obstruction(q)) is not None:
-            return found
+    places = start + np.linspace(0.0, 1.0, count + 1)[:, None] * (goal - start)
+    blocked = [q for q in places if not room.is_free(q)]
+    if blocked and (found := room.obstruction(blocked[len(blocked) // 2])) is not None:
+        return found
     course = straight_course(start, goal)
     doubts = room.doubts(course)
     if not len(doubts):

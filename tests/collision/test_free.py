@@ -1,0 +1,44 @@
+"""Single joint positions are free just where the check of whole arrays says so."""
+
+import numpy as np
+import pytest
+
+from tests.collision.test_proof import drawn
+from yarclang.collision.free import free_space, gaps, plain_free_space
+from yarclang.collision.placing import too_near
+from yarclang.collision.scene import scene_of
+from yarclang.robot.description import load_robot
+
+ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_single_positions_are_free_where_arrays_of_them_are(seed):
+    random = np.random.default_rng(seed)
+    robot = load_robot(ROBOTS[seed % 2]).value
+    scene = scene_of(robot, drawn(random)).value
+    q = random.uniform(robot.limits.lower, robot.limits.upper, (150, robot.size))
+    space = plain_free_space(scene)
+    near = too_near(scene, q)
+    for one, is_near in zip(q, near, strict=True):
+        left = gaps(scene, one)
+        # between a touch and what is told from one lies a hair
+        if abs(left.min()) > 3e-5:
+            assert space.has(one) is not bool(is_near)
+            assert bool(left.min() < 0.0) is bool(is_near)
+
+
+def test_pairs_can_be_asked_to_stay_farther_apart():
+    random = np.random.default_rng(3)
+    robot = load_robot("INDUSTRIAL6").value
+    scene = scene_of(robot, drawn(random)).value
+    q = random.uniform(robot.limits.lower, robot.limits.upper, (200, robot.size))
+    more = random.uniform(0.0, 0.03, len(scene.first))
+    wide = free_space(scene, more)
+    seen = set()
+    for one in q:
+        left = (gaps(scene, one) - more).min()
+        if abs(left) > 3e-5:
+            seen.add(wide.has(one))
+            assert wide.has(one) is bool(left > 0.0)
+    assert seen == {True, False}

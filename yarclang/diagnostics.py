@@ -27,6 +27,8 @@ class Fix:
 
     title: str
     edits: tuple[Edit, ...]
+    by_choice: bool = False
+    """Whether it repairs nothing, but says the same in another way: it is made only where somebody asks for just this one."""
 
 
 @dataclass(frozen=True, slots=True)

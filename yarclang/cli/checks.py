@@ -24,12 +24,15 @@ _MANY = 4
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What to do with each file: `shown` are the codes that are wanted (None: all); errors are told all the same."""
+    """What to do with each file: `shown` are the codes that are wanted (None: all); errors are told all the same. `chosen` are those that somebody
+    has named: their fixes are made even where they repair nothing.
+    """
 
     options: Options
     plans: bool = True
     fix: bool = False
     shown: frozenset[str] | None = None
+    chosen: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +79,7 @@ def check_one(path: str, task: Task) -> Done:
         200_000, 20, 20
     )  # the trees of a long program are no garbage, and were looked through again and again
     from yarclang.pipeline.checking import Checked, check_file, check_text
-    from yarclang.pipeline.fixing import fixed
+    from yarclang.pipeline.fixing import fixed, is_repair
 
     gc.set_threshold(
         200_000, 20, 20
@@ -90,7 +93,10 @@ def check_one(path: str, task: Task) -> Done:
         return check_text(source, folder, task.options, plans=task.plans)
 
     before = checked.source.text
-    made = fixed(checked, again, lambda one: task.shown is None or one.code in task.shown)
+    def wanted(one: Diagnostic) -> bool:
+        return (task.shown is None or one.code in task.shown) and (is_repair(one) or one.code in task.chosen)
+
+    made = fixed(checked, again, wanted)
     return Done(path, _told(made.checked.diagnostics, task), before, made.text, made.applied)
 
 

@@ -72,6 +72,11 @@ def fixed(
     return Fixed(checked.source.text, checked, tuple(applied))
 
 
+def is_repair(one: Diagnostic) -> bool:
+    """Whether a finding has a fix that nobody has to choose."""
+    return one.fix is not None and not one.fix.by_choice
+
+
 def _fixable(checked: Checked, wanted: Callable[[Diagnostic], bool]) -> list[Diagnostic]:
     name = checked.source.name if checked.source else ""
     return [

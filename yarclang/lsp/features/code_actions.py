@@ -16,7 +16,7 @@ from yarclang.lsp.feature import Feature
 from yarclang.lsp.positions import span_of
 from yarclang.lsp.translation import diagnostic_of, text_edits
 from yarclang.pipeline.checking import Checked
-from yarclang.pipeline.fixing import fixed
+from yarclang.pipeline.fixing import fixed, is_repair
 from yarclang.source import SourceFile, Span
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _renumber(server: Server, document: Document) -> Iterator[types.CodeAction]:
 
 
 def _fixable(document: Document, checked: Checked) -> bool:
-    return any(one.fix is not None and _is_own(document, one) for one in checked.diagnostics)
+    return any(is_repair(one) and _is_own(document, one) for one in checked.diagnostics)
 
 
 def _fix_all(uri: str) -> types.CodeAction:
@@ -144,7 +144,7 @@ def _fixed(server: Server, document: Document, checked: Checked) -> str:
     def again(source: SourceFile) -> Checked:
         return server.checks.of_text(source, document.folder)
 
-    return fixed(checked, again, lambda one: True).text  # noqa: ARG005
+    return fixed(checked, again, is_repair).text
 
 
 FEATURE = Feature(

@@ -104,7 +104,7 @@ def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
         Edit(origin.name_span, origin.name.replace("_AVOID", "").replace("MOVEJ", "MOVEJ_SPLINE", 1)),
         Edit(origin.values_span, "".join(f"{name}; " for name in names)),
     )
-    return Fix("write the way found as MOVEJ_SPLINE", edits)
+    return Fix("write the way found as MOVEJ_SPLINE", edits, by_choice=True)
 
 
 def _written(robot: Robot, q: Array) -> str:

@@ -62,6 +62,8 @@ class Origin:
     """Of a command in a loop or a SUB, what led to it, from outside in, and itself: P0020(I=2)>P0010."""
     moving: FrameLink | None = field(default=None, compare=False)
     """The frame that is moved, where one is said."""
+    tool: FrameLink | None = field(default=None, compare=False)
+    """The same, and of joint values, which it doesn't change, the frame that the line or DEFAULT names: what zones watch as the tool."""
     base: FrameLink | None = field(default=None, compare=False)
     """The frame in which the values are given, where one is said."""
 

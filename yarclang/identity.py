@@ -20,7 +20,7 @@ def key_of(step: Motion) -> Hashable:
         (timing.duration, timing.share, timing.ramp, None if speed is None else _key_of_reading(speed)),
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
-        _key_of_link(step.origin.moving),
+        _key_of_link(step.origin.tool),
     )
 
 

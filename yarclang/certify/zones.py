@@ -91,10 +91,17 @@ def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Plac
 
 
 def _moving(motion: hir.Motion, robot: Robot) -> Moving:
-    """The frame that a motion moves; {TCP} where it names none."""
-    if motion.origin.moving is None:
+    """The frame that a motion moves, or that is its tool; {TCP} where it names none."""
+    link = motion.origin.tool
+    if link is None:
         return tool_frame(robot)
-    return Moving(motion.origin.moving.name, moving_frame(motion))
+    if motion.origin.moving is not None:
+        return Moving(link.name, moving_frame(motion))
+    name, placed = link.name, np.eye(4)
+    while link is not None and link.parent is not None:
+        placed = link.parent_from_frame @ placed
+        link = link.parent
+    return Moving(name, placed)
 
 
 class _Judge:
@@ -124,10 +131,13 @@ class _Judge:
         ):
             return [None] * len(self.places)
         found = kept(self.scene, self.course, self.spans, self.watches)
-        for row in sorted({one.motion for one in found.breaches}):
-            for breach in found.breaches:
-                if breach.motion == row:
-                    self._break(row, self.watches[breach.watch], breach.time)
+        broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
+        for one in found.breaches:
+            watch, span = self.watches[one.watch], self.spans[one.motion]
+            stay = beyond(self.scene, self.course, (int(span[0]), int(span[1])), watch, one.time)
+            broken.setdefault((one.motion, watch.zone.name), []).append((watch, stay))
+        for (row, _), stays in sorted(broken.items(), key=lambda one: one[0][0]):
+            self._break(row, stays)
         clearances: list[Clearance | None] = []
         for row in range(len(self.places)):
             near, least = int(found.nearest[row]), float(found.least[row])
@@ -170,15 +180,18 @@ class _Judge:
             "give the motion more time, or [MIN]; or change the zone in the cell.toml",
         )
 
-    def _break(self, row: int, watch: Watch, time: float) -> None:
+    def _break(self, row: int, stays: list[tuple[Watch, Beyond]]) -> None:
+        """A finding about a zone that a command breaks: of what is worst, and the names of the others."""
         place, (begin, end) = self.places[row], self.spans[row].tolist()
-        found = beyond(self.scene, self.course, (begin, end), watch, time)
+        watch, found = min(stays, key=lambda one: one[1].slack)
         start, stop = float(self.course.begins[begin]), float(self.course.begins[end])
         q = self._at(start + found.worst)
         code, how = self._how(watch, found, q)
+        others = dict.fromkeys(_called(one) for one, _ in stays if _called(one) != _called(watch))
+        more = f"; as well: {', '.join(others)}" if others else ""
         message = (
             f"{how}, {span_text(found.begin, found.end, stop - start)}; worst at {found.worst:.3f} s, "
-            f"{pose_text(self.robot, place.motion.origin, q)}"
+            f"{pose_text(self.robot, place.motion.origin, q)}{more}"
         )
         self._find(code, message, place, _REMEDIES[code])
 

@@ -108,7 +108,7 @@ def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | N
 
 def moving_of(robot: Robot, motion: Motion) -> Moving:
     """The frame that a motion moves."""
-    link = motion.origin.moving
+    link = motion.origin.tool
     if link is None:
         return tool_frame(robot)
     name = link.name

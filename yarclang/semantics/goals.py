@@ -40,6 +40,8 @@ class Line:
     findings: Collector
     links: tuple[FrameLink | None, FrameLink | None] = (None, None)
     """The frame that is moved and that of the values, once the goals were read."""
+    tool: FrameLink | None = None
+    """The frame that is moved, also by joint values, which it doesn't change."""
     _told: set[str] = field(default_factory=set)
 
     def goals(self) -> tuple[object, ...]:
@@ -165,6 +167,7 @@ class Line:
             for frame in (statement.moving, statement.base):
                 if frame is not None:
                     known_frame(statement, frame, self.scope, self.findings)
+            self.tool = self._tool()
             return None
         moving = base = None
         if statement.moving is not None:
@@ -187,7 +190,20 @@ class Line:
         if moving is None or base is None:
             return None
         self.links = moving.link, base.link
+        self.tool = moving.link
         return moving, base
+
+    def _tool(self) -> FrameLink | None:
+        """The frame that the line or DEFAULT names, if it sits on the flange; what is wrong with it matters only where it is needed."""
+        unheard = Collector(self.findings.source)
+        moving, statement, scope = self.statement.moving, self.statement, self.scope
+        if moving is None:
+            defaults = self.defaults
+            if defaults.moving is None or defaults.statement is None:
+                return None
+            moving, statement, scope = defaults.moving, defaults.statement, defaults.scope
+        frame = moving_frame(statement, moving, scope, unheard)
+        return None if frame is None else frame.link
 
     def _named_goal(self, waypoint: WayPoint) -> object | None:
         """A way-point that is one name of a joint position: for commands that take joint values, whatever the target."""

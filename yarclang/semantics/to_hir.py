@@ -51,7 +51,7 @@ def to_step(
             else Timing(None)
         )
         timing, tolerance, blend = line.limited(timing)
-        origin = replace(origin, moving=line.links[0], base=line.links[1])
+        origin = replace(origin, moving=line.links[0], base=line.links[1], tool=line.tool)
     if any(found.is_error for found in findings.found[before:]):
         return None
     return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids))

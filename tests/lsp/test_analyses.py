@@ -18,19 +18,15 @@ class Slow:
         self.done: list[tuple[str, int, bool]] = []
         self.begun = threading.Event()
         self.go_on = threading.Event()
-        self.forgotten: list[str] = []
 
-    def check(self, document: Document, plans: bool, progress: Callable[[str, int, int], None]) -> Checked:
+    def check(self, document: Document, plans: bool, is_stale: Callable[[], bool]) -> Checked | None:
         if plans:
             self.begun.set()
             while not self.go_on.wait(0.005):
-                progress("planning", 1, 2)
-            progress("planning", 2, 2)
+                if is_stale():
+                    return None
         self.done.append((document.uri, document.version, plans))
         return Checked(())
-
-    def forget(self, uri: str) -> None:
-        self.forgotten.append(uri)
 
 
 def run(work: Callable[[Analyses, Slow, list[Analysis]], object]) -> None:
@@ -104,7 +100,6 @@ def test_closed_texts_keep_nobody_waiting():
         analyses.drop("a")
         assert await waiting is None
         assert analyses.of("a") is None
-        assert checks.forgotten == ["a"]
         analyses.again("a")  # nothing to look at
         assert await analyses.whole("a", None) is None
 

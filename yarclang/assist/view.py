@@ -9,9 +9,10 @@ from functools import cached_property
 from yarclang.assist.sketch import Sketch
 from yarclang.assist.unchanged import Unchanged, unchanged
 from yarclang.certify.certificate import CommandCertificate
-from yarclang.hir import Gap, Program, Step
+from yarclang.hir import Program, Step
 from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.checking import Checked
+from yarclang.pipeline.incremental import Analysis
 from yarclang.pipeline.stages import context_of
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
@@ -75,29 +76,13 @@ class View:
         return declared_names(opened.module, context_of(opened.request))
 
     @cached_property
-    def _steps(self) -> dict[int, list[int]]:
-        """The numbers of the steps by the lines of this text that they come from."""
-        found: dict[int, list[int]] = {}
-        name = self.sketch.source.name
-        for number, step in enumerate(self.program.steps if self.program else ()):
-            if not isinstance(step, Gap) and step.origin.source.name == name:
-                found.setdefault(step.origin.span.line, []).append(number)
-        return found
-
-    @cached_property
-    def _motions(self) -> dict[int, int]:
-        plan = self.checked.plan if self.checked else None
-        return {motion.step: number for number, motion in enumerate(plan.motions if plan else ())}
-
-    @cached_property
-    def _proved(self) -> dict[int, CommandCertificate]:
-        compiled = self.checked.compiled if self.checked else None
-        return {one.step: one for one in compiled.certificate.commands} if compiled else {}
+    def _analysis(self) -> Analysis | None:
+        return Analysis(self.checked) if self.checked else None
 
     def steps_in(self, line: int) -> tuple[int, ...]:
         """The numbers of the program's steps that come from the statement in a line of this text."""
         statement = self.sketch.statement_at(line)
-        return tuple(self._steps.get(statement.line, ())) if statement else ()
+        return self._analysis.steps_by_line.get(statement.line, ()) if statement and self._analysis else ()
 
     def step(self, number: int) -> Step:
         """A step of the program, which is there."""
@@ -106,9 +91,19 @@ class View:
 
     def motion(self, number: int) -> tuple[PlannedMotion, float] | None:
         """How a step is planned, and when it begins [s]; None where it isn't."""
-        plan, at = self.checked.plan if self.checked else None, self._motions.get(number)
-        return None if plan is None or at is None else (plan.motions[at], float(plan.starts[at]))
+        found = self._analysis.motions.get(number) if self._analysis else None
+        return None if found is None else (found, self._begins[number])
+
+    @cached_property
+    def _begins(self) -> dict[int, float]:
+        """When the motions begin [s], by their steps."""
+        plan = self.checked.plan if self.checked else None
+        return (
+            {motion.step: float(at) for motion, at in zip(plan.motions, plan.starts, strict=False)}
+            if plan
+            else {}
+        )
 
     def proved(self, number: int) -> CommandCertificate | None:
         """What was proved of a step."""
-        return self._proved.get(number)
+        return self._analysis.proofs.get(number) if self._analysis else None

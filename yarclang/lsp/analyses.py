@@ -17,10 +17,6 @@ from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 
 
-class Superseded(Exception):  # noqa: N818 - ends work that nobody waits for any more
-    """The text has changed: what is being found out about it is of no use."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Analysis:
     """What was found in one version of a text; `is_whole` says that motions were planned as well.
@@ -95,7 +91,6 @@ class Analyses:
             desk.some.set()
         if uri in self._waiting:
             self._waiting.remove(uri)
-        self._checks.forget(uri)
 
     def of(self, uri: str) -> Analysis | None:
         """What is known of the newest version of a text; None where nothing is yet."""
@@ -152,19 +147,13 @@ class Analyses:
         def is_stale() -> bool:
             return self._desks.get(uri) is not desk or desk.generation != generation
 
-        def check_in(what: str, done: int, total: int) -> None:  # noqa: ARG001  (a progress)
-            if is_stale():
-                raise Superseded
-
         for plans in (False, True):
             if is_stale():
                 return
             try:
                 checked = await loop.run_in_executor(
-                    self._pool, self._checks.check, document, plans, check_in
+                    self._pool, self._checks.check, document, plans, is_stale
                 )
-            except Superseded:
-                return
             except Exception:
                 # a bug: nobody shall wait for what doesn't come
                 desk.some.set()

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 
 from yarclang.diagnostics import in_order
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.cells import check_cell
-from yarclang.pipeline.checking import Checked, check_text
+from yarclang.pipeline.checking import Checked
+from yarclang.pipeline.incremental import Analysis, Analyst
 from yarclang.pipeline.inputs import Options, robot_for
 from yarclang.pipeline.project import FILE_NAME, read_project
 from yarclang.pipeline.sources import NO_TEXTS
@@ -17,41 +19,46 @@ from yarclang.robot.description import read_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.source import SourceFile
 
-Progress = Callable[[str, int, int], None]
-
 
 class Checks:
     """Checks texts for options that hold for all of them."""
 
     def __init__(self, options: Options) -> None:
         self._options = options
+        self._analyst = Analyst(options)
         self.texts: Mapping[Path, SourceFile] = NO_TEXTS
         """The texts that are open, by their paths; never changed in its place, since threads read it."""
 
-    def check(self, document: Document, plans: bool, progress: Progress) -> Checked | None:
+    def check(self, document: Document, plans: bool, is_stale: Callable[[], bool]) -> Checked | None:
         """What is to be said of a text.
 
         Args:
             document: the text.
             plans: whether motions are planned and proved.
-            progress: called while that goes on; what it raises ends the work.
+            is_stale: whether nobody waits for it any more: asked between motions.
 
         Returns:
-            None where there is nothing to say yet: a description is checked once.
+            None where there is nothing to say: the work was given up; or a description is to be checked, which is done once.
         """
         if document.is_program:
-            options = replace(self._options, progress=progress, texts=self.texts)
-            return check_text(document.source, document.folder, options, plans=plans)
-        if not plans:
-            return None
-        return self._described(document)
+            found = self._look(document.source, document.folder, quick=not plans, is_stale=is_stale)
+            return found.checked if found is not None else None
+        return self._described(document) if plans else None
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
         """All that is to be said of a program that is nowhere open."""
-        return check_text(source, folder, replace(self._options, texts=self.texts))
+        found = self._look(source, folder, quick=False)
+        assert found is not None  # nobody gives it up
+        return found.checked
 
-    def forget(self, uri: str) -> None:
-        """A text was closed: what was kept for it isn't needed."""
+    def _look(
+        self, source: SourceFile, folder: Path, *, quick: bool, is_stale: Callable[[], bool] | None = None
+    ) -> Analysis | None:
+        analyst = copy(
+            self._analyst
+        )  # it remembers the same: other threads look with the texts that are open then
+        analyst.options = replace(analyst.options, texts=self.texts)
+        return analyst.analyse(source, folder, quick=quick, cancelled=is_stale)
 
     def _described(self, document: Document) -> Checked:
         """A cell's file, for the robot that its folder is for; or a robot's, or a project's."""

@@ -1,4 +1,4 @@
-"""Writes the TextMate grammar and the snippets of editors/vscode from the words of the language: `python editors/grammar.py`.
+"""Writes the TextMate grammar and the snippets of editors/vscode, and Vim's syntax file, from the words of the language: `python editors/grammar.py`.
 
 The tests compare the files with what this makes, so that a new command, profile or unit is never missing.
 """
@@ -17,6 +17,7 @@ from yarclang.highlight.words import words
 VSCODE = Path(__file__).parent / "vscode"
 GRAMMAR = VSCODE / "syntaxes" / "yarc.tmLanguage.json"
 SNIPPETS = VSCODE / "snippets" / "yarc.json"
+VIM = Path(__file__).parent / "neovim" / "syntax" / "yarc.vim"
 
 _BEFORE, _BEHIND = r"(?<![A-Za-z0-9_.$])", r"(?![A-Za-z0-9_.])"
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![A-Za-z_])"
@@ -80,20 +81,76 @@ def snippets() -> dict[str, Any]:
     return made
 
 
+def vim_syntax() -> str:
+    """The syntax file of Vim and Neovim. A later rule goes before an earlier one where both match."""
+    known = words()
+    behind = r"%([A-Za-z0-9_.])@!"
+    commands_ = rf"{_any_in_vim(known.commands)}%(_{_any_in_vim(known.suffixes)})*{behind}"
+    units = rf"\s*{_any_in_vim(known.units)}\s*"
+    lines = [
+        '" Made by editors/grammar.py.',
+        "if exists('b:current_syntax')",
+        "  finish",
+        "endif",
+        "syntax case ignore",
+        f"syntax keyword yarcOption {' '.join(known.options)}",
+        f"syntax keyword yarcOperator {' '.join(known.operators)}",
+        f"syntax keyword yarcFunction {' '.join(known.functions)}",
+        f"syntax keyword yarcConstant {' '.join((*known.constants, 'V'))}",
+        r"syntax match yarcNumber /\v<\d+%(\.\d*)?%(e[+-]?\d+)?>/",
+        r"syntax match yarcVariable /\v\$[A-Za-z_][A-Za-z0-9_.]*/",
+        rf"syntax match yarcUnit /\v\$@<!\({units}%(,{units})*\)/",
+        rf"syntax match yarcCommand /\v%([A-Za-z0-9_.$])@<!{commands_}/",
+        r"syntax match yarcIndex /\v^\s*P\d+>/",
+        rf"syntax match yarcBlock /\v^\s*{_any_in_vim(known.blocks)}{behind}/",
+        rf"syntax match yarcDeclaration /\v^\s*{_any_in_vim(known.declarations)}{behind}/",
+        r"syntax match yarcFrame /{[^{}]*}/",
+        r"""syntax region yarcString start=/"/ end=/"/ oneline""",
+        "syntax match yarcComment /!.*$/ contains=@Spell",
+        *(
+            f"highlight default link yarc{kind} {group}"
+            for kind, group in {
+                "Block": "Conditional",
+                "Command": "Function",
+                "Comment": "Comment",
+                "Constant": "Constant",
+                "Declaration": "StorageClass",
+                "Frame": "Identifier",
+                "Function": "Function",
+                "Index": "Label",
+                "Number": "Number",
+                "Operator": "Operator",
+                "Option": "Keyword",
+                "String": "String",
+                "Unit": "Type",
+                "Variable": "Identifier",
+            }.items()
+        ),
+        "let b:current_syntax = 'yarc'",
+    ]
+    return "\n".join(lines) + "\n"
+
+
 def text_of(content: dict[str, Any]) -> str:
     """As it stands in the file."""
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 
 
 def main() -> None:
-    """Write both files."""
+    """Write all files."""
     for path, content in ((GRAMMAR, grammar()), (SNIPPETS, snippets())):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text_of(content), encoding="utf-8")
+    VIM.parent.mkdir(parents=True, exist_ok=True)
+    VIM.write_text(vim_syntax(), encoding="utf-8")
 
 
 def _any(names: tuple[str, ...]) -> str:
     return f"(?:{'|'.join(names)})"
+
+
+def _any_in_vim(names: tuple[str, ...]) -> str:
+    return f"%({'|'.join(names)})"
 
 
 def _named(scope: str) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """The Pygments lexer: it knows all words, loses no character, and finds no error in the examples."""
 
+import doctest
 import re
 
 import pytest
@@ -89,3 +90,9 @@ def test_any_text_comes_back_whole(text):
 def test_what_it_does_not_know_is_an_error():
     assert (Error, "#") in kinds("P0010 MOVEJ # 1")
     assert not re.search("Error", str(kinds("P0010 MOVEJ 1")))
+
+
+def test_the_page_of_editors_shows_it():
+    page = HERE.parent / "docs" / "editors.md"
+    failures, tried = doctest.testfile(str(page), module_relative=False)
+    assert (failures, tried) == (0, 4)

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.robot.model import Array
 from yarclang.view import colours
+from yarclang.view.camera import first_view, shown_box
 from yarclang.view.stage import Item, Mark, Stage, Way, moved_by
 
 if TYPE_CHECKING:
@@ -49,7 +50,8 @@ class Picture:
         self._labels: dict[int, Any] = {}
         self._spots: dict[tuple[int, ...], int] = {}
         self._groups: dict[str, list[Any]] = {name: [] for name in GROUPS}
-        self._size = _extent(stage)
+        low, high = shown_box(stage, whole=True)
+        self._size = float(np.linalg.norm(high - low)) / 2.0
         self._joints = [
             self._scene.add_frame(f"/joint_{number}", show_axes=False)
             for number in range(stage.robot.size + 1)
@@ -78,16 +80,19 @@ class Picture:
         for node in self._groups[name]:
             node.visible = is_shown
 
-    def move_to(self, time: float, touching: frozenset[str]) -> None:
-        """Move what the joints move to where it is at a time; bodies that are too near to others get their colour."""
-        times = np.array([time])
+    def move_to(self, time: float) -> None:
+        """Move what the joints move to where it is at a time."""
+        times, chain = np.array([time]), self._stage.robot.chain
         with self._server.atomic():
-            _place(self._joints, moved_by(self._stage.robot.chain, self._stage.track.at(times)[0][0]))
+            _place(self._joints, moved_by(chain, self._stage.track.at(times)[0][0]))
             if self._stage.ghost is not None:
-                _place(self._ghosts, moved_by(self._stage.robot.chain, self._stage.ghost.at(times)[0][0]))
-            for name in touching ^ self._touching:
-                for node, item in self._bodies.get(name, []):
-                    node.color = colours.TOUCHING if name in touching else item.colour
+                _place(self._ghosts, moved_by(chain, self._stage.ghost.at(times)[0][0]))
+
+    def colour_bodies(self, touching: frozenset[str]) -> None:
+        """Give the bodies that are too near to others their colour, and all others theirs."""
+        for name in touching ^ self._touching:
+            for node, item in self._bodies.get(name, []):
+                node.color = colours.TOUCHING if name in touching else item.colour
         self._touching = touching
 
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
@@ -140,13 +145,10 @@ class Picture:
             shadow_opacity=0.0,
         )
         self._groups["grid"].append(grid)
-        low, high = _box(self._stage)
-        middle = (low + high) / 2.0
+        eye, middle = first_view(self._stage)
         camera = self._server.initial_camera
-        camera.look_at = tuple(middle)
-        camera.position = tuple(
-            middle + np.array([0.86, 0.70, 0.42]) * (0.3 + 0.75 * float(np.linalg.norm(high - low)))
-        )
+        camera.look_at = middle
+        camera.position = eye
         camera.up = (0.0, 0.0, 1.0)
 
     def _draw_item(self, number: int, item: Item) -> None:
@@ -263,30 +265,19 @@ def _lines(way: Way) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
 
 
 def _place(nodes: list[Any], poses: Array) -> None:
-    for node, pose in zip(nodes, poses, strict=True):
-        node.position, node.wxyz = _pose(pose)
+    """Move nodes (K) to poses (K, 4, 4); the first one, which no joint moves, stays."""
+    for node, pose, turn in zip(nodes[1:], poses[1:], _quaternions(poses[1:]), strict=True):
+        node.position, node.wxyz = pose[:3, 3], turn
 
 
 def _pose(transform: Array) -> tuple[Array, Array]:
     """Position, and rotation as a quaternion w x y z."""
+    return transform[:3, 3], _quaternions(transform[None])[0]
+
+
+def _quaternions(poses: Array) -> Array:
+    """The rotations of poses (K, 4, 4) as quaternions w x y z (K, 4)."""
     from scipy.spatial.transform import Rotation
 
-    quaternion: Array = Rotation.from_matrix(transform[:3, :3]).as_quat()
-    return transform[:3, 3], np.roll(quaternion, 1)
-
-
-def _box(stage: Stage) -> tuple[Array, Array]:
-    """The least and the largest coordinates (3,) of the robot at its start and of its path."""
-    moved = moved_by(stage.robot.chain, stage.track.at(np.zeros(1))[0][0])
-    points = [stage.way.points, np.zeros((1, 3))]
-    for item in stage.items:
-        if item.kind != "zone":
-            placed = moved[item.joint] @ item.base_from_item
-            points.append(item.solid.vertices @ placed[:3, :3].T + placed[:3, 3])
-    every = np.concatenate(points)
-    return every.min(axis=0), every.max(axis=0)
-
-
-def _extent(stage: Stage) -> float:
-    low, high = _box(stage)
-    return float(np.linalg.norm(high - low)) / 2.0
+    quaternions: Array = np.roll(Rotation.from_matrix(poses[:, :3, :3]).as_quat(), 1, axis=1)
+    return quaternions

@@ -199,10 +199,12 @@ class _Showing:
 
     def _follow(self, *, figures_too: bool) -> None:
         now, stage = self._player.time, self._stage
-        q = stage.track.at(np.array([now]))[0]
-        self._picture.move_to(now, touching(stage.scene, q[0]) if stage.scene is not None else frozenset())
+        self._picture.move_to(now)
         if not figures_too:
             return
+        q = stage.track.at(np.array([now]))[0]
+        if stage.scene is not None:
+            self._picture.colour_bodies(touching(stage.scene, q[0]))
         self._panel.show_time(now)
         self._panel.show_playing(self._player.plays)
         nearest = figures.near_text(stage, near(stage.scene, q)) if stage.scene is not None else None

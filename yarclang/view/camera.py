@@ -1,0 +1,78 @@
+"""From where a stage is seen at first: near, from above, and from the side where least stands before the robot and its path."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.view.stage import Stage, moved_by
+
+_AROUND = 16
+_HEIGHT = 0.40
+"""How far up the eye is, as a share of how far away."""
+_FIRST = np.deg2rad(39.0)
+"""The direction that is taken where nothing stands in the way [rad]."""
+_MOST_POINTS, _MOST_TRIANGLES = 150, 4_000
+
+
+def shown_box(stage: Stage, *, whole: bool) -> tuple[Array, Array]:
+    """The least and the largest coordinates (3,) of the robot at its start and its path, with `whole` of what stands around it too."""
+    points = np.concatenate([stage.way.points, np.zeros((1, 3)), *_corners(stage, around=whole)])
+    return points.min(axis=0), points.max(axis=0)
+
+
+def first_view(stage: Stage) -> tuple[Array, Array]:
+    """Where the eye is, and at what it looks, (3,) each."""
+    low, high = shown_box(stage, whole=False)
+    middle = (low + high) / 2.0
+    away = 0.3 + 1.05 * float(np.linalg.norm(high - low))
+    points = np.concatenate([stage.way.points, *_corners(stage, around=False)])
+    points = points[:: -(-len(points) // _MOST_POINTS)]
+    angles = _FIRST + np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
+    # from the usual side outwards, so that of equally good ones the nearest to it is taken
+    order = np.argsort(
+        np.abs(np.arange(_AROUND) - _AROUND * (np.arange(_AROUND) > _AROUND // 2)), kind="stable"
+    )
+    eyes = [
+        middle + away * np.array([np.cos(angle), np.sin(angle), _HEIGHT]) for angle in angles[order].tolist()
+    ]
+    triangles = _obstacles(stage)
+    return min(eyes, key=lambda eye: hidden(eye, points, triangles)), middle
+
+
+def hidden(eye: Array, points: Array, triangles: Array) -> int:
+    """How many points (P, 3) lie behind triangles (T, 3, 3), seen from an eye (Moeller and Trumbore, 1997)."""
+    rays = points - eye
+    a, b = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normal = np.cross(rays[:, None], b[None])
+    across = np.einsum("ti,pti->pt", a, normal)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        start = eye - triangles[:, 0]
+        u = np.einsum("ti,pti->pt", start, normal) / across
+        side = np.cross(start, a)
+        v = np.einsum("pi,ti->pt", rays, side) / across
+        far = np.einsum("ti,ti->t", b, side) / across
+        through = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (far > 0.0) & (far < 0.999)
+    return int(through.any(axis=1).sum())
+
+
+def _corners(stage: Stage, *, around: bool) -> list[Array]:
+    """The corners of the robot's bodies at the start; with `around` those of obstacles too."""
+    moved = moved_by(stage.robot.chain, stage.track.at(np.zeros(1))[0][0])
+    found = []
+    for item in stage.items:
+        if item.kind in {"robot", "tool"} or (around and item.kind == "obstacle"):
+            placed = moved[item.joint] @ item.base_from_item
+            found.append(item.solid.vertices @ placed[:3, :3].T + placed[:3, 3])
+    return found
+
+
+def _obstacles(stage: Stage) -> Array:
+    """The triangles (T, 3, 3) of what stands around."""
+    found = [np.zeros((0, 3, 3))]
+    for item in stage.items:
+        if item.kind == "obstacle":
+            corners = item.solid.vertices @ item.base_from_item[:3, :3].T + item.base_from_item[:3, 3]
+            found.append(corners[item.solid.faces])
+    every = np.concatenate(found)
+    return every[:: max(-(-len(every) // _MOST_TRIANGLES), 1)]

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "yarclang"
-DOORS = ("cli", "lsp")
+DOORS = ("cli", "lsp", "repl")
 """Folders of the package that talk to the world."""
 SOCKETS = {
     "coordinator/client.py",

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from conftest import HERE
+from conftest import EXAMPLES, HERE
 from programs import planned
 
 from yarclang.pipeline.checking import check_text
@@ -16,7 +16,7 @@ REJECTED = sorted((HERE / "rejected").glob("*.yarc"))
 
 def said(text):
     found = check_text(
-        SourceFile("a.yarc", text), Path(), Options(robot="INDUSTRIAL6"), plans=False
+        SourceFile("a.yarc", text), EXAMPLES, Options(robot="INDUSTRIAL6"), plans=False
     ).diagnostics
     return [(one.span.line, one.code) for one in found]
 
@@ -37,11 +37,43 @@ def said(text):
             [(1, "Y0301")],
         ),
         ("P0010 MOVEK 1\nP0020 MOVEJ 1 2 3 4 5 [5] (deg,s)", [(1, "Y0202"), (2, "Y0401")]),
+        (
+            "{TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEL 0 1174 1276 0 0 0\nP0020 MOVEJ 1 0 0 0 0 0",
+            [(1, "Y0101")],
+        ),
+        (
+            'REPEAT 2\nCELL "cell.toml"\nP0010 MOVEJ AWAY [5] (s)\nEND\nP0020 MOVEJ READY [5] (s)',
+            [(2, "Y0116")],
+        ),
+        (
+            "SUB A\nP0010 MOVEJ 1 0 0 0 0 0 [5] (deg,s)\nP0010 CALL A\nP0020 CALL A",
+            [(1, "Y0113")],
+        ),
         ("DEFAULT [5] (mm,deg)\nP0010 MOVEJ 1 0 0 0 0 0", [(2, "Y0304")]),
     ],
 )
 def test_one_fault(text, expected):
     assert said(text) == expected
+
+
+HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        # what rests on a frame that isn't what was meant isn't spoken of, what doesn't rest on it is
+        (
+            "FRAME {A} x 0 0 0 0 0\nFRAME {C} 0 0 0 0 0 0 {A}\nP0010 MOVEJ_RPY 0 0 0 0 0 0 {C}\nP0020 MOVEJ 400 0 0 0 0 0",
+            [(2, "Y0402"), (5, "Y0502")],
+        ),
+        ("P0010 MOVEJ 10 0 0 0 0 0 [5\nP0020 MOVEJ 20 0 0 0 0 0", [(2, "Y0102")]),
+        ("P0010 MOVEJ 400 0 0 0 0 0\nP0020 MOVEJ 500 0 0 0 0 0", [(2, "Y0502"), (3, "Y0502")]),
+    ],
+)
+def test_what_is_planned(text, expected):
+    found = check_text(SourceFile("a.yarc", HEAD + text), Path(), Options(robot="INDUSTRIAL6")).diagnostics
+    assert [(one.span.line, one.code) for one in found] == expected
 
 
 @pytest.mark.parametrize("path", REJECTED, ids=lambda path: path.stem)

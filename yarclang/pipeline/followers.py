@@ -21,8 +21,18 @@ _LEFT_OUT = frozenset(["Y0302", "Y0304", "Y0406"])
 _UNUSED = frozenset(["Y0215", "Y0216", "Y1011", "Y1012"])
 """Something isn't used; where names are wrong, it may be meant by one of them."""
 
-_ALIKE = frozenset(["Y0304", "Y0309", "Y0417"])
+_ALIKE = frozenset(["Y0302", "Y0304", "Y0309", "Y0406", "Y0417"])
 """One DEFAULT line may be the cause of many."""
+
+_INDICES = frozenset(["Y0201", "Y1201"])
+"""Indices that stand twice, or in another order: each SUB has its own."""
+
+_PLANNED = ("Y05", "Y06", "Y07", "Y08", "Y09", "Y1010")
+"""What depends on where a motion leads; of a place that isn't what was meant, nothing is to be said."""
+
+_GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "JOINTS")
+_WITHOUT_HEAD = "{[("
+"""What begins with one of these and can't be read was meant to be a DEFAULT."""
 
 _MANY = 3
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -32,7 +42,7 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     """The findings without those that follow from an error in another line of the program.
 
     A line with an error explains why names that stand in it aren't known elsewhere; a DEFAULT that can't be read, why units and frames are missing; a
-    block's first line that can't be read, why its END ends nothing. An error is never left out but for another one that stays.
+    block's first line that can't be read, why its END ends nothing; a frame or number that isn't what was meant, why the robot can't go there. An error is never left out but for another one that stays.
     """
     found = tuple(diagnostics)
     causes = {
@@ -46,11 +56,22 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     if not causes and not any(one.code in _UNKNOWN | _ALIKE for one in found):
         return found
     words = {line: _words(source.line(line)) for line in causes}
-    firsts = {line: next(iter(_WORD.findall(code_of(source.line(line)))), "").upper() for line in causes}
-    lost_default = any(_is_like(first, "DEFAULT") for first in firsts.values())
+    firsts = {line: _first(source.line(line)) for line in causes}
+    lost_default = any(
+        _is_like(first, "DEFAULT") or code_of(source.line(line)).lstrip()[:1] in _WITHOUT_HEAD
+        for line, first in firsts.items()
+        if code_of(source.line(line)).strip()
+    )
+    lost_cell = any(
+        _is_like(first, "CELL") or ".TOML" in code_of(source.line(line)).upper()
+        for line, first in firsts.items()
+    )
     lost_heads = [
         line for line, first in firsts.items() if any(_is_like(first, head) for head in BLOCK_HEADS)
     ]
+    open_blocks = [one.span.line for one in found if one.code == "Y0113" and one.span is not None]
+    misplaced = {one.span.line for one in found if one.code == "Y0116" and one.span is not None}
+    doubtful = _doubtful(source, words)
     lost_end = any(first != "END" and _is_like(first, "END") for first in firsts.values())
     no_command = {one.span.line for one in found if one.code == "Y0202" and one.span is not None}
     no_module = any(one.code == "Y0213" for one in found)
@@ -59,6 +80,12 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     def follows(one: Diagnostic) -> bool:
         line = one.span.line if one.span is not None and _is_own(one, source) else 0
         match one.code:
+            case "Y0206" if line in misplaced:
+                return True
+            case code if code in _INDICES:
+                return any(each < line for each in open_blocks)
+            case code if code.startswith(_PLANNED):
+                return _rests_on(one, line, source, doubtful)
             case "Y0105":
                 return line in no_command
             case "Y0208":
@@ -71,6 +98,8 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
                 return lost_default and not _is_like(firsts.get(line, ""), "DEFAULT")
             case code if code in _UNUSED:
                 return lost_name
+            case code if code in _UNKNOWN and lost_cell and line not in misplaced:
+                return firsts.get(line, "") != "CELL"
             case code if code in _UNKNOWN:
                 name = _name(one)
                 told = {word for each, said in words.items() if each < line or not line for word in said}
@@ -84,6 +113,29 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     return _said_once([one for one in found if not follows(one)])
 
 
+def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
+    """The names of declarations with errors, and of those that rest on them; `DEFAULT` if it does."""
+    lost: set[str] = set()
+    heads = {*_GIVES_NAMES, "DEFAULT"}
+    if not any(_first(source.line(line)) in heads for line in words):
+        return frozenset()
+    for number, line in enumerate(source.lines, 1):
+        said = _WORD.findall(code_of(line).upper())
+        if not said or said[0] not in heads:
+            continue
+        if number in words or lost & set(said[1:]):
+            lost |= {said[0]} & {"DEFAULT"} | set(said[1:2] if said[0] in _GIVES_NAMES else ())
+    return frozenset(lost)
+
+
+def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
+    """Whether what a finding says of a motion may come from names that are doubtful; of unrolled code any may."""
+    if not doubtful:
+        return False
+    said = set(_WORD.findall(code_of(source.line(line)).upper())) if line else set()
+    return bool(one.place) or "DEFAULT" in doubtful or bool(said & doubtful)
+
+
 def _is_own(one: Diagnostic, source: SourceFile) -> bool:
     return one.source is not None and one.source.name == source.name
 
@@ -92,8 +144,13 @@ def _is_use(one: Diagnostic, source: SourceFile) -> bool:
     """Whether an unknown name stands in a command: the line declares nothing that others could miss."""
     if one.span is None or not _is_own(one, source):
         return False
-    first = next(iter(_WORD.findall(code_of(source.line(one.span.line)))), "").upper()
-    return first not in DECLARATIONS
+    return _first(source.line(one.span.line)) not in DECLARATIONS
+
+
+def _first(line: str) -> str:
+    """A line's first word in upper case."""
+    found = _WORD.search(code_of(line))
+    return found[0].upper() if found else ""
 
 
 def _words(line: str) -> set[str]:
@@ -119,16 +176,25 @@ def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
         if one.code in _UNKNOWN - {"Y0303"} and (name := _name(one)):
             key = ("unknown", name)
         elif one.code in _ALIKE:
-            key = ("alike", f"{one.code} {one.message if one.code == 'Y0304' else ''}")
+            key = ("alike", one.code)
         else:
             key = ("", str(len(groups)))
         groups.setdefault(key, []).append(one)
     said: list[Diagnostic] = []
     for (kind, _), group in groups.items():
-        if kind == "" or len(group) < (2 if kind == "unknown" else _MANY):
+        in_lines = {one.span.line for one in group if one.span is not None}
+        if kind == "" or len(in_lines if kind == "alike" else group) < (2 if kind == "unknown" else _MANY):
             said += group
             continue
         more = len(group) - 1
         lines = f"{more} more line{'s' * (more != 1)}"
-        said.append(replace(group[0], message=f"{group[0].message}; the same in {lines}"))
+        # another command's name, or another unit, is another message: then it isn't just the same
+        what = _what(group[0])
+        again = f"the same in {lines}" if all(_what(one) == what for one in group) else f"{more} more like it"
+        said.append(replace(group[0], message=f"{group[0].message}; {again}"))
     return tuple(said)
+
+
+def _what(one: Diagnostic) -> str:
+    """What a finding says of what is missing, whichever command it is that misses it; of others nothing counts."""
+    return one.message.partition(" ")[2] if one.code in _LEFT_OUT else ""

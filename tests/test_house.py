@@ -41,7 +41,7 @@ WORLD = {
     "time",
 }
 """Modules that make a result depend on more than its arguments, or talk past the doors."""
-HEAVY = {"lark", "matplotlib", "numpy", "pinocchio", "pydantic", "rich", "scipy"}
+HEAVY = {"lark", "matplotlib", "numpy", "pinocchio", "pydantic", "rich", "scipy", "viser"}
 """Libraries that are imported where they are first used, so that `--help` is quick."""
 
 

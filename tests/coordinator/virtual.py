@@ -120,7 +120,8 @@ class World:
         self.unplugged = False
         self.wires = []
         self.lines = []
-        self._since = asyncio.get_running_loop().time() - self.machine.now
+        self._loop = asyncio.get_running_loop()
+        self._since = self._loop.time() - self.machine.now
 
     async def connect(self, host, port, within):
         if self.unplugged:
@@ -140,7 +141,7 @@ class World:
 
     def catch_up(self):
         """The machine's time is the loop's."""
-        passed = asyncio.get_running_loop().time() - self._since - self.machine.now
+        passed = self._loop.time() - self._since - self.machine.now
         if passed > 0.0:
             self.machine.advance(passed)
 

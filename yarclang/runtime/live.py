@@ -23,7 +23,7 @@ from yarclang.runtime.state import Event
 from yarclang.runtime.streaming import STATUS_EACH
 from yarclang.runtime.watching import look_at_motors, sample
 
-_LATE = 4
+_LATE = 1
 """Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
 
 _LOOK = 0.008

@@ -16,7 +16,7 @@ from yarclang.robot.model import Array, Robot
 WATCHDOG = 0.2
 """Without a message for so long, the robot comes to rest [s]."""
 
-STRIDE = 2
+STRIDE = 3
 """Points that are proved together while the robot moves: what is wanted is looked at as often."""
 
 _FIRST_STRIDE = 12

@@ -27,7 +27,7 @@ from yarclang.units import MS
 SEGMENT = 10.0 * MS
 """TM of live motions [s]."""
 
-_LEAD = 10
+_LEAD = 12
 """Lines ahead beyond I16: what the host may be late by."""
 
 

@@ -5,7 +5,7 @@
 {"velocity": {"J3": 5}}                                 joints move so fast, in deg/s (mm/s)
 {"twist": [0, 0, -50, 0, 0, 0], "axes": "tool"}         the tool moves so, in mm/s and deg/s, along axes of "base" or "tool"
 {"finish": true}                                        come to rest
-{"ok": true, "lag_s": 0.33, "behind": {...}, "why": ""} it is wanted now
+{"ok": true, "lag_s": 0.35, "behind": {...}, "why": ""} it is wanted now
 {"ok": false, "error": "..."}                           it isn't, and why
 """
 

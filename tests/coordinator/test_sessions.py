@@ -1,0 +1,342 @@
+"""Sessions by chance: any order of commands, stops, faults and disconnects, by two clients, against the simulator in virtual time.
+
+What holds for all of them: nothing is streamed that wasn't certified, no joint is ever beyond a limit, and after a stop the robot is at rest within the time that physics
+allows. `YARCLANG_RANDOM_SESSIONS=1000` looks at so many, for a night.
+"""
+
+import asyncio
+import os
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from coordinator.virtual import VirtualLoop, World, coordinating
+from hypothesis import HealthCheck, Phase, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from yarclang.coordinator import engine as engines
+from yarclang.coordinator.live.proof import Judge
+from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
+from yarclang.coordinator.ownership import NotOwner
+from yarclang.pmac.requests import Code
+from yarclang.robot.actuation import from_counts
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.state import State
+
+SESSIONS = int(os.environ.get("YARCLANG_RANDOM_SESSIONS", "20"))
+
+START = [0.0, 10.0, 10.0, 0.0, 40.0, 0.0]
+REPLY = 0.05
+"""A stop is on the wire after the reply that is awaited, at most so much later [s]."""
+
+JOINTS = st.lists(st.integers(-12, 12), min_size=6, max_size=6)
+LINES = st.one_of(
+    JOINTS.map(lambda q: f"MOVEJ {q[0]} {10 + q[1]} {10 + q[2]} {q[3]} {40 + q[4]} {q[5]} [30%] (deg,s)"),
+    JOINTS.map(lambda q: f"DMOVEJ {' '.join(map(str, q))} [1] (deg,s)"),
+    st.tuples(st.integers(-40, 40), st.integers(-40, 40)).map(
+        lambda d: f"DMOVE {{TCP}} {d[0]} 0 {d[1]} 0 0 0 [50%] (mm,deg,s) {{B}}"
+    ),
+    st.sampled_from(
+        [
+            "JOINTS READY 0 10 10 0 40 0 (deg)",
+            "MOVEJ READY [40%] (s)",
+            "OUTPUT GRIP M1 OFF",
+            "SET GRIP ON",
+            "WAIT [0.2] (s)",
+            "HOLD",
+            "MOVEJ 400 0 0 0 0 0 [1] (deg,s)",
+            "nonsense",
+        ]
+    ),
+)
+SPEEDS = st.lists(st.floats(-0.6, 0.6), min_size=6, max_size=6)
+
+
+@contextmanager
+def certified_lines():
+    """All lines of certified programs that are performed, and all that the judge of live motions admits."""
+    known = set()
+    perform, perform_live, admit = engines.perform, engines.perform_live, Judge.admit
+
+    def performing(operation, job):
+        assert job.certificate
+        known.update(job.lines)
+        for leg in job.legs:
+            known.update(leg.job.lines if leg.job else ())
+        return perform(operation, job)
+
+    def performing_live(operation, live):
+        assert not any(
+            line.startswith("X") for line in live.opening[4:]
+        )  # one place, where it stands already
+        known.update(live.opening)
+        return perform_live(operation, live)
+
+    def admitting(self, lines):
+        known.update(lines)
+        admit(self, lines)
+
+    engines.perform, engines.perform_live, Judge.admit = performing, performing_live, admitting
+    try:
+        yield known
+    finally:
+        engines.perform, engines.perform_live, Judge.admit = perform, perform_live, admit
+
+
+class Sessions(RuleBasedStateMachine):
+    """Two clients of one coordinator."""
+
+    def __init__(self):
+        super().__init__()
+        self.loop = VirtualLoop()
+        asyncio.set_event_loop(self.loop)
+        self.going = None
+        self.drive = None
+        self.known_context = certified_lines()
+        self.known = self.known_context.__enter__()
+
+    @initialize()
+    def begin(self):
+        self.do(self._begin())
+
+    async def _begin(self):
+        self.world = World(joints=START, record=True)
+        self.context = coordinating(world=self.world)
+        _, self.coordinator, self.client = await self.context.__aenter__()
+        self.other = self.coordinator.attach("other")
+
+    def teardown(self):
+        try:
+            self.do(self._end())
+            self.judge()
+        finally:
+            self.known_context.__exit__(None, None, None)
+            self.loop.run_until_complete(self.loop.shutdown_asyncgens())
+            self.loop.close()
+
+    async def _end(self):
+        if hasattr(self, "context"):
+            self.world.plug()
+            self.client.stop()
+            await self.context.__aexit__(None, None, None)
+            pending = [one for one in (self.going, *self.driving) if one is not None]
+            await asyncio.gather(*pending, return_exceptions=True)
+            assert not self.world.moving
+
+    @property
+    def driving(self):
+        return [asyncio.ensure_future(self.drive.ended())] if self.drive else []
+
+    def do(self, coroutine):
+        return self.loop.run_until_complete(coroutine)
+
+    def wait(self, seconds):
+        self.do(asyncio.sleep(seconds))
+
+    @property
+    def busy(self):
+        return bool(self.coordinator.under_way)
+
+    @property
+    def state(self):
+        return self.coordinator.state
+
+    # what people do
+
+    @rule(text=LINES, wait=st.sampled_from([0.0, 0.02, 0.1, 0.5, 3.0]))
+    def line(self, text, wait):
+        async def go():
+            try:
+                made = await self.client.offer(text)
+                if made.value is not None:
+                    return await self.client.go(made.value)
+            except Trouble as trouble:
+                return trouble
+
+        if self.going is None or self.going.done():
+            self.going = self.loop.create_task(go())
+            self.wait(wait)
+        else:
+            assert isinstance(self.do(go()), Trouble | type(None)) or not self.busy
+
+    @precondition(lambda self: not self.busy and self.coordinator.history.end is not None)
+    @rule(wait=st.sampled_from([0.02, 0.3, 2.0]))
+    def back(self, wait):
+        async def go():
+            try:
+                made = await self.client.offer_back()
+                return made.value and await self.client.go(made.value)
+            except Trouble as trouble:
+                return trouble
+
+        if self.going is None or self.going.done():
+            self.going = self.loop.create_task(go())
+            self.wait(wait)
+
+    @precondition(lambda self: not self.busy and self.state is State.STOP)
+    @rule(joints=JOINTS, wait=st.sampled_from([0.02, 0.1, 0.5]))
+    def motion(self, joints, wait):
+        self.line(
+            f"MOVEJ {joints[0]} {10 + joints[1]} {10 + joints[2]} 0 {40 + joints[4]} {joints[5]} [40%] (deg,s)",
+            wait,
+        )
+
+    @rule(kind=st.sampled_from(["joints", "base", "tool", "master"]), values=SPEEDS)
+    def jog(self, kind, values):
+        values = np.array(values)
+        targets = {
+            "joints": JointVelocity(values),
+            "base": Twist(values[:3] * 0.4, values[3:]),
+            "tool": Twist(values[:3] * 0.4, values[3:], "tool"),
+            "master": Master(np.deg2rad(START) + values, np.zeros(6)),
+        }
+
+        async def begin():
+            try:
+                if self.drive is not None and self.drive.alive:
+                    self.drive.want(targets[kind])
+                else:
+                    made = await self.client.drive(targets[kind])
+                    self.drive = made.value or self.drive
+                await asyncio.sleep(0.15)
+                if self.drive is not None and self.drive.alive:
+                    self.drive.want(targets[kind])
+            except Trouble:
+                pass
+            await asyncio.sleep(0.1)
+
+        self.do(begin())
+
+    @precondition(lambda self: self.drive is not None and self.drive.alive)
+    @rule()
+    def finish(self):
+        self.drive.finish()
+        self.wait(0.2)
+
+    @precondition(lambda self: self.busy)
+    @rule(who=st.sampled_from(["client", "other"]))
+    def stop(self, who):
+        getattr(self, who).stop()
+        self.rests_within(self.world.robot.controller.hold_time + REPLY)
+
+    @precondition(lambda self: self.busy)
+    @rule(who=st.sampled_from(["client", "other"]))
+    def abort(self, who):
+        getattr(self, who).abort()
+        limits = self.world.robot.limits
+        self.rests_within(2.0 * float((limits.velocity / limits.stop_acceleration).max()) + REPLY)
+
+    def rests_within(self, seconds):
+        """It was connected: else the guard PLC rests it, later."""
+        if not self.world.unplugged and self.state is not State.DISCONNECTED and self.connected:
+            self.do(self.world.until(lambda: not self.world.moving, within=seconds + 0.01, each=0.002))
+
+    @precondition(lambda self: self.busy)
+    @rule()
+    def hold(self):
+        self.other.hold()
+        self.wait(0.3)
+
+    @precondition(lambda self: self.busy)
+    @rule(wait=st.sampled_from([0.0, 0.3]))
+    def resume(self, wait):
+        self.client.resume()
+        self.wait(wait)
+
+    @rule(percent=st.sampled_from([20.0, 60.0, 100.0]))
+    def override(self, percent):
+        self.client.override(percent)
+        self.wait(0.05)
+
+    @rule(seconds=st.sampled_from([0.01, 0.2, 1.0, 4.0]))
+    def time_passes(self, seconds):
+        self.wait(seconds)
+
+    # what others do, and what happens
+
+    @rule(what=st.sampled_from(["go", "drive", "own", "override", "resume"]))
+    def the_other_wants_to_move_it(self, what):
+        async def wanted():
+            match what:
+                case "go":
+                    made = await self.other.offer("LET A1 = 1")
+                    await self.other.go(made.value)
+                case "drive":
+                    await self.other.drive(JointVelocity(np.ones(6) * 0.1))
+                case "own":
+                    self.other.own()
+                case "override":
+                    self.other.override(50.0)
+                case "resume":
+                    self.other.resume()
+
+        with pytest.raises(Trouble) as refused:
+            self.do(wanted())
+        # to plan is for everybody, but not while it moves
+        assert isinstance(refused.value, NotOwner) or what == "go"
+
+    @rule(seconds=st.sampled_from([0.05, 1.5, 4.0]))
+    def unplug(self, seconds):
+        self.world.unplug()
+        self.connected = False
+        self.wait(seconds)
+        self.world.plug()
+        self.wait(12.0)
+        assert not self.world.moving or self.busy
+        self.connected = True
+
+    connected = True
+
+    @precondition(lambda self: self.state is not State.FAULT)
+    @rule(motor=st.integers(1, 6))
+    def fault(self, motor):
+        """A motor is killed: the controller stops what runs."""
+        self.world.catch_up()
+        self.world.machine.command(f"#{motor}K", 9)
+        self.wait(0.5)
+
+    @precondition(lambda self: self.state is State.FAULT and not self.busy)
+    @rule()
+    def clear(self):
+        for motor in range(1, 7):
+            self.world.machine.command(f"#{motor}J/", 9)
+        try:
+            self.do(self.client.clear())
+        except Trouble:
+            return
+        assert self.state is State.STOP
+
+    @invariant()
+    def nothing_moves_but_what_is_under_way(self):
+        if hasattr(self, "world") and not self.busy and self.connected:
+            assert not self.world.moving
+
+    # what was streamed, and where the robot has been
+
+    def judge(self):
+        if not hasattr(self, "world"):
+            return
+        for _, code, text in self.world.lines:
+            if code != Code.WRITEBUFFER:
+                continue
+            for line in text.strip("\0").split("\0"):
+                assert line in self.known or line == "P8100=0", line
+        robot, machine = self.world.robot, self.world.machine
+        times = np.arange(0.0, machine.now, 0.01)
+        q = from_counts(robot, machine.positions(times, robot.controller.motors))
+        assert (q >= robot.limits.lower - 1e-6).all()
+        assert (q <= robot.limits.upper + 1e-6).all()
+        rate = np.abs(np.diff(q, axis=0)) / 0.01
+        assert (rate <= robot.limits.velocity * 1.001).all(), rate.max(axis=0)
+
+
+Sessions.TestCase.settings = settings(
+    max_examples=SESSIONS,
+    stateful_step_count=24,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+    print_blob=True,
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),  # to shrink a session takes longer than to read it
+)
+TestSessions = Sessions.TestCase

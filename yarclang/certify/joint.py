@@ -63,10 +63,10 @@ def straight_deviations(
     norm = np.einsum("ni,ni->n", way, way)
     norm[norm == 0.0] = np.inf
     s = np.einsum("ni,ni->n", (control - start[owner]) * weights, way[owner]) / norm[owner]
-    lift = 2.0 * owner
     s = np.clip(s, 0.0, 1.0)
     s[last[~free[:, 1]]] = 1.0
-    s = np.maximum.accumulate(s + lift) - lift
+    for begin, stop in zip(first.tolist(), (last + 1).tolist(), strict=True):
+        np.maximum.accumulate(s[begin:stop], out=s[begin:stop])
     residual = np.abs(control - start[owner] - s[:, None] * (lines.goal - start)[owner])
     covered = np.tile([0.0, 1.0], (len(first), 1))
     joined, left = np.flatnonzero(free[:, 0]), np.flatnonzero(free[:, 1])

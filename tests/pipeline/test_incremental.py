@@ -1,0 +1,177 @@
+"""Looking again at a program that was edited says what a fresh look says, to the last bit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.incremental import Analyst
+from yarclang.pipeline.inputs import Options
+from yarclang.source import SourceFile
+
+OPENING = (
+    "ROBOT INDUSTRIAL6",
+    "USE SHIFTS",
+    'CELL "cell.toml"',
+    "OUTPUT LAMP M1 OFF",
+    "INPUT DOOR M11",
+    "DEFAULT {TCP} [50%] (mm,deg,s) {B}",
+    "FRAME {TABLE} 0 1100 1100 0 0 0",
+    "JOINTS PARK 0 -10 -40 0 50 0",
+    "LET STEP = 20 (mm)",
+    "SUB DRILL DEPTH (mm)",
+    "  P0005 DMOVE 0 0 $DEPTH 0 0 0",
+    "  P0006 DMOVE 0 0 $(-DEPTH) 0 0 0",
+    "END",
+    "P0007 MOVEJ 0 -6.2 -46.5 0 52.7 0 [MIN]",
+)
+CELL = """units = "mm,deg,s"
+[[obstacles]]
+name = "POST"
+shape = "box"
+frame = "B"
+xyz = [900, -700, 0]
+size = [100, 100, {height}]
+[[zones]]
+name = "SLOW"
+rule = "slow"
+speed = 150
+shape = "half-space"
+frame = "B"
+normal = [0, 0, 1]
+xyz = [0, 0, 1150]
+"""
+MODULE = "SUB AWAY D (mm)\n  P0010 DMOVE {TCP} 0 0 $D 0 0 0 [1] (mm,deg,s) {B}\nEND\n"
+
+number = st.integers(-30, 30)
+time = st.sampled_from(["", "", "[2]", "[3.3]", "[MIN]"])
+profile = st.sampled_from(["", "_LSPB", "_POLY5", "_SCURVE"])
+blend = st.sampled_from(["", "", "BLEND 3"])
+commands = st.one_of(
+    st.builds(
+        "MOVEJ{} {} -6 {} 0 52 {} {} {}".format, profile, number, st.integers(-60, -30), number, time, blend
+    ),
+    st.builds(
+        "MOVEJ_RPY{} {} 1150 {} 0 0 0 {} {}".format, profile, number, st.integers(1100, 1200), time, blend
+    ),
+    st.builds("MOVEL{} {} {} {} 0 0 0 {} {{TABLE}}{}".format, profile, number, number, number, time, blend),
+    st.builds("MOVEC {0} 1160 1150 0 0 0; {1} 1130 1170 0 0 0 {2}".format, number, number, time),
+    st.builds("MOVEL_SPLINE {0} 1150 1150 0 0 0; {1} 1130 1170 0 0 0 {2}".format, number, number, time),
+    st.builds("MOVEJ_SPLINE PARK; {} 0 -40 0 50 0 {}".format, number, time),
+    st.builds("DMOVE 0 0 {} 0 0 {} {{TCP}} {}".format, number, number, blend),
+    st.builds("DMOVEJ {} 0 0 0 0 0".format, number),
+    st.builds("CALL DRILL {}".format, number),
+    st.builds("CALL SHIFTS.AWAY {}".format, number),
+    st.sampled_from(["SET LAMP ON", "WAIT [1]", "HOLD", "MOVEJ PARK", "MOVEL 0 1200 1100 0 0 0 [V 50]"]),
+)
+blocks = st.one_of(
+    st.builds("REPEAT I {}\n  P0700 DMOVE 0 $(I*STEP/10) 3 0 0 0\nEND".format, st.integers(0, 3)),
+    st.just("WHEN DOOR ON\n  P0710 HOLD\nELSE\n  P0720 WAIT [1]\nEND"),
+    st.builds("IF STEP > {}\n  P0730 MOVEJ PARK\nEND".format, number),
+    st.just("! a remark"),
+    st.builds("LET STEP = {} (mm)".format, number),
+    st.builds("FRAME {{TABLE}} 0 {} 1100 0 0 0".format, st.integers(1080, 1120)),
+    st.just("DEFAULT {TCP} [40%] (mm,deg,s) {B}"),
+)
+wrong = st.sampled_from(
+    [
+        "MOVEJ NOWHERE",
+        "MOVEL 1 2 3",
+        "MOVEL 5000 0 0 0 0 0",
+        "MOVEJ PARK [0.05]",
+        "MOVEJ PARK BLEND 400",
+        "MOVEJ (",
+        "STOP",
+        "WAIT [2",
+    ]
+)
+lines = st.integers(0, 40).flatmap(
+    lambda chance: wrong if chance == 7 else blocks if chance > 34 else commands
+)
+edits = st.tuples(
+    st.sampled_from(["put", "put", "insert", "take", "swap", "default", "frame"]), st.integers(0, 40), lines
+)
+
+
+def text_of(body, opening):
+    """A program whose commands have indices in order."""
+    rows = list(opening)
+    for place, line in enumerate(body, 1):
+        is_command = line[:1].isalpha() and line.split()[0] not in (
+            "REPEAT",
+            "WHEN",
+            "IF",
+            "LET",
+            "FRAME",
+            "DEFAULT",
+            "P0",
+        )
+        rows.append(f"P{place * 10:04} {line}" if is_command else line)
+    return "\n".join([*rows, ""])
+
+
+def edited(body, opening, edit):
+    """The program after an edit."""
+    kind, place, line = edit
+    body, opening = list(body), list(opening)
+    place %= max(1, len(body))
+    match kind:
+        case "put" if body:
+            body[place] = line
+        case "take" if body:
+            del body[place]
+        case "swap" if body:
+            body[place], body[0] = body[0], body[place]
+        case "default":
+            opening[5] = "DEFAULT {TCP} [45%] (mm,deg,s) {B}"
+        case "frame":
+            opening[6] = f"FRAME {{TABLE}} 0 {1090 + place} 1100 0 0 0"
+        case _:
+            body.insert(place, line)
+    return body, opening
+
+
+def assert_same(analysis, checked):
+    """What was remembered is what comes out afresh."""
+    assert analysis.diagnostics == checked.diagnostics
+    assert (analysis.plan is None) == (checked.plan is None)
+    if checked.plan is not None:
+        assert len(analysis.plan.motions) == len(checked.plan.motions)
+        for one, other in zip(analysis.plan.motions, checked.plan.motions, strict=True):
+            assert one.step == other.step
+            assert one.curve.segment == other.curve.segment
+            assert np.array_equal(one.curve.points, other.curve.points)
+            assert np.array_equal(one.law, other.law)
+    assert (analysis.certificate is None) == (checked.compiled is None)
+    if checked.compiled is not None:
+        for one, other in zip(
+            analysis.certificate.commands, checked.compiled.certificate.commands, strict=True
+        ):
+            assert repr(one) == repr(other)
+        assert analysis.checked.compiled.text == checked.compiled.text
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a module and a cell."""
+    folder = tmp_path_factory.mktemp("edited")
+    (folder / "shifts.yarc").write_text(MODULE)
+    (folder / "cell.toml").write_text(CELL.format(height=500))
+    return folder
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@given(body=st.lists(lines, min_size=1, max_size=5), sequence=st.lists(edits, min_size=1, max_size=4))
+def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
+    analyst, opening = Analyst(), OPENING
+    for edit in [None, *sequence]:
+        if edit is not None:
+            body, opening = edited(body, opening, edit)
+        source = SourceFile(str(folder / "a.yarc"), text_of(body, opening))
+        assert analyst.analyse(source, folder, quick=True).diagnostics == (
+            check_text(source, folder, Options(), plans=False).diagnostics
+        )
+        assert_same(analyst.analyse(source, folder), check_text(source, folder, Options()))

@@ -68,6 +68,11 @@ HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
             [(2, "Y0402"), (5, "Y0502")],
         ),
         ("P0010 MOVEJ 10 0 0 0 0 0 [5\nP0020 MOVEJ 20 0 0 0 0 0", [(2, "Y0102")]),
+        # a law without a cruise is told although it isn't known from where the motion goes
+        (
+            "P0010 MOVEJ_RPY 0 2174 1376 0 0 0\nP0020 MOVEL_POLY5 0 1174 1276 0 0 0 [V 25]",
+            [(2, "Y0501"), (3, "Y0407")],
+        ),
         ("P0010 MOVEJ 400 0 0 0 0 0\nP0020 MOVEJ 500 0 0 0 0 0", [(2, "Y0502"), (3, "Y0502")]),
     ],
 )

@@ -84,6 +84,26 @@ def test_a_rule_is_silent_at_a_command_with_an_error(tmp_path):
     assert [one.code for one in found(text, tmp_path)] == ["Y0206", "Y0603"]
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("P0010 MOVEJ HOME [5] (s)", True),
+        ("P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)", True),
+        (
+            "DEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0\nP0020 MOVEL 0 1174.4 1176 0 0 0",
+            True,
+        ),
+        ("P0010 DMOVE {TCP} 0 0 0 0 0 0 [5] (mm,deg,s) {B}", True),
+        ("P0010 MOVEJ 0.001 0 0 0 0 0 [5] (deg,s)", False),
+        ("P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ HOME [5] (s)", False),
+        ("P0010 WAIT [5] (s)", False),
+    ],
+)
+def test_motions_that_go_nowhere(text, expected, tmp_path):
+    """Y0603 is found by the planner itself, and has its examples here."""
+    assert ("Y0603" in {one.code for one in found(text, tmp_path)}) == expected
+
+
 def test_modules_keep_what_they_declare(tmp_path):
     text = "LET DEPTH = 5 (mm)\nSUB LIFT\n  P0010 DMOVE {TCP} 0 0 5 0 0 0 [2] (mm,deg,s) {B}\nEND\n"
     assert not [one for one in found(text, tmp_path) if one.code in {"Y0215", "Y0216"}]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result
-from yarclang.hir import Gap, Motion, Program, Stop
+from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Stop
 from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.motion import messages
@@ -81,6 +81,8 @@ def plan_in_part(
             found[number] += findings.found
             if link is not None:
                 links[number] = link
+        elif isinstance(step, Motion):
+            found[number] += _known_without_a_way(step)
         if isinstance(step, Motion):
             flows = step.blend is not None
     motions: list[PlannedMotion] = []
@@ -112,6 +114,16 @@ def plan_in_part(
         and not any(one.is_error for one in everything)
     )
     return MotionPlan(program, robot, tuple(motions)), complete, everything
+
+
+def _known_without_a_way(step: Motion) -> list[Diagnostic]:
+    """What is wrong with a motion whose start or end isn't known: told now, and not once that is mended."""
+    findings = Collector(step.origin.source)
+    findings.place = step.origin.place
+    leads_frame = isinstance(step, LineMove | ArcMove | PoseSplineMove)
+    if leads_frame and step.timing.speed is not None and not load_profile(step.profile).has_cruise:
+        findings.add(*messages.no_cruise(step))
+    return findings.found
 
 
 @dataclass(slots=True)

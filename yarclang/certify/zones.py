@@ -19,6 +19,7 @@ from yarclang.collision.course import Course
 from yarclang.collision.proof import KNOWN
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.breach import Beyond, beyond
+from yarclang.collision.zones.moved import Whole
 from yarclang.collision.zones.proof import kept
 from yarclang.collision.zones.speed import fastest_inside
 from yarclang.collision.zones.watched import Moving, tool_frame
@@ -152,11 +153,12 @@ class _Judge:
 
     def _speeds(self) -> list[ZoneSpeed | None]:
         worst: list[ZoneSpeed | None] = [None] * len(self.places)
+        whole = Whole(self.scene, self.course, self.spans)
         for watch in self.watches:
             limit = watch.zone.speed
             if watch.zone.rule != "slow" or limit is None:
                 continue
-            found = fastest_inside(self.scene, self.course, self.spans, watch)
+            found = fastest_inside(self.scene, self.course, self.spans, watch, whole=whole)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
                 had = worst[row]

@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.cell.model import Cell
 from yarclang.collision.course import Course
 from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.zones.moved import Whole
 from yarclang.collision.zones.speed import fastest_inside, may_enter
 from yarclang.collision.zones.watched import Moving, tool_frame
 from yarclang.collision.zones.workspace import SLACK, Watch, watches_of
@@ -54,6 +55,7 @@ class SlowZones:
             return
         course = _in_knots(points)
         span = np.array([[0, len(course.x)]])
+        whole = Whole(self.scene, course, span)
         for watch in self.watches:
             limit = (watch.zone.speed or 0.0) * (1.0 - HEADROOM)
             found = fastest_inside(
@@ -62,12 +64,15 @@ class SlowZones:
                 span,
                 watch,
                 least=limit * segment,
+                whole=whole,
                 beyond=_LARGER,
                 stops=stops,
                 sharp=_SHARP,
             )
             if found.segment[0] >= 0:
-                yield float(found.speed[0]) / limit, int(found.segment[0]) + 1, watch
+                # what asks for less doesn't matter any more
+                segment = float(found.speed[0]) / limit
+                yield segment, int(found.segment[0]) + 1, watch
                 if stops:
                     return
 

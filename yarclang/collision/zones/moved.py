@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.collision.course import Course
 from yarclang.collision.placing import place
@@ -236,6 +238,19 @@ class Ends:
         posed = self.arm.of(item)
         begins, stops = (self.begins, self.stops) if rows is None else (self.begins[rows], self.stops[rows])
         return posed.take(begins), posed.take(stops)
+
+
+class Whole:
+    """The arm at the ends of all segments of motions, calculated when it is first asked for, and once for all items."""
+
+    def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
+        self.scene, self.course = scene, course
+        self.pieces = Pieces.whole(course, int(spans[0, 0]), int(spans[-1, 1]))
+
+    @cached_property
+    def ends(self) -> Ends:
+        """With their rates."""
+        return Ends(self.scene, self.course, self.pieces, moving=True)
 
 
 _SAME = 1e-10

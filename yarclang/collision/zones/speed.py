@@ -16,7 +16,7 @@ from yarclang.cell.model import JointWindow
 from yarclang.collision.course import Course
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import least_outside, roughly_outside
-from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
+from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, Whole, joints, rates
 from yarclang.collision.zones.regions import outside
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
@@ -51,6 +51,7 @@ def fastest_inside(
     beyond: float = 0.0,
     stops: bool = False,
     sharp: float = SHARP,
+    whole: Whole | None = None,
 ) -> Fastest:
     """How fast an item goes at most in a slow zone.
 
@@ -61,10 +62,12 @@ def fastest_inside(
         watch: the zone and the item; its margin counts as inside.
         least: speeds up to this one don't matter: they may be told as none, or as this one [m/s].
         beyond: the zone is larger by this [m].
+        whole: the arm along these motions, where several watches are asked.
         sharp: to within which share of it the largest speed is told.
         stops: where all motions are known to be faster than `least`, how much faster doesn't matter, and only some speed that they have is told.
     """
-    return _Search(scene, course, spans, watch, (least, beyond, sharp), stops=stops).made()
+    shared = whole or Whole(scene, course, spans)
+    return _Search(shared, spans, watch, (least, beyond, sharp), stops=stops).made()
 
 
 def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Sequence[Watch]) -> Flags:
@@ -104,8 +107,7 @@ class _Search:
 
     def __init__(
         self,
-        scene: Scene,
-        course: Course,
+        whole: Whole,
         spans: NDArray[np.int64],
         watch: Watch,
         amounts: tuple[float, float, float],
@@ -114,11 +116,11 @@ class _Search:
     ) -> None:
         least, beyond, self.sharp = amounts
         assert watch.item is not None
-        self.scene, self.course, self.watch = scene, course, watch
+        self.scene, self.course, self.watch, self.whole = whole.scene, whole.course, watch, whole
         self.item: Item = watch.item
-        self.bounds: Rates = rates(scene.chain, course, self.item)
+        self.bounds: Rates = rates(self.scene.chain, self.course, self.item)
         self.motion = np.searchsorted(spans[:, 1], np.arange(int(spans[-1, 1])), side="right")
-        self.pieces = Pieces.whole(course, int(spans[0, 0]), int(spans[-1, 1]))
+        self.pieces = whole.pieces
         self.margin = watch.zone.margin + beyond
         self.least, self.stops = least, stops
         self.best = np.full(len(spans), least)
@@ -127,13 +129,12 @@ class _Search:
 
     def made(self) -> Fastest:
         """Halve until all is settled."""
-        ends: tuple[Posed, Posed] | None = None
         # no point of it can be faster, wherever the arm is; nor where it is far away
-        pieces = self.pieces.take(np.flatnonzero(self.bounds.first[self.pieces.segment] > self.least))
-        if len(pieces.segment):
-            pieces = pieces.take(np.flatnonzero(~self._surely_far(pieces)))
-        if len(pieces.segment):
-            ends = Ends(self.scene, self.course, pieces, moving=True).of(self.item)
+        (rows,) = np.nonzero(self.bounds.first[self.pieces.segment] > self.least)
+        if len(rows):
+            rows = rows[~self._surely_far()[rows]]
+        pieces = self.pieces.take(rows)
+        ends = self.whole.ends.of(self.item, rows) if len(rows) else None
         while ends is not None:
             pieces, ends = self._look(pieces, ends)
             if self.stops and (self.segment >= 0).all():
@@ -170,12 +171,12 @@ class _Search:
         begin, half, end = (arm.take(left) for arm in arms)
         return pieces.take(left).halves(), (begin.beside(half), half.beside(end))
 
-    def _surely_far(self, pieces: Pieces) -> Flags:
+    def _surely_far(self) -> Flags:
         """Which whole segments are outside of the zone, from balls."""
-        region = self.watch.zone.region
+        region, pieces = self.watch.zone.region, self.pieces
         if isinstance(region, JointWindow):
             return np.zeros(len(pieces.segment), dtype=np.bool_)
-        ends = Ends(self.scene, self.course, pieces)
+        ends = self.whole.ends
         far = outside(region, ends.arm.of(self.item).point(self.item.middle))
         way = self.bounds.first[pieces.segment] * pieces.end
         apart: Flags = (far[ends.begins] + far[ends.stops] - way) / 2.0 - self.item.bound > self.margin

@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
-from programs import codes, compiled, planned
+from programs import codes, compiled
 
 import yarclang
 from yarclang.commands.registry import commands
@@ -27,8 +27,6 @@ _BLOCK = re.compile(r"^```yarc *(?P<info>[^\n]*)\n(?P<program>.*?)^```$", re.DOT
 _TOML = re.compile(r"^```toml (?P<name>\S+)\n(?P<content>.*?)^```$", re.DOTALL | re.MULTILINE)
 _LABEL = re.compile(r"(error|warning|note) (Y\d{4})")
 _CODES = re.compile(r"(?<=<!-- codes -->\n).*?(?=<!-- /codes -->)", re.DOTALL)
-_NOT_YET = re.compile(r"(?<=<!-- not-yet -->\n).*?(?=<!-- /not-yet -->)", re.DOTALL)
-_NOT_YET_ROW = re.compile(r"^\| `(?P<line>.*?)` \| (?P<code>Y\d{4}) \|", re.MULTILINE)
 _LINK = re.compile(r"\]\(#([^)]+)\)")
 _HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 
@@ -40,14 +38,6 @@ BLOCKS = [
 
 def robot_of(program: str) -> str:
     return (declared_robot(yarclang.parse(program).value) or ("INDUSTRIAL6", None))[0]
-
-
-def answer(line: str) -> str:
-    """The one code that a line of section 8 is answered with."""
-    command = "" if line.startswith("P0") else "\nP0020 STOP"
-    found = codes(planned(f"DEFAULT {{TCP}} [20] (mm,deg,s) {{B}}\n{line}{command}")[1])
-    (code,) = found
-    return code
 
 
 def table_of_codes() -> str:
@@ -106,18 +96,6 @@ def test_table_of_codes_is_the_catalogue(rewrite_golden):
     if rewrite_golden:
         shown = rewritten(_CODES, table_of_codes())
     assert shown == table_of_codes()
-
-
-def test_what_is_not_carried_out_is_answered_as_it_says(rewrite_golden):
-    (shown,) = _NOT_YET.findall(TEXT)
-    today = _NOT_YET_ROW.sub(
-        lambda row: row[0].replace(f"| {row['code']} |", f"| {answer(row['line'])} |"), shown
-    )
-    if rewrite_golden:
-        shown = rewritten(_NOT_YET, today)
-    assert 0 < len(_NOT_YET_ROW.findall(shown)) == len(shown.splitlines())
-    assert all(CATALOGUE[code].severity == "error" for _, code in _NOT_YET_ROW.findall(shown))
-    assert shown == today
 
 
 def test_every_code_that_is_named_exists():

@@ -7,8 +7,8 @@ import numpy as np
 from yarclang.robot.model import Array
 from yarclang.view.stage import Way
 
-ANGLE = 0.012
-"""How far beside the mouse something may be to be meant [rad]: some 10 pixels."""
+ANGLE = 0.02
+"""How far beside the mouse something may be to be meant [rad]: some 12 pixels."""
 
 
 def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:

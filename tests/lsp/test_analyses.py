@@ -4,9 +4,12 @@ import asyncio
 import threading
 from collections.abc import Callable
 
+from yarclang.diagnostics import Diagnostic
 from yarclang.lsp.analyses import Analyses, Analysis
+from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
+from yarclang.pipeline.inputs import Options
 
 SOON = 10.0
 
@@ -17,7 +20,11 @@ class Slow:
     def __init__(self) -> None:
         self.done: list[tuple[str, int, bool]] = []
         self.begun = threading.Event()
+        self.told_at_once: tuple[Diagnostic, ...] | None = None
         self.go_on = threading.Event()
+
+    def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
+        return self.told_at_once
 
     def check(self, document: Document, plans: bool, is_stale: Callable[[], bool]) -> Checked | None:
         if plans:
@@ -74,6 +81,23 @@ def test_what_needs_no_planning_is_there_while_motions_are_planned():
         assert [one.is_whole for one in arrived] == [False, True]
 
     run(work)
+
+
+def test_syntax_errors_of_long_texts_are_told_at_once():
+    """They come first, with what was said of other lines, and nobody takes them for all that is to be said."""
+
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        checks.told_at_once = (Diagnostic("Y0101", "what is this?"),)
+        checks.go_on.set()
+        analyses.put(Document("a", 1, ""))
+        assert (await analyses.whole("a", None)).checked.diagnostics == ()
+        assert [[one.code for one in each.shown] for each in arrived] == [["Y0101"], [], []]
+
+    run(work)
+    long = Document("file:///a.yarc", 1, "P0010 MOVJE [\n" * 3_000)
+    checks = Checks(Options())
+    assert {one.code[:3] for one in checks.syntax(long)} == {"Y01"}
+    assert checks.syntax(Document("file:///a.yarc", 1, "P0010 [\n")) is None
 
 
 def test_of_several_texts_the_one_that_was_touched_last_comes_first():

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.lsp.carried import Planned, carried, planned_alone
-from yarclang.lsp.checks import Checks
+from yarclang.lsp.checks import SYNTAX, Checks
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 
@@ -147,6 +147,9 @@ class Analyses:
         def is_stale() -> bool:
             return self._desks.get(uri) is not desk or desk.generation != generation
 
+        syntax = await loop.run_in_executor(self._pool, self._checks.syntax, document)
+        if syntax is not None and not is_stale():
+            self._arrived(_of_syntax(desk, document, generation, syntax))
         for plans in (False, True):
             if is_stale():
                 return
@@ -179,3 +182,13 @@ class Analyses:
             found = replace(found, carried=tuple(carried(desk.planned, source)))
         desk.analysis = found
         desk.some.set()
+
+
+def _of_syntax(desk: _Desk, document: Document, generation: int, found: tuple[Diagnostic, ...]) -> Analysis:
+    """Syntax errors of a long text, with what else was said of unchanged lines: told at once, and kept by nobody."""
+    rest: tuple[Diagnostic, ...] = ()
+    if desk.analysis is not None:
+        others = [one for one in desk.analysis.shown if one.code[:3] != SYNTAX]
+        before = planned_alone(desk.analysis.document.source, others, ())
+        rest = tuple(carried(before, document.source))
+    return Analysis(document, generation, Checked(found), is_whole=False, carried=rest)

@@ -7,7 +7,7 @@ from copy import copy
 from dataclasses import replace
 from pathlib import Path
 
-from yarclang.diagnostics import in_order
+from yarclang.diagnostics import Diagnostic, in_order
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.cells import check_cell
 from yarclang.pipeline.checking import Checked
@@ -18,6 +18,13 @@ from yarclang.pipeline.sources import NO_TEXTS
 from yarclang.robot.description import read_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.source import SourceFile
+from yarclang.syntax.parse import parse
+
+SYNTAX = "Y01"
+"""How the codes of syntax errors begin."""
+
+_LONG = 2_000
+"""Lines; a shorter program is checked nearly as soon as it is read."""
 
 
 class Checks:
@@ -44,6 +51,12 @@ class Checks:
             found = self._look(document.source, document.folder, quick=not plans, is_stale=is_stale)
             return found.checked if found is not None else None
         return self._described(document) if plans else None
+
+    def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
+        """The syntax errors of a long program, which are there long before its names are looked up; None of other texts."""
+        if not document.is_program or len(document.source.lines) < _LONG:
+            return None
+        return tuple(one for one in parse(document.source).diagnostics if one.code[:3] == SYNTAX)
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
         """All that is to be said of a program that is nowhere open."""

@@ -289,6 +289,25 @@ def test_positions_come_fifty_times_a_second():
     run(session())
 
 
+def test_a_slow_client_slows_nothing_and_knows_what_it_missed():
+    async def session():
+        async with coordinating() as (world, coordinator, client):
+            slow = client.events(capacity=8)
+            for number in range(40):
+                coordinator.tell(f"message {number}")
+            since = world.machine.now
+            await done(client, "MOVEJ 10 0 0 0 20 0 [2] (deg,s)")
+            assert world.machine.now - since < 2.2
+            waiting = slow.waiting()
+            assert len(waiting) <= 9
+            missed = [one.count for one in waiting if isinstance(one, events.Missed)]
+            told = [one for one in waiting if not isinstance(one, events.COALESCED)]
+            # forty messages, three states, a beginning and an end
+            assert sum(missed) + len(told) - len(missed) >= 45
+
+    run(session())
+
+
 def test_a_lost_connection_is_made_again():
     async def session():
         async with coordinating() as (world, coordinator, client):

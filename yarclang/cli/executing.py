@@ -132,7 +132,7 @@ async def _execute(
 ) -> int:
     robot = loaded.program.robot
     log: Path | None = NO_LOG if options["no_log"] else options["log"]
-    signals = _Signals()
+    signals = Signals()
     with signals:
         async with opened(
             robot,
@@ -148,7 +148,7 @@ async def _execute(
             client.own()
             signals.client = client
             stream = client.events()
-            telling = asyncio.create_task(_tell(stream, lines, coordinator, positions=options["positions"]))
+            telling = asyncio.create_task(tell(stream, lines, coordinator, positions=options["positions"]))
             try:
                 ended = await _run(client, loaded, options, signals)
             finally:
@@ -168,7 +168,7 @@ async def _execute(
     return int(not ended.well)
 
 
-async def _run(client: Client, loaded: Loaded, options: dict[str, Any], signals: _Signals) -> Ended:
+async def _run(client: Client, loaded: Loaded, options: dict[str, Any], signals: Signals) -> Ended:
     if signals.ended:
         return Ended(False, "stopped before it began; nothing moved")
     try:
@@ -180,26 +180,30 @@ async def _run(client: Client, loaded: Loaded, options: dict[str, Any], signals:
         return Ended(False, trouble.what, remedy, code=trouble.code)
 
 
-async def _tell(stream: Subscription, lines: Lines, coordinator: Coordinator, *, positions: bool) -> None:
+async def tell(stream: Subscription, lines: Lines, coordinator: Coordinator, *, positions: bool) -> None:
     """Events to lines, as fast as they are read."""
     async for event in stream:
         if positions or not isinstance(event, events.Position):
             await lines.put(events.event_json(event, coordinator.robot))
 
 
-class _Signals:
+class Signals:
     """A termination stops the robot on its path, and ends then; Ctrl-Z holds.
+
+    Args:
+        ended: called with each termination.
 
     Attributes:
         client: who orders; None before there is one.
         ended: whether a termination has come.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, ended: Callable[[], object] = lambda: None) -> None:
+        self._tell_end = ended
         self.client: Client | None = None
         self.ended = False
 
-    def __enter__(self) -> _Signals:
+    def __enter__(self) -> Signals:
         loop = asyncio.get_running_loop()
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT):
             loop.add_signal_handler(number, self._end)
@@ -213,6 +217,7 @@ class _Signals:
 
     def _end(self) -> None:
         self.ended = True
+        self._tell_end()
         if self.client is not None:
             self.client.stop()
 

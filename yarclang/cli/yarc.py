@@ -16,6 +16,7 @@ _COMMANDS = {
     "exec": "Run a program without a terminal, events as JSON.",
     "explain": "Explain a finding's code.",
     "fmt": "Write programs in their usual form.",
+    "follow": "Let another process steer a robot.",
     "hold": "Hold a run on its path.",
     "import": "Make a program of a table, a trajectory, or named states.",
     "inspect": "Show all that is known of one command.",

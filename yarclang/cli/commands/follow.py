@@ -1,0 +1,71 @@
+"""`yarc follow`."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from typing import Any
+
+import click
+
+from yarclang.cli.address import SIM, Address, AddressType
+from yarclang.cli.options import PositiveNumber, robot_option
+
+
+@click.command("follow")
+@click.option(
+    "--to",
+    type=AddressType(),
+    default=SIM,
+    metavar="sim|tcp://HOST[:PORT]",
+    help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
+)
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    help="Where to listen on this computer (default: any that is free; it is told).",
+)
+@click.option("--moving", default="TCP", help="The frame whose poses and twists are meant (default: TCP).")
+@click.option(
+    "--speed",
+    type=PositiveNumber("MM_S"),
+    default=250.0,
+    help="The largest speed of that frame, mm/s (default: 250).",
+)
+@click.option("--cell", type=click.Path(), help="A cell.toml: its obstacles and zones are kept to.")
+@click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
+@click.option(
+    "--log",
+    type=click.Path(path_type=Path),
+    help="Where to write the run log (default: a new file in yarc-runs/).",
+)
+@click.option("--no-log", is_flag=True, help="Run without a log.")
+@robot_option
+def command(to: Address | None, robot: str | None, **options: Any) -> None:
+    """Let another process steer the robot: joints, poses or velocities over TCP, an object a line, as JSON.
+
+    docs/coordinator.md has the lines. Each motion is proved before it is streamed. Without a line for 200 ms the robot rests. Standard output has an event a line; the first is
+    "listening", with the port. SIGTERM and SIGINT bring the robot to rest, and end.
+    """
+    if options["log"] and options["no_log"]:
+        raise click.UsageError("--log and --no-log exclude each other")
+    from yarclang.cli.controllers import controller
+    from yarclang.cli.executing import Lines, findings_line, refused_line
+    from yarclang.cli.following import follow
+    from yarclang.pipeline.inputs import robot_for
+
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that is closed is nothing
+    lines = Lines()
+    try:
+        found = robot_for(Path(), robot)
+        if found.diagnostics:
+            lines.say(findings_line(found.diagnostics))
+        if found.value is None:
+            lines.say(refused_line("the robot isn't known; nothing moved", "see the findings"))
+            raise SystemExit(1)
+        with controller(to, found.value, found.value.home, tells=False) as address:
+            raise SystemExit(follow(found.value, address, options, lines, own=to is None))
+    finally:
+        lines.close()
+        signal.signal(signal.SIGHUP, before)

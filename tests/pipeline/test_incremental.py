@@ -1,7 +1,5 @@
 """Looking again at a program that was edited says what a fresh look says, to the last bit."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -163,7 +161,7 @@ def folder(tmp_path_factory):
     return folder
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(body=st.lists(lines, min_size=1, max_size=5), sequence=st.lists(edits, min_size=1, max_size=4))
 def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
     analyst, opening = Analyst(), OPENING

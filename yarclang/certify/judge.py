@@ -20,7 +20,7 @@ from yarclang.certify.layout import Layout, Place, lay_out
 from yarclang.certify.read import read
 from yarclang.certify.stretches import Claims, Proved, recalled
 from yarclang.certify.text import ControllerText, Unreadable
-from yarclang.certify.zones import NO_ZONES
+from yarclang.certify.zones import NO_ZONES, InZones
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.actuation import from_counts
@@ -76,12 +76,17 @@ def certify(
     judge.rest(layout)
     claims = Claims(witnesses, laws)
     proofs = recalled(memory, judge, layout, claims, lambda part: _prove(judge, part, claims))
-    commands = tuple(_row(judge, layout, place, proofs[place.step]) for place in layout.places)
+    # how close a speed in a zone is told depends on what it is looked at with
+    zones = judge.zones(layout)
+    commands = tuple(
+        _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES))
+        for place in layout.places
+    )
     return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
 
 
 def _prove(judge: Judge, layout: Layout, claims: Claims) -> dict[int, Proved]:
-    """What is proved of each step of a layout."""
+    """What is proved of each step of a layout, but for zones."""
     loads = judge.limits(layout)
     judged = Judged(judge.robot, judge.tolerance, claims.witnesses, claims.laws, judge.find)
     # the bounds of a motion that nobody would plan may be without end
@@ -90,7 +95,6 @@ def _prove(judge: Judge, layout: Layout, claims: Claims) -> dict[int, Proved]:
         blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)
     apart = judge.clearances(layout)
-    zones = judge.zones(layout)
     torques = judge.torques(layout)
     return {
         step: Proved(
@@ -99,14 +103,13 @@ def _prove(judge: Judge, layout: Layout, claims: Claims) -> dict[int, Proved]:
             proofs.speeds.get(step),
             blends.get(step),
             apart.get(step, NOTHING_NEAR),
-            zones.get(step, NO_ZONES),
             torques.get(step),
         )
         for step in (place.step for place in layout.places)
     }
 
 
-def _row(judge: Judge, layout: Layout, place: Place, proved: Proved) -> CommandCertificate:
+def _row(judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones) -> CommandCertificate:
     return judge.command(
         layout,
         place,
@@ -115,7 +118,7 @@ def _row(judge: Judge, layout: Layout, place: Place, proved: Proved) -> CommandC
         proved.speed,
         proved.blended,
         proved.apart,
-        proved.zones,
+        zones,
         proved.torque,
     )
 

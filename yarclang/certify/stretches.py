@@ -12,7 +12,6 @@ from yarclang.certify.clearance import Apart
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.limits import Loads
-from yarclang.certify.zones import InZones
 from yarclang.identity import key_of
 from yarclang.memory import Forgetful, Memory
 from yarclang.robot.model import Array
@@ -28,14 +27,13 @@ class Claims:
 
 @dataclass(frozen=True, slots=True)
 class Proved:
-    """All that was proved of one motion."""
+    """All that was proved of one motion by itself."""
 
     loads: Loads
     deviation: Deviation
     speed: ToolSpeed | None
     blended: Blended | None
     apart: Apart
-    zones: InZones
     torque: Load | None
 
 

@@ -83,6 +83,7 @@ def context_of(request: Request) -> Context:
         request.load,
         request.load_cell,
         request.index_needed,
+        request.memory,
     )
 
 

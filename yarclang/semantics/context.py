@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
 from yarclang.hir import Array
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
 from yarclang.source import SourceFile
@@ -32,6 +33,8 @@ class Context:
     """Gives the cell of a path as it stands in a module's file (None: in the program); the same one for the same file."""
     index_needed: bool = True
     """Whether a command needs an index (the live interpreter does without)."""
+    memory: Memory = NO_MEMORY
+    """Keeps the steps of commands."""
 
 
 @dataclass(frozen=True, slots=True)

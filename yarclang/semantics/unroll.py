@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, suggest
 from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
+from yarclang.memory import Forgetful
 from yarclang.robot.model import Robot
 from yarclang.semantics.actions import ACTIONS, read_action, read_when
 from yarclang.semantics.amounts import Amount
@@ -29,6 +30,7 @@ from yarclang.semantics.naming import (
 )
 from yarclang.semantics.parameters import bind, check_parameters, given_by
 from yarclang.semantics.parts import refuse_parts
+from yarclang.semantics.recalling import step_before
 from yarclang.semantics.scope import (
     KINDS,
     Library,
@@ -486,11 +488,7 @@ class _Unroller:
             step = read_action(statement, scope, file.defaults, file.findings)
         else:
             name = self._resolved(statement, file)
-            step = (
-                to_step(statement, name, self._context, file.defaults, scope, file.findings)
-                if name is not None
-                else None
-            )
+            step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)
         if isinstance(step, Stop) and self._whens:
             message = "STOP in a WHEN is not carried out by this version"
             file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
@@ -501,6 +499,19 @@ class _Unroller:
         self._steps.append(step or Gap())
         if isinstance(step, Stop):
             self._ended = step.origin.label or "STOP"
+
+    def _read(
+        self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool
+    ) -> Step | None:
+        """The step of a command; `is_alone`: it stands in no loop and no SUB, and is worth remembering."""
+        context, findings = self._context, file.findings
+
+        def make(defaults: Defaults, names: Scope) -> Step | None:
+            return to_step(statement, name, context, defaults, names, findings)
+
+        if not is_alone or isinstance(context.memory, Forgetful):
+            return make(file.defaults, scope)
+        return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
 
     def _resolved(self, statement: Statement, file: File) -> ResolvedName | None:
         """A command's name is taken apart once, however often it is unrolled."""

@@ -1,0 +1,182 @@
+"""Commands that were read before: by their text, and by what the names in them mean where they stand now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, fields, replace
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import FrameLink, Gap, Origin, Step
+from yarclang.memory import Memory
+from yarclang.robot.model import Robot
+from yarclang.semantics.amounts import Amount
+from yarclang.semantics.context import Defaults
+from yarclang.semantics.scope import Frame, JointPosition, Named, Scope, Where
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Statement
+
+_NO_TEXT = SourceFile("", "")
+
+
+class _Watched(Scope):
+    """A scope that remembers what was asked of it."""
+
+    __slots__ = ("_scope", "asked", "is_listed")
+
+    def __init__(self, scope: Scope) -> None:
+        super().__init__()
+        self._scope = scope
+        self.asked: dict[tuple[bool, str], Named | Frame | None] = {}
+        self.is_listed = False
+        """Whether all names were asked for: then the answer depends on all of them."""
+
+    def name(self, name: str) -> Named | None:
+        found = self.asked[False, name] = self._scope.name(name)
+        return found
+
+    def frame(self, name: str) -> Frame | None:
+        found = self.asked[True, name] = self._scope.frame(name)
+        return found
+
+    def declared(self, name: str) -> Named | None:
+        self.is_listed = True
+        return self._scope.declared(name)
+
+    def where(self, name: str) -> Where | None:
+        self.is_listed = True
+        return self._scope.where(name)
+
+    def names(self, *kinds: type) -> Iterator[str]:
+        self.is_listed = True
+        return self._scope.names(*kinds)
+
+    def frame_names(self) -> Iterator[str]:
+        self.is_listed = True
+        return self._scope.frame_names()
+
+    def copy(self) -> Scope:
+        self.is_listed = True
+        return self._scope.copy()
+
+
+_Asked = tuple[tuple[bool, str, Hashable], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A step without its place in the text: what it asked of its scope and of that of DEFAULT, and which frames it names."""
+
+    step: Step
+    line: int
+    asked: tuple[_Asked, _Asked]
+    links: tuple[tuple[int, str] | None, tuple[int, str] | None]
+
+
+def step_before(
+    memory: Memory,
+    robot: Robot,
+    statement: Statement,
+    defaults: Defaults,
+    scope: Scope,
+    findings: Collector,
+    make: Callable[[Defaults, Scope], Step | None],
+) -> Step | None:
+    """The step of a command that stands in no loop and no SUB: as it was, where all that it speaks of is as it was, else what `make` gives.
+
+    Only commands about which nothing is told are kept.
+
+    Args:
+        memory: keeps steps.
+        robot: for which the program is.
+        statement: the command.
+        defaults: of its file.
+        scope: the names that are known there.
+        findings: where `make` tells; of the file in which the command stands.
+        make: reads the command with the defaults and the scope that it is given.
+    """
+    source = findings.source
+    default = defaults.statement
+    key = (
+        "step",
+        robot,
+        _text(source, statement),
+        None if default is None else _text(source, default),
+        defaults.has_bad_time,
+    )
+    kept: _Kept | None = memory.get(key)
+    if kept is not None and _is_as_it_was(kept, defaults, scope):
+        return _placed(kept, statement.line, source, (scope, defaults.scope))
+    watched = _Watched(scope), _Watched(defaults.scope)
+    before = len(findings.found)
+    step = make(replace(defaults, scope=watched[1]), watched[0])
+    if step is None or isinstance(step, Gap) or len(findings.found) > before:
+        return step
+    links = tuple(_named(link, watched) for link in (step.origin.moving, step.origin.base))
+    if any(one.is_listed for one in watched) or _LOST in links:
+        return step
+    origin = replace(step.origin, source=_NO_TEXT, moving=None, base=None)  # no text is kept
+    asked = tuple(tuple((*which, _meaning(found)) for which, found in one.asked.items()) for one in watched)
+    memory.keep(key, _Kept(replace(step, origin=origin), statement.line, asked, links))  # type: ignore[arg-type]
+    return step
+
+
+def _text(source: SourceFile, statement: Statement) -> Hashable:
+    return source.lines[statement.line - 1 : statement.line - 1 + statement.rows]
+
+
+def _meaning(found: Named | Frame | None) -> Hashable:
+    """What a name means, by value; a SUB and a module by themselves."""
+    match found:
+        case Frame():
+            return found.transform.tobytes(), found.on_flange, _meaning_of_link(found.link)
+        case JointPosition():
+            return found.q.tobytes()
+        case Amount():
+            return repr(found.value), found.unit  # zero has two signs
+    return found
+
+
+def _meaning_of_link(link: FrameLink | None) -> Hashable:
+    return (
+        None if link is None else (link.name, link.parent_from_frame.tobytes(), _meaning_of_link(link.parent))
+    )
+
+
+def _is_as_it_was(kept: _Kept, defaults: Defaults, scope: Scope) -> bool:
+    return all(
+        _meaning(one.frame(name) if is_frame else one.name(name)) == meaning
+        for one, asked in zip((scope, defaults.scope), kept.asked, strict=True)
+        for is_frame, name, meaning in asked
+    )
+
+
+_LOST = (-1, "")
+
+
+def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> tuple[int, str] | None:
+    """Under which name a frame was found, and in which scope."""
+    if link is None:
+        return None
+    for number, one in enumerate(watched):
+        for (is_frame, name), found in one.asked.items():
+            if is_frame and isinstance(found, Frame) and found.link is link:
+                return number, name
+    return _LOST
+
+
+_SPANS = tuple(entry.name for entry in fields(Origin) if "Span" in str(entry.type))
+
+
+def _placed(kept: _Kept, line: int, source: SourceFile, scopes: tuple[Scope, Scope]) -> Step:
+    """The step where its command stands now."""
+    assert not isinstance(kept.step, Gap)
+    origin, down = kept.step.origin, line - kept.line
+    changed: dict[str, Span | None] = {}
+    if down:
+        for name in _SPANS:
+            if (span := getattr(origin, name)) is not None:
+                changed[name] = Span(span.line + down, span.column, span.end_line + down, span.end_column)
+    frames = [None if one is None else scopes[one[0]].frame(one[1]) for one in kept.links]
+    moving, base = (None if one is None else one.link for one in frames)
+    origin = replace(origin, source=source, moving=moving, base=base, **changed)  # type: ignore[arg-type]
+    return replace(kept.step, origin=origin)

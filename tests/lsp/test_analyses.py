@@ -87,11 +87,17 @@ def test_syntax_errors_of_long_texts_are_told_at_once():
     """They come first, with what was said of other lines, and nobody takes them for all that is to be said."""
 
     async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        analyses.put(Document("busy", 1, ""))
+        await begun(checks)
         checks.told_at_once = (Diagnostic("Y0101", "what is this?"),)
-        checks.go_on.set()
         analyses.put(Document("a", 1, ""))
+        while not any(one.shown for one in arrived):
+            await asyncio.sleep(0.002)
+        assert analyses.of("a") is None  # while the other text is still looked at
+        checks.go_on.set()
         assert (await analyses.whole("a", None)).checked.diagnostics == ()
-        assert [[one.code for one in each.shown] for each in arrived] == [["Y0101"], [], []]
+        told = [[one.code for one in each.shown] for each in arrived if each.document.uri == "a"]
+        assert told == [["Y0101"], [], []]
 
     run(work)
     long = Document("file:///a.yarc", 1, "P0010 MOVJE [\n" * 3_000)

@@ -60,6 +60,8 @@ class Analyses:
         self._desks: dict[str, _Desk] = {}
         self._waiting: list[str] = []
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="analysis")
+        self._reading = ThreadPoolExecutor(1, thread_name_prefix="reading")
+        self._tasks: set[asyncio.Task[None]] = set()
         self._running = False
 
     def put(self, document: Document) -> None:
@@ -69,6 +71,9 @@ class Analyses:
             desk = self._desks[document.uri] = _Desk(document)
         desk.document = document
         self.again(document.uri)
+        task = asyncio.ensure_future(self._read(desk))
+        self._tasks.add(task)  # the loop itself keeps no task alive
+        task.add_done_callback(self._tasks.discard)
 
     def again(self, uri: str) -> None:
         """Something that an open text depends on has changed."""
@@ -121,7 +126,8 @@ class Analyses:
         """End all work."""
         for uri in list(self._desks):
             self.drop(uri)
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        for pool in (self._pool, self._reading):
+            pool.shutdown(wait=False, cancel_futures=True)
 
     # the thread's work
 
@@ -138,6 +144,21 @@ class Analyses:
         self._go_on()
         task.result()  # a bug is reported by the loop, and the next text is looked at all the same
 
+    async def _read(self, desk: _Desk) -> None:
+        """Tell the syntax errors of a long text, beside whatever else is being looked at."""
+        document, generation = desk.document, desk.generation
+
+        def is_wanted() -> bool:
+            known = desk.analysis is not None and desk.analysis.document is document
+            return not known and desk.generation == generation and self._desks.get(document.uri) is desk
+
+        def read() -> tuple[Diagnostic, ...] | None:
+            return self._checks.syntax(document) if is_wanted() else None
+
+        found = await asyncio.get_running_loop().run_in_executor(self._reading, read)
+        if found is not None and is_wanted():
+            self._arrived(_of_syntax(desk, document, generation, found))
+
     async def _look(self, uri: str) -> None:
         """Look at a text, without planning and then with it."""
         loop = asyncio.get_running_loop()
@@ -147,9 +168,6 @@ class Analyses:
         def is_stale() -> bool:
             return self._desks.get(uri) is not desk or desk.generation != generation
 
-        syntax = await loop.run_in_executor(self._pool, self._checks.syntax, document)
-        if syntax is not None and not is_stale():
-            self._arrived(_of_syntax(desk, document, generation, syntax))
         for plans in (False, True):
             if is_stale():
                 return

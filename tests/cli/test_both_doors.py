@@ -87,3 +87,16 @@ def test_an_error_stays_whatever_a_comment_says(tmp_path):
     assert done.exit_code == 1
     assert "error Y0502" in done.stderr
     assert not (tmp_path / "p.pmc").exists()
+
+
+def test_run_and_plot_hold_to_them_too(tmp_path):
+    program = tmp_path / "p.yarc"
+    program.write_text(f"{NOWHERE} ! yarc: ignore[no-motion]\n")
+    drawn = CliRunner().invoke(yarc, ["plot", str(program), "-o", str(tmp_path / "p.svg")])
+    assert drawn.exit_code == 0, drawn.stderr
+    assert "Y0603" not in drawn.stderr
+    program.write_text(f"{NOWHERE}\n")
+    (tmp_path / "yarc.toml").write_text('[findings]\nno-motion = "error"\n')
+    run = CliRunner().invoke(yarc, ["run", str(program)])
+    assert run.exit_code == 1
+    assert "error Y0603" in run.stderr

@@ -14,11 +14,10 @@ from yarclang.cli.outputs import STANDARD
 from yarclang.cli.work import Progress, options_from
 from yarclang.coordinator.programs import Loaded, load_program
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
-from yarclang.pipeline.inputs import open_program
+from yarclang.pipeline.checking import check_program_file
 from yarclang.pipeline.jobs import Papers, job_of_text
 from yarclang.pipeline.origins import origins_of_text
 from yarclang.pipeline.sources import read_source
-from yarclang.pipeline.stages import compile_module
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
@@ -111,11 +110,9 @@ def robot_of_text(source: SourceFile, name: str | None) -> Result[Robot]:
 
 def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Loaded]:
     with Progress() as progress:
-        opened = open_program(file, options_from(options, progress))
-        if opened.value is None or has_errors(opened.diagnostics):
-            compiled = compile_module(opened.value.module, opened.value.request) if opened.value else None
-            found = compiled.diagnostics if compiled else ()
-            return Result(None, (*opened.diagnostics, *found))
+        checked = check_program_file(file, options_from(options, progress))
+        if checked.opened is None or checked.compiled is None:
+            return Result(None, checked.diagnostics)
         name = "stdin" if file == STANDARD else Path(file).name
-        loaded = load_program(opened.value, name, first, by_steps=options["step"])
-        return Result(loaded.value, (*opened.diagnostics, *loaded.diagnostics))
+        compiled = Result(checked.compiled, checked.diagnostics)
+        return load_program(checked.opened, name, first, by_steps=options["step"], compiled=compiled)

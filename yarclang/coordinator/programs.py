@@ -49,7 +49,12 @@ class Loaded:
 
 
 def load_program(
-    opened: Opened, name: str, first: str | None = None, *, by_steps: bool = False
+    opened: Opened,
+    name: str,
+    first: str | None = None,
+    *,
+    by_steps: bool = False,
+    compiled: Result[Compiled] | None = None,
 ) -> Result[Loaded]:
     """Compile a program to what can be run.
 
@@ -58,12 +63,13 @@ def load_program(
         name: what people call it.
         first: the index of the command to begin with, or None.
         by_steps: whether its commands are wanted one by one.
+        compiled: what was made of it already, with the findings as they are to be told.
 
     Returns:
         None where an error forbids to run it.
     """
     request = opened.request
-    compiled = compile_module(opened.module, request)
+    compiled = compiled or compile_module(opened.module, request)
     found = compiled.diagnostics
     if compiled.value is None or has_errors(found):
         return Result(None, found)

@@ -60,6 +60,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import has_errors, in_order
+    from yarclang.pipeline.checking import told
     from yarclang.pipeline.inputs import open_program
     from yarclang.pipeline.stages import plan_module
     from yarclang.report.finding import count_text
@@ -70,7 +71,9 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
         diagnostics, plan = opened.diagnostics, None
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)
-            diagnostics, plan = (*diagnostics, *planned.diagnostics), planned.value
+            folder = Path.cwd() if file == STANDARD else Path(file).parent
+            diagnostics = told((*diagnostics, *planned.diagnostics), opened.value.module.source, folder)
+            plan = planned.value
         progress.pause()
         show_findings(in_order(diagnostics))
         if plan is None or has_errors(diagnostics):

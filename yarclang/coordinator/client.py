@@ -271,6 +271,7 @@ class Client(Asking):
                 self.stop,
                 self._told,
                 live.lead * live.job.segment,
+                lambda: coordinator.check_owner(self.name, "to move the robot"),
             ),
             made.diagnostics,
         )

@@ -287,6 +287,39 @@ def test_a_process_that_sleeps_is_held_by_the_guard():
     run(session())
 
 
+def test_who_gives_the_robot_away_steers_it_no_more():
+    async def session():
+        async with coordinating(joints=READY) as (world, coordinator, client):
+            other = coordinator.attach("other")
+            drive = (await client.drive(joint(1, 5.0))).value
+            await keep(drive, joint(1, 5.0), 0.5)
+            client.give("other")
+            with pytest.raises(Trouble, match="other owns the robot"):
+                drive.want(joint(1, 5.0))
+            await world.until(lambda: not world.moving, within=0.6)
+            await drive.ended()
+            await done(other, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
+
+    run(session())
+
+
+def test_a_live_motion_is_logged(tmp_path):
+    from yarclang.report.runs.log import read_run
+
+    async def session():
+        async with coordinating(joints=READY, log=tmp_path / "jog.mcap") as (_, _, client):
+            drive = (await client.drive(joint(1, 5.0))).value
+            await keep(drive, joint(1, 5.0), 0.5)
+            drive.stop()
+            await drive.ended()
+            await done(client, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
+
+    run(session())
+    found = read_run(str(tmp_path / "jog.mcap"))
+    assert found.value is not None, found.diagnostics
+    assert not [one for one in found.diagnostics if one.is_error]
+
+
 def test_what_cannot_be_driven():
     async def session():
         async with coordinating(joints=READY) as (_, coordinator, client):

@@ -26,6 +26,7 @@ class Drive:
         stop: ends it by a hold, at once.
         tell: tells everybody why it doesn't do what is wanted.
         lag: what lies in the controller's buffer [s].
+        check: raises if whoever has it doesn't own the robot any more.
 
     Attributes:
         lag: whatever is wanted is done so much later [s]; a stop isn't.
@@ -40,8 +41,10 @@ class Drive:
         stop: Callable[[], None],
         tell: Callable[[str], None],
         lag: float,
+        check: Callable[[], None],
     ) -> None:
         self.lag = lag
+        self._check = check
         self._robot = robot
         self._generator = generator
         self._running = running
@@ -69,8 +72,10 @@ class Drive:
         """This is wanted from now on, for 200 ms.
 
         Raises:
+            NotOwner: the robot was given to somebody else; it comes to rest.
             Trouble: it has ended, or a number isn't finite.
         """
+        self._check()
         if not self.alive:
             raise Trouble(
                 f"the live motion has ended: nobody said for {WATCHDOG:g} s what is wanted, or somebody stopped it",

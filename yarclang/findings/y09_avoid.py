@@ -45,8 +45,8 @@ FINDINGS = (
         "Y0924",
         "configuration-blocked",
         "warning",
-        "the nearest configuration isn't free, and another one is taken",
-        "A pose has several joint positions, and MOVEJ takes the nearest. Here a body would be in another one there, or a zone wouldn't be kept to. "
+        "the nearest configuration isn't free, or no way leads there, and another one is taken",
+        "A pose has several joint positions, and MOVEJ takes the nearest. Here a body would be in another one there, a zone wouldn't be kept to, or, with _AVOID, no way leads there. "
         "The arm goes elsewhere than by its habit: the fix writes NEAR, which says that it is meant.",
         "P0010 MOVEJ_RPY 900 0 400 180 0 0 [5]      ! with the elbow down it would be in the TABLE",
         "P0010 MOVEJ_RPY 900 0 400 180 0 0 [5] NEAR ELBOW_UP",

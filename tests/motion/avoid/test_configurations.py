@@ -98,6 +98,48 @@ def test_the_zones_count_too():
     cell = replace(cell_of(FAR), zones=(side,))
     plan, found = planned(HEAD + GO, load_cell=lambda name, source: Result(cell))
     assert codes(found) == ["Y0924"]
-    assert "the joints leave what" in found[0].message
-    assert "the zone SIDE" in found[0].message
+    assert "the joints break the zone SIDE" in found[0].message
     assert plan.motions[0].curve.points[-1][0] * nearest[0] < 0.0
+
+
+def test_where_no_way_leads_to_the_nearest_the_next_is_taken(monkeypatch):
+    from yarclang.motion.avoid.way import NoWay, Way
+    from yarclang.motion.leading import joint_motions
+
+    (nearest,), _ = ends(GO, FAR)
+
+    def found(room, start, goal):  # noqa: ARG001
+        return NoWay() if np.allclose(np.degrees(goal), nearest) else Way(goal[None])
+
+    monkeypatch.setattr(joint_motions, "find_way", found)
+    (taken,), told = ends(GO.replace("RPY", "RPY_AVOID"), FAR)
+    assert np.abs(taken - nearest).max() > 1.0
+    assert codes(told) == ["Y0924"]
+    assert "no way to that was found" in told[0].message
+
+
+def test_zones_are_gone_round():
+    from yarclang.cell.model import ShapeRegion
+    from yarclang.shapes import Box
+
+    placed = np.eye(4)
+    placed[:3, 3] = [0.0, 0.8, 1.5]
+    zone = Zone(
+        "KEEP_OUT",
+        "forbidden",
+        ShapeRegion(constant(placed), Box(np.array([0.3, 0.6, 0.6]))),
+        None,
+        ("tcp", "arm"),
+    )
+    cell = replace(cell_of(), zones=(zone,))
+    text = (
+        HEAD.replace("DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "DEFAULT {{TCP}} [MIN] (mm,deg,s) {{B}}")
+        + "JOINTS LEFT -60 20 -20 0 -30 0 (deg)\nSTART LEFT\nP0010 MOVEJ{} 60 20 -20 0 -30 0\n"
+    )
+    refused, why = compiled(text.format(""), load_cell=lambda name, source: Result(cell))
+    assert refused is None
+    assert codes(why) == ["Y0908"]
+    made, told = compiled(text.format("_AVOID"), load_cell=lambda name, source: Result(cell))
+    assert made is not None, told
+    assert "Y0920" in codes(told)
+    assert any("breaks the zone KEEP_OUT" in one.message for one in told)

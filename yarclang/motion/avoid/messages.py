@@ -56,6 +56,19 @@ def configuration_blocked(
     return "Y0924", message, origin.span, help_, None if which else near_fix(robot, origin, taken)
 
 
+def configuration_without_way(
+    robot: Robot, step: Motion, taken: Array, nearest: Array, why: NoWay
+) -> Message:
+    """No way was found to the nearest solution of a pose: another one was taken."""
+    origin = step.origin
+    message = (
+        f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to that was found"
+        f"{f', {inside(why.between)} on the straight one' if why.between is not None else ''}"
+    )
+    help_ = "NEAR with a joint position in this configuration says that it is meant"
+    return "Y0924", message, origin.span, help_, near_fix(robot, origin, taken)
+
+
 def every_configuration_blocked(
     robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
 ) -> Message:
@@ -75,7 +88,11 @@ def inside(one: Obstruction) -> str:
     """What is in the way, as the end of a sentence."""
     moving, other = one.names
     if one.is_zone:
-        return f"{moving} {'leave' if moving == JOINTS else 'leaves'} what the zone {other} allows"
+        return (
+            f"{JOINTS} break the zone {other}"
+            if moving == JOINTS
+            else f"{moving} breaks the zone {other} by {max(one.distance / MM, 0.01):.3g} mm"
+        )
     if one.distance <= 0.0:
         return f"{moving} is {max(-one.distance / MM, 0.01):.3g} mm deep in {other}"
     return f"{moving} is {one.distance / MM:.3g} mm from {other}, nearer than its margin"

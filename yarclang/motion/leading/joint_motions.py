@@ -7,7 +7,7 @@ import numpy as np
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, AvoidMove, JointDelta, JointGoal, JointMove, PoseGoal, SplineMove
 from yarclang.motion import messages
-from yarclang.motion.avoid.messages import no_way, way_round
+from yarclang.motion.avoid.messages import configuration_without_way, no_way, way_round
 from yarclang.motion.avoid.way import NoWay, Way, find_way
 from yarclang.motion.leading.led import NOWHERE, Led
 from yarclang.motion.leading.solving import Solver, is_free
@@ -48,7 +48,7 @@ def avoiding_motion(
         for other in others[: _CONFIGURATIONS - 1]:
             found = find_way(room, stands, other)
             if isinstance(found, Way):
-                findings.add(*messages.another_configuration(solver.robot, step, other, end, step, ()))
+                findings.add(*configuration_without_way(solver.robot, step, other, end, way))
                 end, way = other, found
                 break
     if isinstance(way, NoWay):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from yarclang.findings import Finding
 from yarclang.hir import Motion
@@ -10,6 +11,7 @@ from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.motion.limits import bounds_of
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.profile import load_profile
+from yarclang.motion.zones import slow_zones
 
 MANY = 20.0
 """A motion that takes so many times the shortest time is slow."""
@@ -30,6 +32,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         if given is None or given < SHORT:
             continue
         bounds = limits if load_profile(motion.profile).has_jerk_limit else limits.without_jerk()
+        bounds = replace(bounds, zones=slow_zones(around.robot, plan.program.cell, step))
         # the control points don't depend on the segment time: so short could it be for these very points
         needed = max(demand.segment for demand in bounds.demands(motion.curve.points))
         shortest = motion.curve.duration * needed / motion.curve.segment

@@ -8,7 +8,7 @@ the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FL
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -371,8 +371,8 @@ def _feed(digest: Any, value: object) -> None:
             _feed(digest, item)
     elif is_dataclass(value):
         digest.update(type(value).__name__.encode() + b"(")
-        for entry in fields(value):
-            _feed(digest, getattr(value, entry.name))
+        for name in value.__dataclass_fields__:
+            _feed(digest, getattr(value, name))
         digest.update(b")")
     else:
         digest.update(f"{value!r};".encode())

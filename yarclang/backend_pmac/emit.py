@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
+from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
 from yarclang.pmac.variables import ARMED, ASTRAY, OUTPUTS_PLC, commanded_position
 
@@ -56,15 +58,16 @@ def _told(barrier: Barrier) -> str:
     return f"{barrier.kind} {barrier.step} {condition} {timeout} {printable(barrier.name) or '-'}"
 
 
-def emit(program: PmacProgram) -> Emitted:
-    """The text of a program. It loads a buffer and moves nothing: whoever runs it sends R."""
+def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
+    """The text of a program. It loads a buffer and moves nothing: whoever runs it sends R. `memory` keeps the lines of moves."""
     pieces: list[str] = []
     places: dict[int, tuple[int, int]] = {}
     barriers: list[tuple[int, Barrier]] = []
     line = 1
     for item in program.body:
         if isinstance(item, Moves):
-            pieces.append(_moves(program, item.values))
+            key = ("moves", program.axes, program.decimals, item.values.tobytes())
+            pieces.append(recall(memory, key, partial(_moves, program, item.values)))
             end = line + len(item.values)
             places[item.step] = (places.get(item.step, (line, 0))[0], end - 1)
             line = end

@@ -29,7 +29,7 @@ class Values(Enum):
     @property
     def of_joints(self) -> bool:
         """Whether there is one value a joint, and so no frame is needed."""
-        return self in {Values.JOINTS, Values.JOINT_DELTAS}
+        return self is Values.JOINTS or self is Values.JOINT_DELTAS
 
     @property
     def is_delta(self) -> bool:
@@ -39,7 +39,7 @@ class Values(Enum):
     @property
     def is_quaternion(self) -> bool:
         """Whether the orientation is a unit quaternion."""
-        return self in {Values.POSE_QUAT, Values.DELTA_QUAT}
+        return self is Values.POSE_QUAT or self is Values.DELTA_QUAT
 
     def labels(self, joints: tuple[str, ...]) -> tuple[str, ...]:
         """The name of each value, for a robot with these joints."""

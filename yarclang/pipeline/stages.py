@@ -148,7 +148,7 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Motion plan to controller text, read back and proved."""
     tolerance = request.tolerance or request.robot.tolerance
     lowered = lower(planned, request.target, tolerance)
-    emitted = emit(lowered)
+    emitted = emit(lowered, request.memory)
     header = tuple(_header(lowered, planned, request.target))
     if request.progress:
         request.progress("certifying", 0, 1)

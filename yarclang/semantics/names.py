@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
@@ -37,7 +38,10 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
     if spec is None:
-        known = (*commands(), *(f"{one}_{suffix}" for one in commands() for suffix in (*TARGETS, *profiles)))
+        known = (
+            *commands(),
+            *(f"{one}_{suffix}" for one in commands() for suffix in (*TARGETS, AVOID, *profiles)),
+        )
         help_ = suggest(name, known) or f"the commands are {', '.join(commands())}"
         findings.add("Y0202", f"{statement.name.text} is no command", span, help_)
         return None
@@ -61,6 +65,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     return ResolvedName(spec, spec.targets.get(target), profile, full, avoids)
 
 
+@lru_cache(maxsize=1024)
 def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:
     """The command whose name begins this one, the suffixes that are left, and whether it is an old name."""
     names = [(spec.name, spec, False) for spec in commands().values()]

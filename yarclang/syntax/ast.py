@@ -159,11 +159,11 @@ class Statement:
     def whole_span(self) -> Span:
         """From the first part to the end of the last."""
         start = self.index.place.start if self.index else self.name.place.start
-        places = [self.name.place]
-        places += [value.place for waypoint in self.waypoints for value in waypoint.values]
         parts = (self.moving, self.expression, self.time, self.units, self.base)
-        places += [part.place for part in parts if part]
-        places += [(option.argument or option.word).place for option in self.options]
+        places = [self.name.place, *(part.place for part in parts if part)]
+        # of many of a kind the last is the farthest
+        places += [waypoint.values[-1].place for waypoint in self.waypoints[-1:] if waypoint.values]
+        places += [(option.argument or option.word).place for option in self.options[-1:]]
         row, end = max((place.row, place.end) for place in places)
         return Span(self.line, start, self.line + row, end)
 

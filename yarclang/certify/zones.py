@@ -218,10 +218,10 @@ class _Judge:
             kept_off = f"from whose border it stays {zone.margin / MM:.4g} mm away"
             return (
                 code,
-                f"{part} comes within {apart / MM:.3g} mm of the border of the zone {zone.name}, {kept_off}",
+                f"{part} comes within {_mm(apart)} of the border of the zone {zone.name}, {kept_off}",
             )
         way = "out of" if zone.rule == "allowed" else "into"
-        return code, f"{part} goes {max(-apart / MM, 0.01):.3g} mm {way} the zone {zone.name}"
+        return code, f"{part} goes {_mm(max(-apart, 1e-5))} {way} the zone {zone.name}"
 
     def _joint(self, window: JointWindow, q: Array) -> str:
         """The joint that is farthest out of a window, and by how much."""
@@ -239,6 +239,11 @@ class _Judge:
         self.findings.append(
             Diagnostic(code, message, origin.source, origin.span, remedy, place=origin.place)
         )
+
+
+def _mm(length: float) -> str:
+    """A length [m] in mm."""
+    return f"{length / MM:.3g} mm" if length < 1.0 else f"{length / MM:,.0f} mm"
 
 
 def _called(watch: Watch) -> str:

@@ -454,7 +454,8 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
     if near is not None:
         message += f"; {_beside(robot, near)}"
     help_ = (
-        "if [MIN] takes so long, the path passes too near a singularity: go round it; else divide the motion"
+        "if [MIN] takes so long, the path passes too near a singularity: go round it; or through a slow zone of the cell whose speed has another "
+        "unit than was meant; else divide the motion"
     )
     return "Y0604", message, origin.time_span or origin.span, help_, None
 

@@ -141,4 +141,4 @@ def _how(robot: Robot, watch: Watch, slack: float) -> str:
     beyond = -(slack + zone.margin)
     if beyond <= 0.0:
         return f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is {zone.margin / MM:.4g} mm"
-    return f"{watch.item.name} is {beyond / MM:.4g} mm {what}"
+    return f"{watch.item.name} is {beyond / MM:,.6g} mm {what}"

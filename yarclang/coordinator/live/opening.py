@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -92,6 +92,8 @@ def live_motion(
     )
     text = [line for line in emit(program).text(()).splitlines() if line and not line.startswith(";")]
     at = text.index("OPEN ROT")
+    # the log's text says where it starts: its lines are made on the way
+    shown = emit(replace(program, body=())).text(("target rotary", f"robot {robot.name} {robot.fingerprint}"))
     slack = START_SHARE * robot.limits.acceleration * segment**2
     job = Job(
         name=name,
@@ -109,7 +111,7 @@ def live_motion(
         low=marks.low,
         full=marks.low + 5,
         guarded=True,
-        text="\n".join(text) + "\n",
+        text=shown,
         source="",
         certificate="",
     )

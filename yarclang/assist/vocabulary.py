@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from types import MappingProxyType
 
 from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec
 from yarclang.motion.profile import load_profile, profile_names
 from yarclang.semantics.names import DEFAULT_PROFILE
+from yarclang.syntax.words import AVOID
 from yarclang.units import UNITS
 
 
@@ -136,7 +138,10 @@ def command_names() -> tuple[str, ...]:
     for spec in commands().values():
         laws = ("", *profile_names()) if spec.is_motion else ("",)
         targets = tuple(dict.fromkeys(("", *spec.targets)))
-        names += ["_".join(filter(None, (spec.name, target, law))) for target in targets for law in laws]
+        avoids = ("", AVOID) if spec.may_avoid else ("",)
+        names += [
+            "_".join(filter(None, (spec.name, *suffixes))) for suffixes in product(targets, avoids, laws)
+        ]
     return tuple(names)
 
 

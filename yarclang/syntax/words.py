@@ -31,9 +31,6 @@ OTHER_COMMANDS = frozenset(["WAIT", "SET", "HOLD", "CALL"])
 AVOID = "AVOID"
 """The suffix of a name, between target and profile, of a motion that goes round obstacles."""
 
-OTHER_SUFFIXES = frozenset([AVOID])
-"""Suffixes that are neither a target nor a profile."""
-
 OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR"])
 """Words that begin an option."""
 

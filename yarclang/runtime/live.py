@@ -23,6 +23,9 @@ from yarclang.runtime.state import Event
 from yarclang.runtime.streaming import STATUS_EACH
 from yarclang.runtime.watching import look_at_motors, sample
 
+MADE_ON_THE_WAY = "live motion: its lines were made on the way"
+"""The first comment of a live motion's text, which has no lines."""
+
 _LATE = 1
 """Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
 

@@ -305,6 +305,7 @@ def test_who_gives_the_robot_away_steers_it_no_more():
 
 def test_a_live_motion_is_logged(tmp_path):
     from yarclang.report.runs.log import read_run
+    from yarclang.report.runs.planned import planned_motion
 
     async def session():
         async with coordinating(joints=READY, log=tmp_path / "jog.mcap") as (_, _, client):
@@ -318,6 +319,8 @@ def test_a_live_motion_is_logged(tmp_path):
     found = read_run(str(tmp_path / "jog.mcap"))
     assert found.value is not None, found.diagnostics
     assert not [one for one in found.diagnostics if one.is_error]
+    (told,) = planned_motion(found.value).diagnostics
+    assert "there was no plan to draw it beside" in told.message
 
 
 def test_what_cannot_be_driven():

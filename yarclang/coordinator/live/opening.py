@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import to_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
-from yarclang.runtime.live import Live
+from yarclang.runtime.live import MADE_ON_THE_WAY, Live
 from yarclang.units import MS
 
 SEGMENT = 10.0 * MS
@@ -92,8 +92,7 @@ def live_motion(
     )
     text = [line for line in emit(program).text(()).splitlines() if line and not line.startswith(";")]
     at = text.index("OPEN ROT")
-    # the log's text says where it starts: its lines are made on the way
-    shown = emit(replace(program, body=())).text(("target rotary", f"robot {robot.name} {robot.fingerprint}"))
+    shown = emit(program).text((MADE_ON_THE_WAY, f"robot {robot.name} {robot.fingerprint}"))
     slack = START_SHARE * robot.limits.acceleration * segment**2
     job = Job(
         name=name,

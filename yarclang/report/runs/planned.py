@@ -13,6 +13,7 @@ from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.report.runs.log import RecordedRun
 from yarclang.robot.model import Array
+from yarclang.runtime.live import MADE_ON_THE_WAY
 from yarclang.units import MS
 
 
@@ -58,6 +59,11 @@ def planned_motion(run: RecordedRun) -> Result[Planned]:
     Returns:
         None, with a finding, where the reader doesn't take the text.
     """
+    if run.text.startswith(f"; {MADE_ON_THE_WAY}"):
+        message = (
+            f"{run.file}: this was a jog, or a master that was followed: there was no plan to draw it beside"
+        )
+        return Result(None, (Diagnostic("Y1404", message, help="`yarc replay` shows what happened"),))
     content = read(run.text, run.robot.controller)
     if isinstance(content, Unreadable):
         return _refused(run, f"line {content.line} {content.reason}")

@@ -1,7 +1,8 @@
 """A way of straight pieces through joint space: RRT-Connect and shortcuts, by OMPL.
 
 OMPL's chance comes from one seed, which is set before anything of OMPL is made, and a search ends by the number of its samples, never
-by a clock: so the same question has the same answer in every process, whatever was asked before.
+by a clock: so the same question has the same answer in every process, whatever was asked before. OMPL has one chance for all threads, so that no two of them may
+search at once.
 """
 
 from __future__ import annotations

@@ -102,6 +102,8 @@ MUTATIONS = (
     end_deleted,
     word_misspelt,
 )
+SLOW = {"11_dispensing"}
+"""Takes seconds to plan; it is planned in a part of its cases."""
 COMMON = {"DEG", "TCP", *words_of_the_language().declarations, *words_of_the_language().commands}
 SOURCES = sorted(EXAMPLES.glob("*.yarc"))
 
@@ -116,9 +118,9 @@ def broken(number):
     return mutation.__name__, path, "\n".join(lines) + "\n", at
 
 
-def found(path, text):
+def found(path, text, plans=True):
     options = Options(robot=None if re.search(r"^ROBOT", text, re.MULTILINE) else "INDUSTRIAL6")
-    return check_text(SourceFile(path.name, text), path.parent, options).diagnostics
+    return check_text(SourceFile(path.name, text), path.parent, options, plans=plans).diagnostics
 
 
 def speaks_of(one, at, original):
@@ -138,7 +140,8 @@ def test_one_fault_is_said_once_or_twice_where_it_is():
     many, away, errors = [], [], 0
     for number in range(COUNT):
         name, path, text, at = broken(number)
-        said = [one for one in found(path, text) if one.code not in before[path]]
+        plans = path.stem not in SLOW or number // len(SOURCES) % 4 == 0
+        said = [one for one in found(path, text, plans) if one.code not in before[path]]
         told = (name, path.stem, sorted(at), [(one.span and one.span.line, one.code) for one in said])
         if len(said) > AT_MOST:
             many.append(told)

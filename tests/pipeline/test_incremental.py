@@ -1,13 +1,20 @@
 """Looking again at a program that was edited says what a fresh look says, to the last bit."""
 
+import gc
+import os
+import shutil
+import weakref
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from yarclang.memory import Recent, recall
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.incremental import Analyst
 from yarclang.pipeline.inputs import Options
+from yarclang.robot.library import stdlib_folder
 from yarclang.source import SourceFile
 
 OPENING = (
@@ -173,3 +180,77 @@ def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
             check_text(source, folder, Options(), plans=False).diagnostics
         )
         assert_same(analyst.analyse(source, folder), check_text(source, folder, Options()))
+
+
+PROGRAM = "\n".join(
+    [*OPENING, "P0010 MOVEL 0 1150 1150 0 0 0", "P0020 CALL SHIFTS.AWAY 20", "P0030 MOVEJ PARK", ""]
+)
+
+
+def test_what_a_program_uses_may_change(folder, tmp_path):
+    """A module, a cell and a robot are read anew when their files have changed, and only then."""
+    shutil.copytree(stdlib_folder() / "robots" / "industrial6", tmp_path / "arm")
+    (tmp_path / "shifts.yarc").write_text(MODULE)
+    (tmp_path / "cell.toml").write_text(CELL.format(height=500))
+    source = SourceFile(str(tmp_path / "a.yarc"), PROGRAM.replace("ROBOT INDUSTRIAL6\n", ""))
+    options = Options(robot=str(tmp_path / "arm"))
+    analyst = Analyst(options)
+    first = analyst.analyse(source, tmp_path)
+    again = analyst.analyse(source, tmp_path)
+    assert again.checked.opened.request.robot is first.checked.opened.request.robot
+    assert again.program.cell is first.program.cell
+    assert all(
+        one.curve is other.curve for one, other in zip(first.plan.motions, again.plan.motions, strict=True)
+    )
+    changes = {
+        "shifts.yarc": (MODULE, MODULE.replace("[1]", "[2]")),
+        "cell.toml": (CELL.format(height=500), CELL.format(height=4100)),
+        "arm/robot.toml": ("jerk", "jerk "),
+    }
+    for name, (old, new) in changes.items():
+        path = tmp_path / name
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+        os.utime(path, ns=(1, 1))
+        assert_same(analyst.analyse(source, tmp_path), check_text(source, tmp_path, options))
+
+
+def test_work_that_nobody_waits_for_is_given_up(folder):
+    """And what was worked out up to there is remembered."""
+    analyst, asked = Analyst(), []
+
+    def after_some():
+        asked.append(None)
+        return len(asked) > 4
+
+    source = SourceFile(str(folder / "a.yarc"), PROGRAM)
+    assert analyst.analyse(source, folder, cancelled=after_some) is None
+    assert len(asked) == 5
+    assert len(analyst.memory) > 0
+    whole = analyst.analyse(source, folder, cancelled=lambda: False)
+    assert whole.diagnostics == check_text(source, folder, Options()).diagnostics
+    number = whole.steps_by_line[PROGRAM.split("\n").index("P0030 MOVEJ PARK") + 1]
+    assert [whole.program.steps[one].origin.index for one in number] == ["P0030"]
+    assert whole.motions[number[0]].step == whole.proofs[number[0]].step == number[0]
+
+
+def test_the_memory_is_bounded():
+    """What wasn't used for longest goes first."""
+    memory = Recent(3)
+    for key in (1, 2, 3, 1, 4):
+        recall(memory, key, lambda key=key: key)
+    assert [memory.get(key) for key in (1, 2, 3, 4)] == [1, None, 3, 4]
+    assert len(memory) == 3
+
+
+def test_edits_leave_no_texts_behind(folder):
+    """Nothing that is remembered holds the text of a program that was: a hundred versions leave none."""
+    analyst, gone = Analyst(), []
+    for edit in range(6):
+        source = SourceFile(str(folder / "a.yarc"), f"{PROGRAM}! version {edit}\n")
+        gone.append(weakref.ref(source))
+        analyst.analyse(source, folder)
+    del source
+    gc.collect()
+    assert [one() for one in gone] == [None] * 6

@@ -39,8 +39,10 @@ def frame_moves(
     ends = distance(flanges[numbers] @ paths.flange_from_moving, paths.goal)
     stretch = _stretch(judged, layout, moving, paths, around, proofs)
     found = None
-    single = len(moving) == 1 and not proofs.flows.is_cut(moving[0][0])
-    law = law_of(judged, moving[0][1]) if single else None
+    row, place = moving[0]
+    # what is proved of a motion must not depend on how many there are: laws are for splines, which come one by one
+    has_law = isinstance(place.motion, hir.PoseSplineMove) and not proofs.flows.is_cut(row)
+    law = law_of(judged, place) if has_law else None
     if law is not None:
         found = follow(stretch, paths, judged.robot, law)
     if found is None or found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle:

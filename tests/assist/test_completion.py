@@ -43,7 +43,12 @@ def behind(half: str, view_of=looked_at) -> list[str]:
         ("", ["MOVEJ", "MOVEL", "CALL", "FRAME", "REPEAT", "END"], ["{TABLE}", "MOVEL_POLY5"]),
         ("P0100 ", ["MOVEJ", "WAIT", "HOLD"], ["FRAME", "LET"]),
         ("P0100 MOVEJ_RPY", ["MOVEJ_RPY_AVOID", "MOVEJ_RPY_AVOID_TOPP"], ["MOVEJ_AVOID_RPY", "MOVEL_AVOID"]),
-        ("P0100 MOVEL", ["MOVEL", "MOVEL_QUAT", "MOVEL_POLY5", "MOVEL_RPY_SCURVE"], ["MOVEJ_RPY"]),
+        (
+            "P0100 MOVEL",
+            ["MOVEL", "MOVEL_QUAT", "MOVEL_POLY5", "MOVEL_RPY_SCURVE"],
+            ["MOVEJ_RPY", "MOVEL_AVOID"],
+        ),
+        ("P0100 MOVEJ_", ["MOVEJ_AVOID", "MOVEJ_RPY_AVOID_POLY5"], []),
         ("P0100 MOVEL ", ["{TOOL}", "{TCP}"], ["READY", "BLEND", "MOVEJ"]),
         ("P0100 MOVEL {", ["{TOOL}", "{TABLE}", "{B}"], ["READY"]),
         ("P0100 MOVEL {TA", ["{TABLE}"], []),

@@ -171,6 +171,8 @@ def command_text(name: str) -> str:
     lines = [f"**{name}**: {spec.summary}", "", spec.doc.strip()]
     if target in TARGETS:
         lines += ["", f"`_{target}`: {TARGETS[target]}"]
+    if AVOID in name.split("_"):
+        lines += ["", f"`_{AVOID}`: the straight way may be left to get round what is in it"]
     if spec.is_motion:
         lines += ["", f"`_{profile}`: {load_profile(profile).summary}"]
     lines += ["", "```yarc", *spec.examples, "```"]

@@ -494,7 +494,12 @@ class _Unroller:
             file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
             step = None
         name_arguments(statement, file.findings, before, given)
-        if step is not None and not isinstance(step, Gap) and (told := said_of_time(statement.time, given)):
+        if (
+            given
+            and step is not None
+            and not isinstance(step, Gap)
+            and (told := said_of_time(statement.time, given))
+        ):
             step = replace(step, origin=replace(step.origin, time_given=told))
         self._steps.append(step or Gap())
         if isinstance(step, Stop):

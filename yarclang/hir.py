@@ -360,7 +360,9 @@ def fingerprint(program: Program) -> str:
 
 
 def _feed(digest: Any, value: object) -> None:
-    if isinstance(value, Origin):
+    if value is None or type(value) is float:  # most of all
+        digest.update(f"{value!r};".encode())
+    elif isinstance(value, Origin):
         digest.update(f"{value.label};".encode())
     elif isinstance(value, Path):
         pass  # where a mesh's file stands; its bytes have a digest of their own

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Motion, SetOutput, Step
+from yarclang.hir import Array, Motion, SetOutput, Step
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
@@ -19,6 +19,7 @@ STRAIGHT = 5.0 * DEG
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
     steps = plan.program.steps
+    ways: dict[int, tuple[Array, Array] | None] = {}
     for first, second in zip(plan.motions, plan.motions[1:], strict=False):
         step, following = steps[first.step], steps[second.step]
         assert isinstance(step, Motion)
@@ -26,7 +27,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:  # noqa: 
         between: tuple[Step, ...] = steps[first.step + 1 : second.step]
         if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
             continue
-        angle = _angle(first, second)
+        angle = _angle(first, second, ways)
         if angle is not None and angle < STRAIGHT:
             other = f" {following.origin.label}" if following.origin.label else " the next motion"
             message = f"the robot stops here, and{other} goes on in the same direction, within {max(angle / DEG, 0.01):.2g} deg"
@@ -37,21 +38,30 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:  # noqa: 
             )
 
 
-def _angle(first: PlannedMotion, second: PlannedMotion) -> float | None:
-    """The angle [rad] at which two paths of one moving frame meet; None where that isn't what they are."""
+def _angle(
+    first: PlannedMotion, second: PlannedMotion, ways: dict[int, tuple[Array, Array] | None]
+) -> float | None:
+    """The angle [rad] at which two paths of one moving frame meet; None where that isn't what they are. `ways` has those of motions that were asked for."""
     one, other = first.path, second.path
     if not isinstance(one, CartesianPath) or not isinstance(other, CartesianPath):
         return None
-    if (
-        one.extent[1]
-        or other.extent[1]
-        or not np.array_equal(one.flange_from_moving, other.flange_from_moving)
-    ):
+    for motion, path in ((first, one), (second, other)):
+        if motion.step not in ways:
+            ways[motion.step] = _ends(path)
+    come, go = ways[first.step], ways[second.step]
+    if come is None or go is None or not np.array_equal(one.flange_from_moving, other.flange_from_moving):
         return None
-    comes = one.frame.tangents(np.array([1.0]))[0, :3]
-    goes = other.frame.tangents(np.array([0.0]))[0, :3]
+    comes, goes = come[1], go[0]
     cosine = float(comes @ goes) / float(np.linalg.norm(comes) * np.linalg.norm(goes))
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _ends(path: CartesianPath) -> tuple[Array, Array] | None:
+    """Where to a path goes at its start and its end (3,); None where it only turns."""
+    if path.extent[1]:
+        return None
+    begin, end = path.frame.tangents(np.array([0.0, 1.0]))[:, :3]
+    return begin, end
 
 
 _HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1376 0 0 0\n"

@@ -241,3 +241,19 @@ def test_zones_cost_nothing_where_there_are_none(tmp_path):
     assert command.zone_clearance is None
     assert command.zone_speed is None
     assert np.isfinite(command.duration)
+
+
+def test_a_joint_motion_into_a_zone_may_go_round_it(tmp_path):
+    ball = zone(rule="forbidden", shape="sphere", radius=100, frame="B", xyz=[0, 900, 1100])
+    line = "P0010 MOVEJ -20 10 -40 0 -30 0"
+    (finding,) = with_cell(tmp_path, ball, line)[1]
+    assert finding.fix is not None
+    assert [edit.text for edit in finding.fix.edits] == ["MOVEJ_AVOID"]
+    assert finding.help.startswith("write MOVEJ_AVOID")
+    round_it = with_cell(tmp_path, ball, line.replace("MOVEJ", "MOVEJ_AVOID"))[1]
+    assert not [one for one in round_it if one.is_error]
+    straight = zone(
+        rule="forbidden", shape="half-space", normal=[0, 0, -1], xyz=[0, 0, 200], margin=900, frame="B"
+    )
+    (finding,) = with_cell(tmp_path, straight, "P0010 DMOVE 0 0 -100 0 0 0")[1]
+    assert finding.fix is None  # a line has no way round

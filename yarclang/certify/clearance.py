@@ -12,11 +12,12 @@ from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Clearance
 from yarclang.certify.layout import Layout, Place, chunks
 from yarclang.certify.moments import pose_text, span_text
+from yarclang.certify.remedy import round_it
 from yarclang.collision.course import Course
 from yarclang.collision.meeting import Contact, contact
 from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
 from yarclang.collision.scene import Scene, scene_of
-from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
+from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.robot.model import Robot
 from yarclang.units import MM
 
@@ -123,22 +124,11 @@ def _finding(
     names.pop(f"{moving} and {other}")
     more = f"; as well too near: {', '.join(names)}" if names else ""
     message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
-    fix = _round_it(place.motion)
-    help_ = f"{fix.title}, which finds a way round by itself; or {_REMEDIES[code]}" if fix else _REMEDIES[code]
+    fix = round_it(place.motion)
+    help_ = (
+        f"{fix.title}, which finds a way round by itself; or {_REMEDIES[code]}" if fix else _REMEDIES[code]
+    )
     return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
-
-
-def _round_it(motion: hir.Motion) -> Fix | None:
-    """A fix that lets a straight motion in joint space leave its way; None for others."""
-    origin = motion.origin
-    if not isinstance(motion, hir.JointMove) or isinstance(motion.goal, hir.JointDelta):
-        return None
-    if origin.name_span is None:
-        return None
-    words = origin.name.split("_")
-    target = 2 if words[1:2] in (["RPY"], ["QUAT"]) else 1
-    name = "_".join((*words[:target], "AVOID", *words[target:]))
-    return Fix(f"write {name}", (Edit(origin.name_span, name),))
 
 
 _REMEDIES = {

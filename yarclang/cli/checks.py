@@ -93,6 +93,7 @@ def check_one(path: str, task: Task) -> Done:
         return check_text(source, folder, task.options, plans=task.plans)
 
     before = checked.source.text
+
     def wanted(one: Diagnostic) -> bool:
         return (task.shown is None or one.code in task.shown) and (is_repair(one) or one.code in task.chosen)
 

@@ -70,7 +70,11 @@ def test_entry_points_exist(wheel: zipfile.ZipFile):
 
 def test_extras(wheel: zipfile.ZipFile):
     (name,) = (name for name in wheel.namelist() if name.endswith(".dist-info/METADATA"))
-    assert set(Parser().parsestr(wheel.read(name).decode()).get_all("Provides-Extra", [])) == {"test", "dev", "view"}
+    assert set(Parser().parsestr(wheel.read(name).decode()).get_all("Provides-Extra", [])) == {
+        "test",
+        "dev",
+        "view",
+    }
 
 
 def test_sdist_builds_and_tests_itself(sdist_files: set[str]):

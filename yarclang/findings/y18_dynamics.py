@@ -10,7 +10,7 @@ FINDINGS = (
         "a motor can't give what the motion asks for",
         "With the masses of the URDF and of the mounted tools, the motion needs more torque, or force, than the joint's effort: the drive would fall behind its program until the following error "
         "stops it. The message names the joint, the place and how much of it gravity takes; the rest shrinks with the square of the time. Friction and the motors' rotors aren't in it.",
-        '[joints.shoulder]\neffort = 90     # N m; P0010 MOVEJ 90 0 0 0 0 0 [0.6] (deg,s)',
+        "[joints.shoulder]\neffort = 90     # N m; P0010 MOVEJ 90 0 0 0 0 0 [0.6] (deg,s)",
     ),
     Finding(
         "Y1802",

@@ -74,7 +74,13 @@ def command(
     from yarclang.cli.work import Progress, options_from
 
     with Progress() as progress:
-        task = Task(options_from(planning, progress), plans, fix or diff, _shown(select, ignore), select or frozenset())
+        task = Task(
+            options_from(planning, progress),
+            plans,
+            fix or diff,
+            _shown(select, ignore),
+            select or frozenset(),
+        )
         if watch:
             _watch(paths, task, max_findings, progress)
             return

@@ -12,7 +12,7 @@ from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Clearance
 from yarclang.certify.layout import Layout, Place, chunks
 from yarclang.certify.moments import pose_text, span_text
-from yarclang.certify.remedy import round_it
+from yarclang.certify.remedy import remedy
 from yarclang.collision.course import Course
 from yarclang.collision.meeting import Contact, contact
 from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
@@ -124,10 +124,7 @@ def _finding(
     names.pop(f"{moving} and {other}")
     more = f"; as well too near: {', '.join(names)}" if names else ""
     message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
-    fix = round_it(place.motion)
-    help_ = (
-        f"{fix.title}, which finds a way round by itself; or {_REMEDIES[code]}" if fix else _REMEDIES[code]
-    )
+    help_, fix = remedy(place.motion, _REMEDIES[code])
     return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
 
 

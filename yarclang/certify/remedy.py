@@ -2,8 +2,22 @@
 
 from __future__ import annotations
 
+import shlex
+
 from yarclang import hir
 from yarclang.diagnostics import Edit, Fix
+
+_PROGRAM = ".yarc"
+
+
+def remedy(motion: hir.Motion, otherwise: str) -> tuple[str, Fix | None]:
+    """What to do about a motion that comes too near to something: a way round, where it may take one, else `otherwise`; and where to look at it."""
+    fix = round_it(motion)
+    text = f"{fix.title}, which finds a way round by itself; or {otherwise}" if fix else otherwise
+    name = motion.origin.source.name
+    if name.endswith(_PROGRAM):
+        text += f"; `yarc view {shlex.quote(name)}` shows it"
+    return text, fix
 
 
 def round_it(motion: hir.Motion) -> Fix | None:

@@ -14,7 +14,7 @@ from yarclang.certify.certificate import Clearance, ZoneSpeed
 from yarclang.certify.frames import moving_frame
 from yarclang.certify.layout import Layout, Place, chunks
 from yarclang.certify.moments import pose_text, span_text
-from yarclang.certify.remedy import round_it
+from yarclang.certify.remedy import remedy
 from yarclang.certify.speed import KEPT
 from yarclang.collision.course import Course
 from yarclang.collision.proof import KNOWN
@@ -196,13 +196,7 @@ class _Judge:
             f"{how}, {span_text(found.begin, found.end, stop - start)}; worst at {found.worst:.3f} s, "
             f"{pose_text(self.robot, place.motion.origin, q)}{more}"
         )
-        fix = round_it(place.motion)
-        remedy = (
-            f"{fix.title}, which finds a way round by itself; or {_REMEDIES[code]}"
-            if fix
-            else _REMEDIES[code]
-        )
-        self._find(code, message, place, remedy, fix)
+        self._find(code, message, place, *remedy(place.motion, _REMEDIES[code]))
 
     def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
         """The code of a breach, and what is wrong where it is worst."""
@@ -241,10 +235,10 @@ class _Judge:
         q: Array = self.course.at(np.array([time]))[0]
         return q
 
-    def _find(self, code: str, message: str, place: Place, remedy: str, fix: Fix | None = None) -> None:
+    def _find(self, code: str, message: str, place: Place, help_: str, fix: Fix | None = None) -> None:
         origin = place.motion.origin
         self.findings.append(
-            Diagnostic(code, message, origin.source, origin.span, remedy, fix, place=origin.place)
+            Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
         )
 
 

@@ -11,6 +11,7 @@ from yarclang.diagnostics import Fix
 from yarclang.findings import Finding
 from yarclang.hir import Origin, Step
 from yarclang.lint.names import Names, names_of
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module
@@ -35,14 +36,15 @@ class Remark:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What every rule may know besides what it reads: the file that is checked, its robot, the steps of the program by their numbers, and
-    whether the project is for teaching (reduced speed).
+    """What every rule may know besides what it reads: the file that is checked, its robot, the steps of the program by their numbers,
+    whether the project is for teaching (reduced speed), and what rules remember of texts that they looked at before.
     """
 
     module: Module
     robot: Robot
     steps: tuple[Step, ...] = ()
     teach: bool = False
+    memory: Memory = NO_MEMORY
 
     @cached_property
     def names(self) -> Names:

@@ -98,7 +98,7 @@ def _staged(opened: Result[Opened], project: Project, plans: bool) -> tuple[Chec
     else:
         found = grouped(found)
     off = {code for code, level in project.levels.items() if level == "off"}
-    around = Surroundings(module, request.robot, program.steps, project.teach)
+    around = Surroundings(module, request.robot, program.steps, project.teach, request.memory)
     found = (*opened.diagnostics, *found, *lint(products, around, found, off))
     is_whole = compiled is not None and not has_errors(found)
     return Checked(found, module.source, opened.value, program, plan, compiled), is_whole

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from yarclang.findings import Finding
 from yarclang.hir import Array, Motion, SetOutput, Step
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
+from yarclang.memory import recall
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.units import DEG
@@ -17,7 +19,7 @@ STRAIGHT = 5.0 * DEG
 """Paths that meet at a smaller angle [rad] go straight on."""
 
 
-def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
     steps = plan.program.steps
     ways: dict[int, tuple[Array, Array] | None] = {}
     for first, second in zip(plan.motions, plan.motions[1:], strict=False):
@@ -27,7 +29,9 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:  # noqa: 
         between: tuple[Step, ...] = steps[first.step + 1 : second.step]
         if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
             continue
-        angle = _angle(first, second, ways)
+        # paths that were recalled are the same ones
+        make = partial(_angle, first, second, ways)
+        (angle,) = recall(around.memory, ("angle", first.path, second.path), lambda make=make: (make(),))
         if angle is not None and angle < STRAIGHT:
             other = f" {following.origin.label}" if following.origin.label else " the next motion"
             message = f"the robot stops here, and{other} goes on in the same direction, within {max(angle / DEG, 0.01):.2g} deg"

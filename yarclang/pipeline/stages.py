@@ -149,7 +149,7 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     tolerance = request.tolerance or request.robot.tolerance
     lowered = lower(planned, request.target, tolerance)
     emitted = emit(lowered, request.memory)
-    header = tuple(_header(lowered, planned, request.target))
+    header = tuple(_header(lowered, planned, request))
     if request.progress:
         request.progress("certifying", 0, 1)
     text = emitted.text((*header, "certificate being made"))
@@ -168,12 +168,12 @@ def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certifica
     return certify(text, told, request.robot, tolerance, _witnesses(planned), _laws(planned), memory)
 
 
-def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[str]:
+def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> list[str]:
     """What a person who finds the text wants to know, but for the certificate."""
     import pinocchio
     import scipy
 
-    robot = planned.robot
+    robot, target = planned.robot, request.target
     times = {motion.curve.segment for motion in planned.motions}
     segments = ""
     if times:
@@ -197,7 +197,7 @@ def _header(lowered: PmacProgram, planned: MotionPlan, target: Target) -> list[s
         f"yarcc {__version__}: {_printable(PurePath(planned.program.source.name).name)}",
         f"target {target}",
         f"robot {robot.name} {robot.fingerprint}",
-        f"program {fingerprint(planned.program)}",
+        f"program {fingerprint(planned.program, request.memory)}",
         f"made with {made_with}",
         f"start {start} ({', '.join(units)})",
         f"duration {planned.duration:.3f} s{segments}",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Motion
+from yarclang.hir import Array, Motion
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
-from yarclang.motion.plan import MotionPlan
+from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.robot.model import Limits
 
 NEAR = 2.0
 """What is nearer to a limit [deg or mm] is near."""
@@ -18,10 +19,8 @@ NEAR = 2.0
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
     robot = around.robot
     limits, units = robot.limits, robot.axis_units
-    for motion in plan.motions:
+    for motion in _near(plan.motions, limits, units):
         room = np.minimum(motion.waypoints - limits.lower, limits.upper - motion.waypoints) / units
-        if room.min(initial=np.inf) >= NEAR:
-            continue
         at, joint = np.unravel_index(int(np.argmin(room)), room.shape)
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
@@ -33,6 +32,17 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         )
         help_ = "another configuration (NEAR) or another place of the part leaves more room"
         yield remark_at(step.origin, message, help_)
+
+
+def _near(motions: Sequence[PlannedMotion], limits: Limits, units: Array) -> Iterator[PlannedMotion]:
+    """The motions with a way-point near a limit: all way-points are looked at together."""
+    if not motions:
+        return
+    q = np.concatenate([motion.waypoints for motion in motions])
+    owners = np.repeat(np.arange(len(motions)), [len(motion.waypoints) for motion in motions])
+    near = (np.minimum(q - limits.lower, limits.upper - q) / units).min(axis=1) < NEAR
+    for row in np.unique(owners[near]).tolist():
+        yield motions[row]
 
 
 RULE = Rule(

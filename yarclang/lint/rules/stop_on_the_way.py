@@ -30,8 +30,8 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
             continue
         # paths that were recalled are the same ones
-        make = partial(_angle, first, second, ways)
-        (angle,) = recall(around.memory, ("angle", first.path, second.path), lambda make=make: (make(),))
+        key = ("angle", first.path, second.path)
+        (angle,) = recall(around.memory, key, partial(_angle, first, second, ways))
         if angle is not None and angle < STRAIGHT:
             other = f" {following.origin.label}" if following.origin.label else " the next motion"
             message = f"the robot stops here, and{other} goes on in the same direction, within {max(angle / DEG, 0.01):.2g} deg"
@@ -44,20 +44,20 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 def _angle(
     first: PlannedMotion, second: PlannedMotion, ways: dict[int, tuple[Array, Array] | None]
-) -> float | None:
-    """The angle [rad] at which two paths of one moving frame meet; None where that isn't what they are. `ways` has those of motions that were asked for."""
+) -> tuple[float | None]:
+    """The angle [rad] at which two paths of one moving frame meet; (None,) where that isn't what they are. `ways` has those of motions that were asked for."""
     one, other = first.path, second.path
     if not isinstance(one, CartesianPath) or not isinstance(other, CartesianPath):
-        return None
+        return (None,)
     for motion, path in ((first, one), (second, other)):
         if motion.step not in ways:
             ways[motion.step] = _ends(path)
     come, go = ways[first.step], ways[second.step]
     if come is None or go is None or not np.array_equal(one.flange_from_moving, other.flange_from_moving):
-        return None
+        return (None,)
     comes, goes = come[1], go[0]
     cosine = float(comes @ goes) / float(np.linalg.norm(comes) * np.linalg.norm(goes))
-    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return (float(np.arccos(np.clip(cosine, -1.0, 1.0))),)
 
 
 def _ends(path: CartesianPath) -> tuple[Array, Array] | None:

@@ -15,6 +15,7 @@ from yarclang.certify.bounds import (
     hermite_bezier,
     reaches,
 )
+from yarclang.certify.pieces import arm_bounds
 from yarclang.certify.pose import angle_of_chord, axis_and_angle, distance
 from yarclang.certify.spline import NaturalSpline
 from yarclang.robot.kinematics.fk import tool_poses
@@ -189,6 +190,29 @@ def test_catch_up_sees_running_back_stopping_short_and_overshooting():
     two = np.concatenate([forward, forward])
     assert catch_up(two, np.array([0, 0, 1, 1])).max() < 1e-15
     assert catch_up(two, np.array([0, 0, 0, 0])).max() > 0.5  # one motion that goes twice
+
+
+@given(st.lists(st.lists(st.floats(-0.1, 1.1), min_size=4, max_size=4), min_size=1, max_size=6))
+def test_what_one_command_has_to_catch_up_does_not_depend_on_the_others(points):
+    own = np.array(points)
+    three = catch_up(np.concatenate([own] * 3), np.repeat(np.arange(3), len(own)))
+    assert np.array_equal(three, np.tile(catch_up(own, np.zeros(len(own), dtype=np.int64)), 3))
+
+
+def test_how_far_one_command_reaches_does_not_depend_on_the_others():
+    """A sliding joint adds its own travel to the reach."""
+    robot = railed()
+    own, other = (
+        of_lines(start, start + np.linspace(0.0, way, 9)[1:, None] * np.ones(robot.chain.size), 0.02)
+        for start, way in ((np.zeros(robot.chain.size), 0.1), (np.full(robot.chain.size, 0.9), 0.5))
+    )
+    both = Cubics(*(np.concatenate([getattr(one, name) for one in (own, other)]) for name in "xvajh"))
+    count = len(own.h)
+    alone = arm_bounds(own, np.zeros(count, dtype=np.int64), FLANGE_FROM_TCP[None], robot)
+    command = np.repeat([0, 1], [count, len(other.h)])
+    together = arm_bounds(both, command, np.stack([FLANGE_FROM_TCP] * 2), robot)
+    for one, many in zip(alone, together, strict=True):
+        assert np.array_equal(one, many[:count])
 
 
 @settings(max_examples=50, deadline=None)

@@ -246,9 +246,12 @@ def catch_up(
     else:
         share = np.clip(share, covered[group, :1], covered[group, 1:])
         share[opens, 0], share[closes, 3] = covered[:, 0], covered[:, 1]
-    lift = 2.0 * group[:, None]
-    forward = np.maximum.accumulate((share + lift).ravel()).reshape(bezier.shape) - lift
-    behind: Array = np.abs(forward * end - bezier).max(axis=1)
+    share = np.ascontiguousarray(share)
+    # each command by itself: what is proved of it must not depend on the others, not even by rounding
+    for begin, stop in zip(opens.tolist(), (closes + 1).tolist(), strict=True):
+        forward = share[begin:stop].reshape(-1)
+        np.maximum.accumulate(forward, out=forward)
+    behind: Array = np.abs(share * end - bezier).max(axis=1)
     return behind
 
 

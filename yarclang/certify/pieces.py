@@ -71,13 +71,21 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
         flange_from_moving: (C, 4, 4).
         robot: the arm.
     """
-    travel = np.abs(np.concatenate(cubics.position_range())).max(axis=0)
+    size = robot.chain.size
+    low, high = cubics.position_range()
+    # of each command by itself: what is proved of it must not depend on which others there are
+    begins = np.flatnonzero(np.diff(command, prepend=-1))
+    travel = np.zeros((len(flange_from_moving), size))
+    farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)
+    np.maximum.at(travel, command[begins], farthest * robot.chain.is_prismatic)
     w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
     origin, rotation = np.empty(len(command)), np.empty(len(command))
-    frames, group = np.unique(flange_from_moving.reshape(-1, 16), axis=0, return_inverse=True)
-    for i, frame in enumerate(frames):
-        chosen = np.isin(command, np.nonzero(group.ravel() == i)[0])
-        reach = reaches(robot.chain, frame.reshape(4, 4), travel)
+    reached = np.concatenate([travel, flange_from_moving.reshape(-1, 16)], axis=1)
+    kinds, group = np.unique(reached, axis=0, return_inverse=True)
+    kind_of = group.ravel()[command]
+    for i, kind in enumerate(kinds):
+        chosen = kind_of == i
+        reach = reaches(robot.chain, kind[size:].reshape(4, 4), kind[:size])
         bound = arm_fourth(reach, robot.chain.is_prismatic, w[chosen], a[chosen], j[chosen])
         origin[chosen], rotation[chosen] = bound.origin, bound.rotation
     return origin, rotation

@@ -49,7 +49,10 @@ def test_a_real_arm_compiles_all_motions(name, tmp_path):
     assert robot.size == size
     text = program(robot) if size >= 6 else program(robot, pick=in_joints)
     result, diagnostics = compiled(text, str(tmp_path / "arm"))
-    left = [one for one in errors(diagnostics) if name not in HIT_THEMSELVES or not one.startswith("Y0902")]
+    hits = (
+        ("Y0902", "Y0925") if name in HIT_THEMSELVES else ()
+    )  # on the way, or in all configurations of a target
+    left = [one for one in errors(diagnostics) if not one.startswith(hits)]
     left = [one for one in left if name not in OVERLOADED or not one.startswith("Y18")]
     assert left == []
     assert (result is None) == (name in HIT_THEMSELVES)

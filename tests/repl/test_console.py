@@ -22,7 +22,7 @@ class Recorder(Interpreter):
 
     def __init__(self):
         self.got, self.interrupted = [], 0
-        self._question = None
+        self._question = self.jogging = None
 
     def typed(self, text):
         self.got.append(text)

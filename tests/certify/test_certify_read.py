@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from tests.certify.certify_bench import everything, industrial6
 from yarclang.certify.read import read
-from yarclang.certify.text import ControllerText, Unreadable
+from yarclang.certify.text import ControllerText, Run, Stood, Unreadable
+from yarclang.memory import Recent
 
 CONTROLLER = industrial6().controller
 
@@ -188,3 +189,35 @@ def test_never_raises(data):
     if isinstance(found, Unreadable):
         assert 1 <= found.line <= text.count("\n") + 14
         assert found.reason
+
+
+REMEMBERED = Recent(10_000)
+"""Of all texts below: many of their lines come again."""
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.data())
+def test_what_was_read_before_is_read_as_afresh(data):
+    """Numbers, lines and refusals are the same whatever was read before, as well where a text was edited in the middle of moves."""
+    text = everything().text()
+    first = data.draw(st.integers(text.index("SPLINE1"), len(text)))
+    last = min(len(text), first + data.draw(st.integers(0, 200)))
+    put = data.draw(st.text(alphabet="XYZABCRTM0177.-+;()=&#\n ", max_size=12))
+    edited = text[:first] + put + text[last:]
+    found, afresh = read(edited, CONTROLLER, REMEMBERED), read(edited, CONTROLLER)
+    if isinstance(afresh, Unreadable):
+        assert found == afresh
+        return
+    assert isinstance(found, ControllerText)
+    assert (found.entries, found.outputs, found.decimals) == (
+        afresh.entries,
+        afresh.outputs,
+        afresh.decimals,
+    )
+    for one, other in zip(found.course, afresh.course, strict=True):
+        if isinstance(other, Run):
+            assert (one.segment_ms, one.tm_line, one.puts) == (other.segment_ms, other.tm_line, other.puts)
+            assert np.array_equal(one.points, other.points)
+            assert np.array_equal(one.lines, other.lines)
+        elif not isinstance(other, Stood):
+            assert one == other

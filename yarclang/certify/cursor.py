@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from typing import NoReturn
 
 import numpy as np
 
+from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.robot.model import Array, Controller
 
 _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 """Possessive: a line that has matched is never tried again, so that the time is linear."""
+
+_PIECE, _MOST, _MARK = 1000, 50_000, "777"
+"""Move lines are remembered in pieces of so many characters at least and at most, up to a line in which these digits stand."""
 
 
 class Refusal(Exception):  # noqa: N818 - never leaves the reader
@@ -20,10 +25,11 @@ class Refusal(Exception):  # noqa: N818 - never leaves the reader
 class Cursor:
     """The place in the text: hands out lines, and blocks of move lines as numbers."""
 
-    def __init__(self, text: str, controller: Controller) -> None:
+    def __init__(self, text: str, controller: Controller, memory: Memory = NO_MEMORY) -> None:
         self._text = text
         self._place = 0
         self._axes = controller.axes
+        self._memory = memory
         self.line = 1  # of the line that comes next
         self.decimals = 0
         move = "".join(letter + _NUMBER for letter in controller.axes) + "\n"
@@ -62,16 +68,38 @@ class Cursor:
 
     def block(self) -> Array | None:
         """The move lines from here on (k, n), or None where the next line is none."""
-        found = self._block.match(self._text, self._place)
+        pieces: list[Array] = []
+        while self._text.startswith(self._axes[0], self._place):
+            if isinstance(self._memory, Forgetful):
+                points, length, decimals = self._moves(self._text, self._place)
+            else:
+                text = self._text[self._place : self._piece_end()]
+                key = ("move lines", self._axes, text)
+                points, length, decimals = recall(self._memory, key, partial(self._moves, text))
+            if not length:
+                break
+            pieces.append(points)
+            self._place += length
+            self.line += len(points)
+            self.decimals = max(self.decimals, decimals)
+        return np.concatenate(pieces) if pieces else None
+
+    def _piece_end(self) -> int:
+        """Up to where lines are remembered together: to a line with a mark that moves with the text when it is edited."""
+        begin, most = self._place + _PIECE, self._place + _MOST
+        mark = self._text.find(_MARK, begin, most)
+        return self._text.find("\n", most if mark < 0 else mark) + 1 or len(self._text)
+
+    def _moves(self, text: str, place: int = 0) -> tuple[Array, int, int]:
+        """The move lines from a place in a text on (k, n), how long they are, and how many decimals they have at most."""
+        found = self._block.match(text, place)
         if found is None:
-            return None
-        block = found.group()
-        while re.search(rf"\.[0-9]{{{self.decimals + 1}}}", block):
-            self.decimals += 1
+            return np.empty((0, len(self._axes))), 0, 0
+        block, decimals = found.group(), 0
+        while re.search(rf"\.[0-9]{{{decimals + 1}}}", block):
+            decimals += 1
         points = np.fromstring(block.translate(self._blank), sep=" ").reshape(-1, len(self._axes))
-        self._place = found.end()
-        self.line += len(points)
-        return points
+        return points, found.end() - place, decimals
 
     def move_follows(self) -> bool:
         """Whether a move line comes next, other outputs, comments and the guard's flag left out."""

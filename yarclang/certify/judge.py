@@ -52,13 +52,13 @@ def certify(
         laws: for SplineMoves and PoseSplineMoves, by the same number: control values (segments + 3,) of the share of the way over
             time. The segments of a motion in a chain reach half a blend beyond its own on either side. Claims: a
             wrong one proves less, never more.
-        memory: keeps what was proved, by the numbers in the text and what they shall be.
+        memory: keeps what move lines say, and what was proved, by the numbers in the text and what they shall be.
 
     Returns:
         The certificate, also where it proves violations (these are errors among the findings); None where
         the text can't be read or its commands aren't the program's.
     """
-    content = read(text, robot.controller)
+    content = read(text, robot.controller, memory)
     if isinstance(content, Unreadable):
         shown = Diagnostic(
             content.code, f"line {content.line} of the controller's text {content.reason}", program.source

@@ -241,6 +241,7 @@ def _with_places(
 ) -> Layout:
     places, begins, ends = [], [], []
     stand, behind = start, 0
+    closing = _closing(segments, [last for first, last in spans.values() if last > first])
     before: int | None = None
     ways: list[Array] = []
     for entry, step in zip(entries, program.steps, strict=True):
@@ -261,9 +262,7 @@ def _with_places(
             assert entry.first is not None and entry.last is not None  # noqa: PT018 - as it has a span
             lines = (entry.first, entry.last)
             places.append(Place(entry.step, step, first, last, lines, before, entry.blend))
-            f = segments.control[segments.at[last - 1] + 1 : segments.at[last - 1] + 4]
-            # exact where the command ends at rest; where it doesn't, the knot
-            stand = f[2] if np.array_equal(f[0], f[2]) else (f[0] + 4.0 * f[1] + f[2]) / 6.0
+            stand = closing[last]
             before, behind = entry.blend, last
         ends.append(stand)
     shape = (len(places), len(start))
@@ -275,6 +274,15 @@ def _with_places(
         np.array(begins).reshape(shape),
         np.array(ends).reshape(shape),
     )
+
+
+def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:
+    """Where the robot is (n,) behind some segments, by the number of the next one."""
+    at = segments.at[np.array(stops, dtype=np.int64) - 1]
+    first, middle, last = (segments.control[at + i] for i in (1, 2, 3))
+    # exact where the command ends at rest; where it doesn't, the knot
+    rests = (first == last).all(axis=1)[:, None]
+    return dict(zip(stops, np.where(rests, last, (first + 4.0 * middle + last) / 6.0), strict=True))
 
 
 def moving_at_ends(layout: Layout) -> list[Place]:

@@ -13,6 +13,7 @@ import numpy as np
 from yarclang.certify.course import CONDITION, read_course, why_worse
 from yarclang.certify.cursor import Cursor, Refusal, shown
 from yarclang.certify.text import Barred, ControllerText, Entry, Start, Target, Unreadable
+from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Controller
 
 _TARGET = re.compile(r"; target (rotary|prog)")
@@ -24,12 +25,13 @@ _PLAIN = r"([0-9]{1,15}(?:\.[0-9]{1,12})?)"
 _COMPARE = re.compile(rf"IF\(ABS\(M([0-9]+)61([-+])(\(-)?{_PLAIN}(\))?\)>{_PLAIN}\)")
 
 
-def read(text: str, controller: Controller) -> ControllerText | Unreadable:
+def read(text: str, controller: Controller, memory: Memory = NO_MEMORY) -> ControllerText | Unreadable:
     """Read a whole text.
 
     Args:
         text: what yarcc emitted.
         controller: whose axes, motors and coordinate system the text must name.
+        memory: keeps what move lines say, by their very text.
 
     Returns:
         What it says, or the first place that isn't what yarcc emits.
@@ -39,7 +41,7 @@ def read(text: str, controller: Controller) -> ControllerText | Unreadable:
         return Unreadable(line, "has a character that isn't ASCII")
     if not text.endswith("\n"):
         return Unreadable(text.count("\n") + 1, "doesn't end with a line feed")
-    cursor = Cursor(text, controller)
+    cursor = Cursor(text, controller, memory)
     try:
         return _read(cursor, controller)
     except Refusal as refusal:

@@ -98,6 +98,7 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
     """
     steps, units = plan.program.steps, plan.robot.axis_units
     motions = {motion.step: motion for motion in plan.motions}
+    lines = _lines(plan, decimals)
     written: float | None = None
     rests = True  # nothing was moved since the last dwell
     flows = False  # the last motion flows into the next one
@@ -139,9 +140,21 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                 flows = motion.overlap > 0
                 following = motions.get(number + 1)
                 ends = not flows and (following is None or following.curve.segment != curve.segment)
-                points = curve.points[3:-2] if ends else curve.points[3:]
-                yield Moves(number, _printed(points / units, decimals))
+                yield Moves(number, lines[number][:-2] if ends else lines[number])
                 rests, stands = False, curve.points[-1]
+
+
+def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
+    """The move lines of each motion that stops inside a sequence, by its step: rounded all together."""
+    points = [motion.curve.points[3:] for motion in plan.motions]
+    if not points:
+        return {}
+    printed = _printed(np.concatenate(points) / plan.robot.axis_units, decimals)
+    stops = np.cumsum([len(one) for one in points]).tolist()
+    return {
+        motion.step: printed[stop - len(one) : stop]
+        for motion, one, stop in zip(plan.motions, points, stops, strict=True)
+    }
 
 
 def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen) -> Barrier:

@@ -7,8 +7,9 @@ What is remembered, and by what:
 - a robot and a cell are read by their files (kept.py);
 - a command becomes a step by its statement and by what its names mean (semantics/recalling.py);
 - where a motion leads, and its curve, by its values in SI, the joint position before it, robot, cell, grid and tolerance (motion/recalling.py);
-- a printed move by its control points, and what the certificate proves of a stretch from rest to rest by the numbers in the text and what they shall be
-  (certify/stretches.py).
+- what of a motion is hashed, and at what angle two paths meet, by what the recalled step and paths are made of (hir.py, lint/);
+- a printed move by its control points; what move lines say, by their very text (certify/cursor.py); and what the certificate proves of a stretch
+  from rest to rest, by the numbers in the text and what they shall be (certify/stretches.py).
 
 So an edit of one motion costs that motion, and those behind it as far as it moves where they begin.
 """
@@ -30,8 +31,8 @@ from yarclang.pipeline.inputs import Options
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
-MOST_KEPT = 30_000
-"""Results that are remembered: about four a motion."""
+MOST_KEPT = 60_000
+"""Results that are remembered: about ten a motion, half of them small."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,7 +51,7 @@ def chained(
         corner = _corner(robot, steps, links, number, findings) if step.blend is not None else None
         found[number] += findings.found
         numbers.append(number)
-        chain.append(replace(link, corner=corner))
+        chain.append(link if corner is link.corner else replace(link, corner=corner))
         if corner is None:
             yield numbers, chain
             numbers, chain = [], []

@@ -168,7 +168,13 @@ def folder(tmp_path_factory):
     return folder
 
 
-@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
+# the same programs each time; YARCLANG_RANDOM_EDITS=1000 looks at so many others, for a night
+@settings(
+    max_examples=int(os.environ.get("YARCLANG_RANDOM_EDITS", "8")),
+    derandomize="YARCLANG_RANDOM_EDITS" not in os.environ,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)
 @given(body=st.lists(lines, min_size=1, max_size=5), sequence=st.lists(edits, min_size=1, max_size=4))
 def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
     analyst, opening = Analyst(), OPENING

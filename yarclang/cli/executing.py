@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
@@ -118,8 +118,13 @@ def execute(loaded: Loaded, address: Address, options: dict[str, Any], lines: Li
     Returns:
         The exit status.
     """
+    return status_of(_execute(loaded, address, options, lines, own=own), lines)
+
+
+def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
+    """The exit status of work with a robot; what keeps it from being done is the last line."""
     try:
-        return asyncio.run(_execute(loaded, address, options, lines, own=own))
+        return asyncio.run(work)
     except Trouble as trouble:
         lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
     except Lost as lost:

@@ -8,13 +8,13 @@ from typing import Any
 
 from yarclang.cli.address import Address
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
-from yarclang.cli.executing import Lines, Signals, refused_line, tell
+from yarclang.cli.executing import Lines, Signals, refused_line, status_of, tell
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.live.opening import Settings
 from yarclang.coordinator.live.serving import MasterServer
 from yarclang.coordinator.opened import opened
 from yarclang.robot.model import Robot
-from yarclang.runtime.actions import Lost, Trouble
+from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.units import MM
 
@@ -32,13 +32,7 @@ def follow(robot: Robot, address: Address, options: dict[str, Any], lines: Lines
     Returns:
         The exit status.
     """
-    try:
-        return asyncio.run(_follow(robot, address, options, lines, own=own))
-    except Trouble as trouble:
-        lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
-    except Lost as lost:
-        lines.say(refused_line(f"the connection was lost: {lost}", "look at the robot", "Y1606"))
-    return 1
+    return status_of(_follow(robot, address, options, lines, own=own), lines)
 
 
 async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines: Lines, *, own: bool) -> int:

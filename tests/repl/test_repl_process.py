@@ -10,6 +10,8 @@ import time
 import pexpect
 import pytest
 
+from yarclang.runtime.transports.local import controller_lock
+
 REPL = [
     sys.executable,
     "-c",
@@ -141,3 +143,11 @@ def test_motions_are_logged(place):
     )
     assert "the log is yarc-runs/" in done.stdout
     assert len(list((place["cwd"] / "yarc-runs").iterdir())) == 1
+
+
+def test_a_controller_that_somebody_else_drives_is_left_alone(place):
+    with controller_lock("127.0.0.1", 1):
+        done = read([], place, "--to", "tcp://127.0.0.1:1")
+    assert done.returncode == 1
+    assert "drive" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -48,25 +48,42 @@ def command(to: Address | None, **options: Any) -> None:
     from yarclang.cli.controllers import controller
 
     with controller(to, robot, placed.value, options["rate"]) as address:
-        raise SystemExit(asyncio.run(_session(robot, address, options)))
+        raise SystemExit(asyncio.run(_session(robot, address, options, own=to is None)))
 
 
-async def _session(robot: Any, address: Address, options: dict[str, Any]) -> int:
+async def _session(robot: Any, address: Address, options: dict[str, Any], *, own: bool) -> int:
     from yarclang import __version__
+    from yarclang.cli.controllers import SIMULATED_REPLY_TIME
     from yarclang.cli.table import checked_table
-    from yarclang.coordinator.coordinator import Coordinator
     from yarclang.coordinator.engine import NO_LOG, NotReady
-    from yarclang.coordinator.ordered import OrderedSession
+    from yarclang.coordinator.opened import opened
     from yarclang.repl.console import converse
     from yarclang.repl.interpreter import Interpreter, trouble_text
     from yarclang.runtime.actions import Trouble
+    from yarclang.runtime.session import REPLY_TIME
 
     terminal = sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
-    session = OrderedSession(address.host, address.port, pace=options["rate"] or 1.0)
-    log = NO_LOG if options["no_log"] else options["log"]
-    coordinator = Coordinator(robot, session, folder=Path.cwd(), tm=options["tm"], log=log)
     try:
-        await coordinator.start()
+        async with opened(
+            robot,
+            address.host,
+            address.port,
+            folder=Path.cwd(),
+            name="repl",
+            tm=options["tm"],
+            log=NO_LOG if options["no_log"] else options["log"],
+            reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
+            pace=options["rate"] or 1.0,
+        ) as coordinator:
+            client = coordinator.attach("repl")
+            client.own()
+            interpreter = Interpreter(coordinator, client, click.echo, Path.cwd(), asks=not options["go"])
+            if terminal:
+                click.echo(
+                    f"yarc {__version__}: {robot.name} at {address}. .help lists what can be typed; Ctrl-C stops the robot, Ctrl-D ends."
+                )
+            await converse(interpreter, coordinator, terminal=terminal)
+            client.leave()
     except NotReady as trouble:
         click.echo(checked_table(trouble.inspection.errors), err=True)
         click.echo(f"{address} isn't what {robot.name} needs", err=True)
@@ -74,16 +91,4 @@ async def _session(robot: Any, address: Address, options: dict[str, Any]) -> int
     except Trouble as trouble:
         click.echo(trouble_text(trouble), err=True)
         return 1
-    try:
-        client = coordinator.attach("repl")
-        client.own()
-        interpreter = Interpreter(coordinator, client, click.echo, Path.cwd(), asks=not options["go"])
-        if terminal:
-            click.echo(
-                f"yarc {__version__}: {robot.name} at {address}. .help lists what can be typed; Ctrl-C stops the robot, Ctrl-D ends."
-            )
-        await converse(interpreter, coordinator, terminal=terminal)
-        client.leave()
-    finally:
-        await coordinator.close()
     return int(interpreter.failed and not terminal)

@@ -82,9 +82,8 @@ class CartesianPath:
 
     @property
     def extent(self) -> tuple[float, bool]:
-        """How far the moving frame goes: its way [m] and False, or, of a pure turn, the angle [rad] and True."""
-        frame = self.frame
-        return (frame.angle, True) if frame.length < _STILL else (frame.length, False)
+        """As of `extent_of`."""
+        return extent_of(self.frame)
 
     def joints(self, s: Array) -> Array:
         """Joint positions (N, n) at `s` (N,)."""
@@ -110,6 +109,11 @@ class CartesianPath:
         distance = np.linalg.norm(across[:, :3], axis=1).max() * _LIKE.position
         angle = np.linalg.norm(across[:, 3:], axis=1).max() * _LIKE.angle
         return float(distance), float(angle)
+
+
+def extent_of(frame: FramePath) -> tuple[float, bool]:
+    """How far a moving frame goes: its way [m] and False, or, of a pure turn, the angle [rad] and True."""
+    return (frame.angle, True) if frame.length < _STILL else (frame.length, False)
 
 
 def along(

@@ -18,6 +18,7 @@ from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.cruise import CruiseBroken, at_speed
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
+from yarclang.motion.leading.led import FrameWay
 from yarclang.motion.limits import Bounds, Grid, bounds_of
 from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
@@ -71,10 +72,14 @@ def plan_in_part(
         router.advance()
     found: list[list[Diagnostic]] = [list(done.found) for done in router.done]
     links: dict[int, Link] = {}
+    ways: dict[int, Path | FrameWay] = {}
     flows = False
     for number, (step, done) in enumerate(zip(steps, router.done, strict=True)):
         planner.tell((end + number) / 2)
+        if done.way is not None:
+            ways[number] = done.way
         if isinstance(step, Motion) and done.route is not None:
+            ways[number] = done.route.path
             findings = Collector(step.origin.source)
             findings.place = step.origin.place
             link = planner.link(step, done.route.path, flows or step.blend is not None, findings)
@@ -86,7 +91,7 @@ def plan_in_part(
         if isinstance(step, Motion):
             flows = step.blend is not None
     motions: list[PlannedMotion] = []
-    for numbers, chain in chained(robot, steps, links, found):
+    for numbers, chain in chained(robot, steps, links, ways, found):
         for number, piece in zip(numbers, planner.pieces(chain), strict=True):
             step, route = steps[number], router.done[number].route
             assert isinstance(step, Motion)

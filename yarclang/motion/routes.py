@@ -35,10 +35,10 @@ from yarclang.hir import (
 from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion import messages
-from yarclang.motion.leading.frame_motions import frame_motion
+from yarclang.motion.leading.frame_motions import frame_motion, frame_way
 from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion
-from yarclang.motion.leading.led import Led
-from yarclang.motion.leading.solving import Solver, is_free
+from yarclang.motion.leading.led import FrameWay, Led
+from yarclang.motion.leading.solving import Solver, flange_at, is_free
 from yarclang.motion.path import Path
 from yarclang.motion.recalling import told_before
 from yarclang.robot.model import Robot
@@ -65,23 +65,28 @@ class _Ways:
 @dataclass(frozen=True, slots=True)
 class _Stand:
     """What is known between two steps: where the robot stands (None: nowhere known), the WHENs around, and the last motion whose
-    solution was chosen and decides where the robot stands (None: where it stands was written).
+    solution was chosen and decides where the robot stands (None: where it stands was written). `flange` is where the flange stands,
+    base_from_flange (4, 4), where no more than that is known.
     """
 
     q: Array | None
     ways: tuple[_Ways, ...] = ()
     choice: int | None = None
+    flange: Array | None = None
 
 
 @dataclass(slots=True)
 class _Done:
-    """What came of one step. `broken` says that it can't be done from where the robot stood, though perhaps from elsewhere."""
+    """What came of one step. `broken` says that it can't be done from where the robot stood, though perhaps from elsewhere; `way` is
+    that of its frame where no more is known of it.
+    """
 
     before: _Stand
     behind: _Stand
     route: Route | None = None
     found: tuple[Diagnostic, ...] = ()
     broken: bool = False
+    way: FrameWay | None = None
 
 
 @dataclass(slots=True)
@@ -158,13 +163,12 @@ class Router:
     def _step(self, number: int, before: _Stand) -> _Done:
         step = self.steps[number]
         if isinstance(step, Gap):
-            return _Done(before, replace(before, q=None, choice=None))
+            return _Done(before, replace(before, q=None, choice=None, flange=None))
         findings = Collector(step.origin.source)
         findings.place = step.origin.place
         if isinstance(step, Motion):
             if before.q is None:
-                behind = replace(before, q=self._from_anywhere(step, findings), choice=None)
-                return _Done(before, behind, None, tuple(findings.found))
+                return self._from_anywhere(step, before, findings)
             return self._motion(number, step, before, before.q, findings)
         behind = self._flow(step, before, findings) if isinstance(step, Action) else before
         return _Done(before, behind, None, tuple(findings.found))
@@ -177,7 +181,7 @@ class Router:
             case Else():
                 *outer, here = stand.ways
                 parted = replace(here, first=stand.q, parted=True)
-                return _Stand(here.before.q, (*outer, parted), here.before.choice)
+                return replace(here.before, ways=(*outer, parted))
             case EndWhen():
                 *outer, ended = stand.ways
                 other = ended.first if ended.parted else ended.before.q
@@ -228,13 +232,23 @@ class Router:
             case LineMove() | ArcMove() | PoseSplineMove():
                 return frame_motion(self.solver, step, q, findings)
 
-    def _from_anywhere(self, step: Motion, findings: Collector) -> Array | None:
-        """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all."""
+    def _from_anywhere(self, step: Motion, before: _Stand, findings: Collector) -> _Done:
+        """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all, and the way of its frame."""
         goals = step.waypoints if isinstance(step, SplineMove | PoseSplineMove) else (step.goal,)
-        for goal in goals:
-            if isinstance(goal, PoseGoal):
-                self.solver.nearest(goal, self.robot.home, step, findings)
-        return goals[-1].q if isinstance(goals[-1], JointGoal) else None
+        way = None
+        if before.flange is not None and isinstance(step, LineMove | ArcMove | PoseSplineMove):
+            way, last = frame_way(step, before.flange, findings)
+            goals = (*goals[:-1], last)
+        reached = [
+            self.solver.nearest(goal, self.robot.home, step, findings) is not None
+            for goal in goals
+            if isinstance(goal, PoseGoal)
+        ]
+        last_goal = goals[-1]
+        q = last_goal.q if isinstance(last_goal, JointGoal) else None
+        flange = flange_at(last_goal) if isinstance(last_goal, PoseGoal) and all(reached) else None
+        behind = replace(before, q=q, choice=None, flange=flange)
+        return _Done(before, behind, None, tuple(findings.found), way=way)
 
 
 def _last_goal(step: Step) -> PoseGoal | None:

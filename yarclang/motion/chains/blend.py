@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.hir import Array
-from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.cartesian import CartesianPath, extent_of
 from yarclang.motion.curve import knot_values, solve_tridiagonal
+from yarclang.motion.leading.led import FrameWay
 from yarclang.motion.path import Path
 from yarclang.motion.trials import Trial
 from yarclang.robot.kinematics.fk import tool_poses
@@ -173,9 +174,9 @@ def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
     return q
 
 
-def way_length(path: Path) -> float:
+def way_length(path: Path | FrameWay) -> float:
     """How long a way is: of the moving frame [m, or rad of a pure turn], or in joint space [rad and m]."""
-    if isinstance(path, CartesianPath):
-        return path.extent[0]
+    if isinstance(path, CartesianPath | FrameWay):
+        return extent_of(path.frame)[0]
     q = path.joints(np.linspace(0.0, 1.0, 257))
     return float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())

@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic
-from yarclang.hir import Array, AvoidMove, JointMove, Motion, Reading, SetOutput, SplineMove, Step
+from yarclang.hir import (
+    ArcMove,
+    Array,
+    AvoidMove,
+    Gap,
+    JointMove,
+    LineMove,
+    Motion,
+    PoseSplineMove,
+    Reading,
+    SetOutput,
+    SplineMove,
+    Step,
+)
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Corner, way_length
 from yarclang.motion.chains.links import Link
+from yarclang.motion.leading.frame_motions import moving_frame
+from yarclang.motion.leading.led import FrameWay
 from yarclang.motion.path import Path
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot
@@ -28,7 +45,11 @@ _NO_WAY = 1e-9
 
 
 def chained(
-    robot: Robot, steps: Sequence[Step], links: Mapping[int, Link], found: list[list[Diagnostic]]
+    robot: Robot,
+    steps: Sequence[Step],
+    links: Mapping[int, Link],
+    ways: Mapping[int, Path | FrameWay],
+    found: list[list[Diagnostic]],
 ) -> Iterator[tuple[list[int], list[Link]]]:
     """The motions in chains, each with its corners; most are chains of one.
 
@@ -36,6 +57,7 @@ def chained(
         robot: the robot.
         steps: the program's.
         links: each motion that can be done by itself, by its number among the steps.
+        ways: what is known of the ways of all motions, of those with a fault too: what is wrong with their blends is told at once.
         found: the findings of each step; those about blends are added.
 
     Yields:
@@ -43,13 +65,18 @@ def chained(
     """
     numbers: list[int] = []
     chain: list[Link] = []
-    for number in sorted(links):
-        step, link = steps[number], links[number]
-        assert isinstance(step, Motion)
-        findings = Collector(step.origin.source)
-        findings.place = step.origin.place
-        corner = _corner(robot, steps, links, number, findings) if step.blend is not None else None
-        found[number] += findings.found
+    for number, step in enumerate(steps):
+        if not isinstance(step, Motion):
+            continue
+        corner = None
+        if step.blend is not None:
+            findings = Collector(step.origin.source)
+            findings.place = step.origin.place
+            corner = _corner(robot, steps, links, ways, number, findings)
+            found[number] += findings.found
+        link = links.get(number)
+        if link is None:
+            continue
         numbers.append(number)
         chain.append(link if corner is link.corner else replace(link, corner=corner))
         if corner is None:
@@ -57,10 +84,23 @@ def chained(
             numbers, chain = [], []
 
 
+class _Room(NamedTuple):
+    """How far a corner may be left: as of `Corner`."""
+
+    radius: float
+    flange_from_moving: Array | None
+    reach: Array | None = None
+
+
 def _corner(
-    robot: Robot, steps: Sequence[Step], links: Mapping[int, Link], number: int, findings: Collector
+    robot: Robot,
+    steps: Sequence[Step],
+    links: Mapping[int, Link],
+    ways: Mapping[int, Path | FrameWay],
+    number: int,
+    findings: Collector,
 ) -> Corner | None:
-    """The corner between a motion and the next; None with a finding where there is none."""
+    """The corner between a motion and the next; None where there is none, with a finding if that is the blend's fault."""
     step = steps[number]
     assert isinstance(step, Motion)
     assert step.blend is not None
@@ -68,26 +108,35 @@ def _corner(
     while behind < len(steps) and isinstance(steps[behind], SetOutput):
         behind += 1
     following = steps[behind] if behind < len(steps) else None
-    if not isinstance(following, Motion):
-        findings.add(*messages.nothing_to_flow_into(following, step.origin))
+    if not isinstance(following, Motion | Gap):
+        if number in links:
+            findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None
-    if behind not in links:
+    first, second = ways.get(number), ways.get(behind)
+    if any(way is not None and way_length(way) < _NO_WAY for way in (first, second)):
+        if number in links and behind in links:
+            findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None
-    first, second = links[number].path, links[behind].path
-    if min(way_length(first), way_length(second)) < _NO_WAY:
-        findings.add(*messages.nothing_to_flow_into(following, step.origin))
+    if not isinstance(step, _IN_JOINTS) or not isinstance(following, (*_IN_JOINTS, Gap)):
+        room = _of_frame(robot, step, following, (first, second), step.blend, findings)
+    elif isinstance(following, Gap):  # whether it is a motion of joints isn't known
         return None
-    if isinstance(step, _IN_JOINTS) and isinstance(following, _IN_JOINTS):
-        return _between_joints(robot, step, first, second, step.blend, findings)
-    return _of_frame(robot, step, following, first, second, step.blend, findings)
+    else:
+        room = _between_joints(robot, step, (first, second), step.blend, findings)
+    if room is None or number not in links or behind not in links:
+        return None
+    return Corner(links[number].path.end, *room)
 
 
 _IN_JOINTS = (JointMove, AvoidMove, SplineMove)
 
+_Ways = tuple[Path | FrameWay | None, Path | FrameWay | None]
+"""The ways before and behind a corner; None where one isn't known."""
+
 
 def _between_joints(
-    robot: Robot, step: Motion, first: Path, second: Path, blend: Reading, findings: Collector
-) -> Corner | None:
+    robot: Robot, step: Motion, ways: _Ways, blend: Reading, findings: Collector
+) -> _Room | None:
     """Each joint stays within an angle (a sliding one within a length) of the corner."""
     if blend.angle is None:
         findings.add(*messages.blend_without_unit("an angle", "between two motions of joints", step.origin))
@@ -97,60 +146,58 @@ def _between_joints(
         findings.add(*messages.blend_without_unit("a length", "of a sliding joint", step.origin))
         return None
     if not reach.any():
-        return _tangent(step, first, second, None, findings)
-    ranges = [np.ptp(path.joints(np.linspace(0.0, 1.0, 129)), axis=0) for path in (first, second)]
+        return _tangent(step, ways, None, findings)
     # the joint that gets farthest leaves the ball first
-    halves = [float((way / 2.0 / np.maximum(reach, 1e-300)).max()) for way in ranges]
+    halves = [
+        math.inf
+        if way is None or isinstance(way, FrameWay)
+        else float(
+            (np.ptp(way.joints(np.linspace(0.0, 1.0, 129)), axis=0) / 2.0 / np.maximum(reach, 1e-300)).max()
+        )
+        for way in ways
+    ]
     if min(halves) < 1.0 - _ROUNDING:
         findings.add(
             *messages.blend_too_large(min(halves) * blend.angle, "angle", halves[0] > halves[1], step)
         )
         return None
-    return Corner(first.end, 0.0, None, reach)
+    return _Room(0.0, None, reach)
 
 
 def _of_frame(
-    robot: Robot,
-    step: Motion,
-    following: Motion,
-    first: Path,
-    second: Path,
-    blend: Reading,
-    findings: Collector,
-) -> Corner | None:
+    robot: Robot, step: Motion, following: Motion | Gap, ways: _Ways, blend: Reading, findings: Collector
+) -> _Room | None:
     """The moving frame stays within a distance of the corner."""
     if blend.length is None:
         findings.add(*messages.blend_without_unit("a length", "of a moving frame", step.origin))
         return None
     frame = next(
-        (path.flange_from_moving for path in (first, second) if isinstance(path, CartesianPath)), None
+        moving_frame(one) for one in (step, following) if isinstance(one, LineMove | ArcMove | PoseSplineMove)
     )
-    if frame is None:  # neither goes anywhere
-        findings.add(*messages.nothing_to_flow_into(following, step.origin))
-        return None
     if blend.length == 0.0:
-        return _tangent(step, first, second, frame, findings)
-    halves = [_frame_way(robot, path, frame) / 2.0 for path in (first, second)]
+        return _tangent(step, ways, frame, findings)
+    halves = [math.inf if way is None else _frame_way(robot, way, frame) / 2.0 for way in ways]
     far = [half for half in halves if half > _NO_WAY]
     if far and min(far) < blend.length * (1.0 - _ROUNDING):
         findings.add(*messages.blend_too_large(min(far), "length", halves[0] > halves[1], step))
         return None
-    return Corner(first.end, blend.length, frame)
+    return _Room(blend.length, frame)
 
 
-def _frame_way(robot: Robot, path: Path, frame: Array) -> float:
+def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
     """How far a frame on the flange goes along a path [m]."""
-    if isinstance(path, CartesianPath):
+    if isinstance(path, CartesianPath | FrameWay):
         return path.frame.length
     places = tool_poses(robot.chain, path.joints(np.linspace(0.0, 1.0, 129)), frame)[:, :3, 3]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
 
-def _tangent(
-    step: Motion, first: Path, second: Path, frame: Array | None, findings: Collector
-) -> Corner | None:
+def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector) -> _Room | None:
     """A corner that isn't one: both paths go on in one direction."""
-    if isinstance(first, CartesianPath) != isinstance(second, CartesianPath):
+    first, second = ways
+    if first is None or second is None:
+        return None
+    if isinstance(first, CartesianPath | FrameWay) != isinstance(second, CartesianPath | FrameWay):
         findings.add(*messages.not_tangent(None, step.origin))
         return None
     ahead, behind = _direction(first, 1.0), _direction(second, 0.0)
@@ -159,12 +206,12 @@ def _tangent(
     if bend > _TANGENT or twist > _TANGENT:
         findings.add(*messages.not_tangent((bend, twist), step.origin))
         return None
-    return Corner(first.end, 0.0, frame)
+    return _Room(0.0, frame)
 
 
-def _direction(path: Path, s: float) -> tuple[Array, Array]:
+def _direction(path: Path | FrameWay, s: float) -> tuple[Array, Array]:
     """The direction of a path at one of its ends, a unit vector, and how a frame turns on the way [rad per m]."""
-    if isinstance(path, CartesianPath):
+    if isinstance(path, CartesianPath | FrameWay):
         tangent = path.frame.tangents(np.array([s]))[0]
         ways = tangent[:3] if np.linalg.norm(tangent[:3]) > _NO_WAY else tangent[3:]
         size = float(np.linalg.norm(ways))

@@ -8,7 +8,7 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import ArcMove, Array, LineMove, PoseDelta, PoseGoal, PoseSplineMove
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath, FramePath, along
-from yarclang.motion.leading.led import NOWHERE, Led
+from yarclang.motion.leading.led import NOWHERE, FrameWay, Led
 from yarclang.motion.leading.solving import Solver
 from yarclang.motion.paths.arc import NoArc, arc_through
 from yarclang.motion.paths.joint import JointPath
@@ -23,11 +23,9 @@ CartesianMove = LineMove | ArcMove | PoseSplineMove
 def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: Collector) -> Led:
     """Where a motion of the moving frame leads from `stands` (n,) [rad or m]."""
     robot = solver.robot
-    goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
-    tool = goal.flange_from_moving
+    tool = moving_frame(step)
     start = tool_poses(robot.chain, stands[None], tool)[0]
-    if isinstance(goal, PoseDelta):
-        goal = _absolute(goal, start)
+    goal = _goal(step, start)
     frame = _frame_path(step, start, goal, findings)
     if frame is None:
         return NOWHERE
@@ -40,6 +38,27 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
     if end is not None:  # the goal can be reached, but not along the path
         findings.add(*messages.broken_path(robot, path, frame, step))
     return Led(None, end, None, path.kind != "reach")
+
+
+def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[FrameWay | None, PoseGoal]:
+    """The way of the moving frame from where the flange stands, base_from_flange (4, 4), with joint positions that aren't known, and where it leads."""
+    tool = moving_frame(step)
+    start = flange @ tool
+    goal = _goal(step, start)
+    frame = _frame_path(step, start, goal, findings)
+    return (None if frame is None else FrameWay(frame, tool)), goal
+
+
+def moving_frame(step: CartesianMove) -> Array:
+    """The frame that a motion moves, flange_from_moving (4, 4)."""
+    goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
+    return goal.flange_from_moving
+
+
+def _goal(step: CartesianMove, start: Array) -> PoseGoal:
+    """Where a motion of the moving frame leads from its pose at the start (4, 4)."""
+    goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
+    return _absolute(goal, start) if isinstance(goal, PoseDelta) else goal
 
 
 def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector) -> FramePath | None:

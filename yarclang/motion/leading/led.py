@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from yarclang.hir import Array
+from yarclang.motion.cartesian import FramePath
 from yarclang.motion.path import Path
 
 
@@ -21,3 +22,11 @@ class Led:
 
 
 NOWHERE = Led(None, None, None)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameWay:
+    """The way of a moving frame whose ends are known, though no joint positions are: what there is of a motion behind one that can't be done."""
+
+    frame: FramePath
+    flange_from_moving: Array

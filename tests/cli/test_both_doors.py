@@ -1,4 +1,4 @@
-"""yarcc tells of a program what `yarc check` tells, and comments and yarc.toml silence the same in both."""
+"""yarcc tells of a program what `yarc check` tells, and comments and yarc.toml silence the same in all doors."""
 
 import json
 import re
@@ -7,8 +7,11 @@ import pytest
 from click.testing import CliRunner
 from conftest import EXAMPLES, HERE
 
+from yarclang.cli.loading import load, robot_of_text
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
+from yarclang.pipeline.inputs import Options
+from yarclang.view.opening import opened
 
 PROGRAMS = sorted([*(HERE / "rejected").glob("*.yarc"), *EXAMPLES.glob("*.yarc")])
 NOWHERE = "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [5] (s)"
@@ -89,14 +92,87 @@ def test_an_error_stays_whatever_a_comment_says(tmp_path):
     assert not (tmp_path / "p.pmc").exists()
 
 
-def test_run_and_plot_hold_to_them_too(tmp_path):
+def by_plot(program):
+    return invoked("plot", program, "-o", f"{program}.svg")
+
+
+def by_inspect(program):
+    return invoked("inspect", program, "P0010")
+
+
+def by_diff(program):
+    return invoked("diff", program, program)
+
+
+def by_run(program):
+    loaded, found = load(program, None, {"robot": None, "step": False})
+    return loaded is not None, [(one.code, one.severity) for one in found]
+
+
+def by_view(program):
+    shown = opened(program, Options(), robot_of_text)
+    return shown.value is not None, [(one.code, one.severity) for one in shown.diagnostics]
+
+
+def invoked(*arguments):
+    """Whether a command could do what it does, and the findings that it told."""
+    done = CliRunner().invoke(yarc, arguments)
+    told = re.findall(r"(error|warning|note) (Y[0-9]{4})", done.stderr)
+    return done.exit_code == 0, list(dict.fromkeys((code, severity) for severity, code in told))
+
+
+@pytest.mark.parametrize("door", [by_plot, by_inspect, by_run, by_view])
+@pytest.mark.parametrize(
+    ("comment", "settings", "expected"),
+    [
+        ("", "", [("Y0603", "warning")]),
+        ("! yarc: ignore[no-motion]", "", []),
+        ("", 'no-motion = "off"', []),
+        ("", 'no-motion = "note"', [("Y0603", "note")]),
+        ("", 'no-motion = "error"', [("Y0603", "error")]),
+    ],
+)
+def test_every_door_holds_to_them(door, comment, settings, expected, tmp_path):
     program = tmp_path / "p.yarc"
-    program.write_text(f"{NOWHERE} ! yarc: ignore[no-motion]\n")
-    drawn = CliRunner().invoke(yarc, ["plot", str(program), "-o", str(tmp_path / "p.svg")])
-    assert drawn.exit_code == 0, drawn.stderr
-    assert "Y0603" not in drawn.stderr
+    program.write_text(f"{NOWHERE} {comment}\n")
+    (tmp_path / "yarc.toml").write_text(f"[findings]\n{settings}\n")
+    done, told = door(str(program))
+    assert told == expected
+    # what has errors is still shown in the view, as far as it goes
+    assert done == (door is by_view or ("Y0603", "error") not in expected)
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected", "compared"),
+    [("", [], True), ('no-motion = "error"', [("Y0603", "error")], False)],
+)
+def test_diff_tells_errors_alone(settings, expected, compared, tmp_path):
+    program = tmp_path / "p.yarc"
     program.write_text(f"{NOWHERE}\n")
-    (tmp_path / "yarc.toml").write_text('[findings]\nno-motion = "error"\n')
-    run = CliRunner().invoke(yarc, ["run", str(program)])
-    assert run.exit_code == 1
-    assert "error Y0603" in run.stderr
+    (tmp_path / "yarc.toml").write_text(f"[findings]\n{settings}\n")
+    assert by_diff(str(program)) == (compared, expected)
+
+
+WRONG_FRAME = """ROBOT INDUSTRIAL6
+DEFAULT {TCP} [MIN] (mm,deg,s) {B}
+FRAME {PART} 0 9OO 700 0 0 0 {B}
+P0010 MOVEJ_RPY 0 0 0 0 0 0 {PART}
+P0020 MOVEL 0 0 50 0 0 0 {PART}
+P0030 MOVEJ HOME
+"""
+"""Y0402: a letter in a number; all else follows."""
+
+
+@pytest.mark.parametrize("door", [by_plot, by_diff, by_run, by_view])
+def test_no_door_tells_what_only_follows_from_something_else(door, tmp_path):
+    program = tmp_path / "p.yarc"
+    program.write_text(WRONG_FRAME)
+    assert [code for code, _ in door(str(program))[1]] == ["Y0402"]
+
+
+def test_inspect_counts_what_check_shows(tmp_path):
+    program = tmp_path / "p.yarc"
+    program.write_text(WRONG_FRAME)
+    done = CliRunner().invoke(yarc, ["inspect", str(program), "P0020"])
+    assert done.exit_code == 1
+    assert "elsewhere: 1 error; `yarc check` shows them" in done.stderr

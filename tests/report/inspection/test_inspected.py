@@ -1,6 +1,7 @@
 """What is known of one command."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import source
 
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.inputs import Options
 from yarclang.pipeline.places import labels_of, matching
-from yarclang.pipeline.stages import Request
 from yarclang.report.inspection.as_json import inspected_json
 from yarclang.report.inspection.inspected import inspect_step, study
 from yarclang.report.inspection.text import sections_of
@@ -17,7 +19,6 @@ from yarclang.report.pose_text import pose_values
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.semantics.poses import rpy_rotation
-from yarclang.syntax.parse import parse
 from yarclang.units import DEG
 
 ROBOT = load_robot("INDUSTRIAL6").value
@@ -28,8 +29,8 @@ FRAME {TORCH} 0 50 0 10 0 0 (mm,deg) {TCP}
 """
 
 
-def inspected(text, place, **request):
-    studied = study(parse(source(HEAD + text)).value, Request(ROBOT, **request))
+def inspected(text, place):
+    studied = study(check_text(source(HEAD + text), Path(), Options(robot="INDUSTRIAL6")))
     return inspect_step(studied, matching(labels_of(studied.program), place)[0])
 
 

@@ -101,12 +101,11 @@ def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnost
     """A program as it is executed, and what is wrong with it."""
     from yarclang.cli.loading import is_compiled, robot_of_text
     from yarclang.cli.work import Progress, options_from
-    from yarclang.diagnostics import Diagnostic, has_errors, in_order
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.checking import check_program_file
     from yarclang.pipeline.executed import executed
-    from yarclang.pipeline.inputs import open_program
     from yarclang.pipeline.line_map import is_compiled_text
     from yarclang.pipeline.sources import read_source
-    from yarclang.pipeline.stages import compile_module
 
     if is_compiled(file):
         read = read_source(file)
@@ -125,13 +124,10 @@ def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnost
         made = executed(read.value.text, found.value, file)
         return made.value, (*found.diagnostics, *made.diagnostics)
     with Progress() as progress:
-        opened = open_program(file, options_from({"robot": robot}, progress))
-        if opened.value is None or has_errors(opened.diagnostics):
-            return None, tuple(one for one in in_order(opened.diagnostics) if one.is_error)
-        compiled = compile_module(opened.value.module, opened.value.request)
-    # warnings are for who compiles it
-    errors = tuple(one for one in in_order((*opened.diagnostics, *compiled.diagnostics)) if one.is_error)
-    if compiled.value is None or errors:
-        return None, errors
-    made = executed(compiled.value.text, opened.value.request.robot, file)
+        checked = check_program_file(file, options_from({"robot": robot}, progress))
+    compiled = checked.compiled
+    if compiled is None:
+        # warnings are for who compiles it
+        return None, tuple(one for one in checked.diagnostics if one.is_error)
+    made = executed(compiled.text, compiled.plan.robot, file)
     return made.value, tuple(replace(one, source=None) for one in made.diagnostics)

@@ -75,18 +75,17 @@ def _of_program(
 ) -> int:
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
-    from yarclang.diagnostics import has_errors, in_order
-    from yarclang.pipeline.inputs import open_program
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.checking import check_program_file
     from yarclang.report.inspection.inspected import study
 
     with Progress() as progress:
-        opened = open_program(file, options_from(planning, progress))
-        if opened.value is None:
-            show_findings(in_order(opened.diagnostics))
-            return 1
-        studied = study(opened.value.module, opened.value.request)
+        checked = check_program_file(file, options_from(planning, progress))
         progress.pause()
-        findings = (*opened.diagnostics, *studied.findings)
+        studied, findings = study(checked), checked.diagnostics
+        if studied is None:
+            show_findings(findings)
+            return 1
         numbers = _numbers(studied.program, place, line)
         if not numbers:
             _say_unknown(studied.program, place, line, has_errors(findings), findings)

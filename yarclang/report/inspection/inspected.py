@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.certify.certificate import CommandCertificate
-from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     Array,
     AvoidMove,
@@ -24,8 +24,9 @@ from yarclang.hir import (
     Step,
 )
 from yarclang.motion.plan import PlannedMotion
+from yarclang.pipeline.checking import Checked
 from yarclang.pipeline.line_map import Stretch, map_lines
-from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_program
+from yarclang.pipeline.stages import Compiled, Request
 from yarclang.report.inspection.branches import Solution, solutions_of
 from yarclang.report.inspection.flow import NO_FLOWS, Flows, flows_of
 from yarclang.report.inspection.limits import Pace, pace_of
@@ -33,12 +34,11 @@ from yarclang.report.inspection.way import Way, stands_before, trouble_behind, w
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.nearest import Unreachable, nearest_solutions
 from yarclang.robot.model import Robot
-from yarclang.syntax.ast import Module
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Studied:
-    """A program as far as it can be understood: checked; planned and certified only if it has no errors."""
+    """A program as far as it can be understood, with all that is said of it: planned and certified only if it has no errors."""
 
     program: Program
     request: Request
@@ -104,19 +104,11 @@ class Inspected:
         return self.step.origin
 
 
-def study(module: Module, request: Request) -> Studied:
-    """Check a program, and compile it if that can be done."""
-    checked = check_program(module, request)
-    assert checked.value is not None  # a check always gives a program
-    program = checked.value
-    if has_errors(checked.diagnostics) or any(isinstance(step, Gap) for step in program.steps):
-        return Studied(program, request, None, checked.diagnostics)
-    planned = plan_program(program, request)
-    found = (*checked.diagnostics, *planned.diagnostics)
-    if planned.value is None:
-        return Studied(program, request, None, found)
-    made: Result[Compiled] = certified(planned.value, request)
-    return Studied(program, request, made.value, (*found, *made.diagnostics))
+def study(checked: Checked) -> Studied | None:
+    """A program that was checked with planning; None where it isn't known for which robot it is."""
+    if checked.program is None or checked.opened is None:
+        return None
+    return Studied(checked.program, checked.opened.request, checked.compiled, checked.diagnostics)
 
 
 def inspect_step(studied: Studied, number: int) -> Inspected:
@@ -158,7 +150,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         certificate=certificate,
         stretches=stretches,
         text=text,
-        findings=_own(studied, step, way),
+        findings=_own(studied, step),
         flows=NO_FLOWS if compiled is None else flows_of(compiled.plan, number),
     )
 
@@ -174,19 +166,18 @@ def _way(studied: Studied, number: int) -> Way:
     return way_to(program, number, studied.request)
 
 
-def _own(studied: Studied, step: Step, way: Way) -> tuple[Diagnostic, ...]:
+def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
     """The findings about this command."""
     assert not isinstance(step, Gap)
     origin = step.origin
-    of_line = [
+    return tuple(
         one
         for one in studied.findings
         if one.source is origin.source
         and one.span is not None
         and one.span.line == origin.span.line
         and one.place in ("", origin.place)
-    ]
-    return in_order((*of_line, *way.findings))
+    )
 
 
 def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:

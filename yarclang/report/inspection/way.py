@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     Array,
     AvoidMove,
@@ -28,13 +27,11 @@ from yarclang.pipeline.stages import Request, plan_program
 class Way:
     """Where the robot stands when a motion begins, `start` (n,) [rad or m], and the motion as it is planned.
 
-    `start` is None where errors before it hide that, `motion` where it can't be planned; `findings` are the errors of the
-    motion itself.
+    `start` is None where errors before it hide that, `motion` where it can't be planned.
     """
 
     start: Array | None
     motion: PlannedMotion | None
-    findings: tuple[Diagnostic, ...] = ()
 
 
 def steps_to(program: Program, number: int) -> tuple[Step, ...]:
@@ -64,11 +61,10 @@ def way_to(program: Program, number: int, request: Request) -> Way:
     planned = plan_program(replace(program, start=start, steps=(alone(step),)), request)
     if planned.value is not None and planned.value.motions:
         return Way(start, planned.value.motions[0])
-    findings = tuple(one for one in planned.diagnostics if one.is_error)
     relaxed = replace(alone(step), timing=replace(step.timing, duration=None, speed=None))
     again = plan_program(replace(program, start=start, steps=(relaxed,)), request)
     motion = again.value.motions[0] if again.value is not None and again.value.motions else None
-    return Way(start, motion, findings)
+    return Way(start, motion)
 
 
 def stands_before(program: Program, number: int, request: Request) -> Array | None:

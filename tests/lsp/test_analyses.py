@@ -26,7 +26,10 @@ class Slow:
     def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
         return self.told_at_once
 
-    def check(self, document: Document, plans: bool, is_stale: Callable[[], bool]) -> Checked | None:
+    def check(
+        self, document: Document, plans: bool, begun: Checked | None, is_stale: Callable[[], bool]
+    ) -> Checked | None:
+        assert plans == (begun is not None)  # what was found without planning is gone on from
         if plans:
             self.begun.set()
             while not self.go_on.wait(0.005):

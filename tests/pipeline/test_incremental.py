@@ -182,10 +182,11 @@ def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
         if edit is not None:
             body, opening = edited(body, opening, edit)
         source = SourceFile(str(folder / "a.yarc"), text_of(body, opening))
-        assert analyst.analyse(source, folder, quick=True).diagnostics == (
-            check_text(source, folder, Options(), plans=False).diagnostics
-        )
-        assert_same(analyst.analyse(source, folder), check_text(source, folder, Options()))
+        quick = analyst.analyse(source, folder, quick=True)
+        assert quick.diagnostics == check_text(source, folder, Options(), plans=False).diagnostics
+        afresh = check_text(source, folder, Options())
+        assert_same(analyst.analyse(source, folder, begun=quick.checked), afresh)
+        assert_same(analyst.analyse(source, folder), afresh)
 
 
 PROGRAM = "\n".join(

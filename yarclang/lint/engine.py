@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.lint.registry import rules
-from yarclang.lint.rule import Rule, Surroundings
+from yarclang.lint.rule import Remark, Rule, Surroundings
+from yarclang.source import SourceFile
+
+Remarks = Mapping[Rule[Any], tuple[Remark, ...]]
+"""What each rule has to say."""
 
 
 def lint(
@@ -24,37 +28,42 @@ def lint(
         found: what the stages have found already; rules don't speak of commands that have errors.
         silent: codes of the rules that needn't be asked.
     """
+    return told(remarks(products, surroundings, silent), surroundings, found)
+
+
+def remarks(products: Iterable[object], surroundings: Surroundings, silent: Collection[str]) -> Remarks:
+    """What the rules that read these products have to say, whatever the stages have found; else as `lint`."""
     by_type = {type(product): product for product in products}
-    asked = [rule for rule in rules() if rule.reads in by_type and rule.finding.code not in silent]
+    return {
+        rule: tuple(rule.look(by_type[rule.reads], surroundings))
+        for rule in rules()
+        if rule.reads in by_type and rule.finding.code not in silent
+    }
+
+
+def told(said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The findings that become of what rules have to say; else as `lint`."""
     failed = {
         (one.source.name if one.source else "", line)
         for one in found
         if one.is_error and one.span is not None
         for line in range(one.span.line, one.span.end_line + 1)
     }
-    said: list[Diagnostic] = []
-    for rule in asked:
-        said += _remarks(rule, by_type[rule.reads], surroundings, failed)
-    return grouped(said)
-
-
-def _remarks(
-    rule: Rule[Any], product: object, surroundings: Surroundings, failed: Collection[tuple[str, int]]
-) -> Iterator[Diagnostic]:
     own = surroundings.module.source
-    for one in rule.look(product, surroundings):
-        source = one.source or own
-        if source.name != own.name:
-            continue  # each file is spoken of when it is checked itself
-        if not rule.explains_errors and (source.name, one.span.line) in failed:
-            continue
-        yield Diagnostic(
-            rule.finding.code,
-            one.message,
-            source,
-            one.span,
-            one.help,
-            one.fix,
-            one.place,
-            rule.finding.severity,
-        )
+    diagnostics: list[Diagnostic] = []
+    for rule in rules():
+        for one in said.get(rule, ()):
+            source = one.source or own
+            if source.name != own.name:
+                continue  # each file is spoken of when it is checked itself
+            if not rule.explains_errors and (source.name, one.span.line) in failed:
+                continue
+            diagnostics.append(_finding(rule, one, source))
+    return grouped(diagnostics)
+
+
+def _finding(rule: Rule[Any], one: Remark, source: SourceFile) -> Diagnostic:
+    finding = rule.finding
+    return Diagnostic(
+        finding.code, one.message, source, one.span, one.help, one.fix, one.place, finding.severity
+    )

@@ -168,12 +168,13 @@ class Analyses:
         def is_stale() -> bool:
             return self._desks.get(uri) is not desk or desk.generation != generation
 
+        checked: Checked | None = None
         for plans in (False, True):
             if is_stale():
                 return
             try:
                 checked = await loop.run_in_executor(
-                    self._pool, self._checks.check, document, plans, is_stale
+                    self._pool, self._checks.check, document, plans, checked, is_stale
                 )
             except Exception:
                 # a bug: nobody shall wait for what doesn't come

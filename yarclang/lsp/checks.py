@@ -36,19 +36,24 @@ class Checks:
         self.texts: Mapping[Path, SourceFile] = NO_TEXTS
         """The texts that are open, by their paths; never changed in its place, since threads read it."""
 
-    def check(self, document: Document, plans: bool, is_stale: Callable[[], bool]) -> Checked | None:
+    def check(
+        self, document: Document, plans: bool, begun: Checked | None, is_stale: Callable[[], bool]
+    ) -> Checked | None:
         """What is to be said of a text.
 
         Args:
             document: the text.
             plans: whether motions are planned and proved.
+            begun: what was found in this very text without planning, if it was looked for.
             is_stale: whether nobody waits for it any more: asked between motions.
 
         Returns:
             None where there is nothing to say: the work was given up; or a description is to be checked, which is done once.
         """
         if document.is_program:
-            found = self._look(document.source, document.folder, quick=not plans, is_stale=is_stale)
+            found = self._look(
+                document.source, document.folder, quick=not plans, begun=begun, is_stale=is_stale
+            )
             return found.checked if found is not None else None
         return self._described(document) if plans else None
 
@@ -65,13 +70,19 @@ class Checks:
         return found.checked
 
     def _look(
-        self, source: SourceFile, folder: Path, *, quick: bool, is_stale: Callable[[], bool] | None = None
+        self,
+        source: SourceFile,
+        folder: Path,
+        *,
+        quick: bool,
+        begun: Checked | None = None,
+        is_stale: Callable[[], bool] | None = None,
     ) -> Analysis | None:
         analyst = copy(
             self._analyst
         )  # it remembers the same: other threads look with the texts that are open then
         analyst.options = replace(analyst.options, texts=self.texts)
-        return analyst.analyse(source, folder, quick=quick, cancelled=is_stale)
+        return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale)
 
     def _described(self, document: Document) -> Checked:
         """A cell's file, for the robot that its folder is for; or a robot's, or a project's."""

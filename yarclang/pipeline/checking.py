@@ -10,7 +10,8 @@ from typing import cast
 from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
 from yarclang.findings import Severity
 from yarclang.hir import Program
-from yarclang.lint.engine import lint
+from yarclang.lint.engine import Remarks, remarks
+from yarclang.lint.engine import told as told_by_rules
 from yarclang.lint.rule import Surroundings
 from yarclang.lint.suppression import suppress
 from yarclang.motion.plan import MotionPlan
@@ -19,8 +20,29 @@ from yarclang.pipeline.followers import without_followers
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
-from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
+from yarclang.pipeline.stages import Compiled, Progress, certified, check_program, plan_checked
 from yarclang.source import SourceFile
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Begun:
+    """A program for a robot as far as it is checked before its motions are planned.
+
+    `found` is what opening it has found; `program` the checked program, with findings; `said` what the rules say of both that read the syntax tree or the
+    program, which know what is `around`.
+    """
+
+    opened: Opened
+    found: tuple[Diagnostic, ...]
+    project: Project
+    program: Result[Program]
+    around: Surroundings
+    said: Remarks
+
+    @property
+    def source(self) -> SourceFile:
+        """The program's file."""
+        return self.opened.module.source
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +50,8 @@ class Checked:
     """What was found in a file, and what the stages made of it, as far as they came.
 
     `source` is None where the file couldn't be read, or is no program; `opened` where it isn't known for which robot. `program` may have
-    gaps. `compiled` is there only if nothing is an error, not even by the project's settings.
+    gaps. `compiled` is there only if nothing is an error, not even by the project's settings. `begun` is there of a check without planning:
+    one with planning can go on from it (`check_further`).
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -37,6 +60,7 @@ class Checked:
     program: Program | None = None
     plan: MotionPlan | None = None
     compiled: Compiled | None = None
+    begun: Begun | None = None
 
 
 def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
@@ -67,41 +91,62 @@ def check_text(source: SourceFile, folder: Path, options: Options, *, plans: boo
     project = find_project(folder).value or Project(folder)
     if opened.value is None:
         return Checked(settled(opened.diagnostics, source, project), source)
-    made, is_whole = _staged(opened, project, plans)
-    told = settled(made.diagnostics, source, project, is_whole=is_whole)
-    compiled = None if has_errors(told) else made.compiled
-    return replace(made, diagnostics=told, compiled=compiled)
+    begun = _begun(opened.value, opened.diagnostics, project)
+    return _planned(begun) if plans else _unplanned(begun)
 
 
-def _staged(opened: Result[Opened], project: Project, plans: bool) -> tuple[Checked, bool]:
-    """What the stages made, with all findings of theirs and of the rules; whether all of them were asked.
+def check_further(checked: Checked, progress: Progress | None = None) -> Checked:
+    """What a check of the same text with planning gives, from one without, and nothing is done twice.
 
-    Lines that couldn't be read are missing from the plan: what such a program does isn't proved.
+    Args:
+        checked: of a text, without planning.
+        progress: called while motions are planned.
     """
-    assert opened.value is not None
-    module, request = opened.value.module, opened.value.request
-    checked = check_program(module, request)
-    assert checked.value is not None  # a check always gives a program
-    program = checked.value
-    products: list[object] = [module, program]
-    found, plan, compiled = checked.diagnostics, None, None
-    if plans:
-        planned = plan_checked(checked, request)
-        found, plan = planned.diagnostics, planned.value
-        if plan is not None:
-            products.append(plan)
-        if plan is not None and not has_errors(opened.diagnostics):
-            made = certified(plan, request)
+    return checked if checked.begun is None else _planned(checked.begun, progress)
+
+
+def _begun(opened: Opened, found: tuple[Diagnostic, ...], project: Project) -> Begun:
+    request = opened.request
+    program = check_program(opened.module, request)
+    assert program.value is not None  # a check always gives a program
+    around = Surroundings(opened.module, request.robot, program.value.steps, project.teach, request.memory)
+    said = remarks((opened.module, program.value), around, _silent(project))
+    return Begun(opened, found, project, program, around, said)
+
+
+def _unplanned(begun: Begun) -> Checked:
+    found = (*begun.found, *grouped(begun.program.diagnostics))
+    diagnostics = settled(
+        (*found, *told_by_rules(begun.said, begun.around, found)), begun.source, begun.project
+    )
+    return Checked(diagnostics, begun.source, begun.opened, begun.program.value, begun=begun)
+
+
+def _planned(begun: Begun, progress: Progress | None = None) -> Checked:
+    """What all stages make. Lines that couldn't be read are missing from the plan: what such a program does isn't proved."""
+    request, source, project = begun.opened.request, begun.source, begun.project
+    if progress is not None:
+        request = replace(request, progress=progress)
+    planned = plan_checked(begun.program, request)
+    found, compiled, products = (*begun.found, *planned.diagnostics), None, list[object]()
+    if planned.value is not None:
+        products.append(planned.value)
+        if not has_errors(begun.found):
+            made = certified(planned.value, request)
             found, compiled = (*found, *made.diagnostics), made.value
             if compiled is not None:
                 products.append(compiled.certificate)
-    else:
-        found = grouped(found)
-    off = {code for code, level in project.levels.items() if level == "off"}
-    around = Surroundings(module, request.robot, program.steps, project.teach, request.memory)
-    found = (*opened.diagnostics, *found, *lint(products, around, found, off))
+    said = {**begun.said, **remarks(products, begun.around, _silent(project))}
+    found = (*found, *told_by_rules(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)
-    return Checked(found, module.source, opened.value, program, plan, compiled), is_whole
+    diagnostics = settled(found, source, project, is_whole=is_whole)
+    proved = None if has_errors(diagnostics) else compiled
+    return Checked(diagnostics, source, begun.opened, begun.program.value, planned.value, proved)
+
+
+def _silent(project: Project) -> set[str]:
+    """The codes that the project doesn't want to hear of."""
+    return {code for code, level in project.levels.items() if level == "off"}
 
 
 def told(diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path) -> tuple[Diagnostic, ...]:

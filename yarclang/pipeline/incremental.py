@@ -26,7 +26,7 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.hir import Gap, Program, Step
 from yarclang.memory import Recent
 from yarclang.motion.plan import MotionPlan, PlannedMotion
-from yarclang.pipeline.checking import Checked, check_text
+from yarclang.pipeline.checking import Checked, check_further, check_text
 from yarclang.pipeline.inputs import Options
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
@@ -110,6 +110,7 @@ class Analyst:
         folder: Path,
         *,
         quick: bool = False,
+        begun: Checked | None = None,
         cancelled: Callable[[], bool] | None = None,
     ) -> Analysis | None:
         """Look at the text of a program that belongs to a folder.
@@ -118,21 +119,21 @@ class Analyst:
             source: the text.
             folder: where modules, cells and settings are looked for.
             quick: only what needs no planning (`yarc check --no-plan`).
+            begun: what such a look has found in this text, if there was one: then the look goes on from there.
             cancelled: asked between motions whether to give up.
 
         Returns:
             None where the work was given up; what was worked out up to there is remembered.
         """
-        if cancelled is None:
-            return Analysis(check_text(source, folder, self.options, plans=not quick))
-        gives_up = cancelled
 
         def go_on(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a progress
-            if gives_up():
+            if cancelled is not None and cancelled():
                 raise _Cancelled
 
+        options = self.options if cancelled is None else replace(self.options, progress=go_on)
         try:
-            options = replace(self.options, progress=go_on)
+            if begun is not None and not quick:
+                return Analysis(check_further(begun, options.progress))
             return Analysis(check_text(source, folder, options, plans=not quick))
         except _Cancelled:
             return None

@@ -1,6 +1,8 @@
 """What the tests share: robots, the numbers worked out independently, and the flag that rewrites goldens."""
 
 import json
+import shutil
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,16 @@ EXAMPLES = HERE.parent / "examples"
 
 def pytest_addoption(parser):
     parser.addoption("--rewrite-golden", action="store_true", help="write the golden files anew")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def place_of_locks():
+    """Locks and sockets of robots in a folder of these tests: others on this computer, tests too, may hold the same addresses."""
+    path = Path(tempfile.mkdtemp(prefix="yarc-tests-"))  # not tmp_path: the path of a socket must be short
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", str(path))
+        yield path
+    shutil.rmtree(path, ignore_errors=True)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ def workshop(tmp_path):
     workshop.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def spare(tmp_path_factory):
     spare = Spare(tmp_path_factory.mktemp("spare"))
     yield spare

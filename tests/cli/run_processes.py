@@ -255,6 +255,8 @@ class Spare:
             or self._simulator.complaints()
             or np.abs(self._simulator.joints()).max() > 1e-6
         ):
+            if self._simulator is not None:
+                self._simulator.process.kill()  # its clock costs the computer's time
             self._simulator = self._workshop.simulator()
         return self._simulator
 

@@ -9,22 +9,22 @@ LINES = 5_000
 
 
 class Counted:
-    """The parser, and the texts that it was given."""
+    """The texts of statements that were read, and not recalled."""
 
     def __init__(self):
-        self.parser = parsing._parser()
+        self.read = parsing.plain_statement
         self.texts = []
 
-    def parse(self, text):
+    def __call__(self, text):
         self.texts.append(text)
-        return self.parser.parse(text)
+        return self.read(text)
 
 
 @pytest.fixture
 def counted(monkeypatch):
     counted = Counted()
     parsing.parse_statement.cache_clear()
-    monkeypatch.setattr(parsing, "_parser", lambda: counted)
+    monkeypatch.setattr(parsing, "plain_statement", counted)
     yield counted
     parsing.parse_statement.cache_clear()
 

@@ -84,7 +84,7 @@ def statement(text: str, tree: Any) -> Statement:
             if values:
                 waypoints = (WayPoint(tuple(values)),)
     assert name is not None  # the grammar has no statement without a name
-    comments = tuple(_comments(text)) if "!" in text else ()
+    comments = comments_of(text)
     if expression is not None and comments:
         _check_comment(comments[0])
     return Statement(
@@ -223,6 +223,11 @@ def _option(word: Word, *values: Any) -> Option:
         message = f"{word.name} takes one value; `{values[1].text}` is one too many"
         raise FaultError(Fault("Y0101", message, "take it away", values[1].place))
     return Option(word, values[0] if values else None)
+
+
+def comments_of(text: str) -> tuple[Comment, ...]:
+    """The comments of a statement."""
+    return tuple(_comments(text)) if "!" in text else ()
 
 
 def _comments(text: str) -> Iterator[Comment]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import cache, lru_cache
-from pathlib import Path
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result
@@ -20,6 +19,7 @@ from yarclang.syntax.explain import unexpected, unexpected_character
 from yarclang.syntax.faults import Fault, FaultError
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.nodes import Nodes
+from yarclang.syntax.plain import GRAMMAR, plain_statement
 from yarclang.syntax.words import DECLARATIONS
 
 LONGEST_LINE = 100_000
@@ -106,6 +106,12 @@ def _too_long(source: SourceFile, line: int, text: str) -> Diagnostic:
 @lru_cache(maxsize=1 << 17)
 def parse_statement(text: str) -> Statement | Fault:
     """Parse the text of one statement; `line` of the result is 0 until the caller sets it."""
+    plain = plain_statement(text)
+    return statement_by_grammar(text) if plain is None else plain
+
+
+def statement_by_grammar(text: str) -> Statement | Fault:
+    """The same, of any text."""
     from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
     try:
@@ -129,5 +135,10 @@ def _stack(error: Any) -> list[Any]:
 def _parser() -> Any:
     from lark import Lark
 
-    grammar = (Path(__file__).parent.parent / "grammar.lark").read_text(encoding="utf-8")
-    return Lark(grammar, start="statement", parser="lalr", maybe_placeholders=False, transformer=Nodes())
+    return Lark(
+        GRAMMAR.read_text(encoding="utf-8"),
+        start="statement",
+        parser="lalr",
+        maybe_placeholders=False,
+        transformer=Nodes(),
+    )

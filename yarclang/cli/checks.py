@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.outputs import STANDARD
 
 if TYPE_CHECKING:
@@ -75,15 +75,10 @@ def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
 
 def check_one(path: str, task: Task) -> Done:
     """Check one file, and fix it if that is wanted."""
-    gc.set_threshold(
-        200_000, 20, 20
-    )  # the trees of a long program are no garbage, and were looked through again and again
+    seldom_look_for_garbage()  # in each process that has a share of the files
     from yarclang.pipeline.checking import Checked, check_file, check_text
     from yarclang.pipeline.fixing import fixed, is_repair
 
-    gc.set_threshold(
-        200_000, 20, 20
-    )  # trees of a long program are no garbage, and looked through again and again
     checked = check_file(path, task.options, plans=task.plans)
     if not task.fix or checked.source is None:
         return Done(path, _told(checked.diagnostics, task))

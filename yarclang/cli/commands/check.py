@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.options import finding_words, planning_options, tm_option
 from yarclang.cli.outputs import STANDARD
 
@@ -69,6 +70,7 @@ def command(
     cell's (for --robot, if it is given). `yarc.toml` says for which robot, and which findings are told: docs/findings.md.
     """
     _check_usage(paths, fix, diff, watch, format_)
+    seldom_look_for_garbage()
     from yarclang.cli.checks import Task
     from yarclang.cli.paths import programs
     from yarclang.cli.work import Progress, options_from

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.outputs import STANDARD
 
 _START, _STEP = 10, 10
@@ -43,6 +44,7 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
     What a program does stays the same, and so do its comments. A folder means all .yarc files in it; - reads standard input and writes to standard
     output. The exit status is 0, with --check or --diff 1 if a file would be changed, and 2 if one can't be read or has syntax errors.
     """
+    seldom_look_for_garbage()
     from yarclang.cli.differences import difference
     from yarclang.cli.paths import programs
     from yarclang.cli.show import show_findings

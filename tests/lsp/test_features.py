@@ -126,6 +126,36 @@ def test_all_features_answer():
     run(work, capabilities(pull=True, refresh=False))
 
 
+def test_a_closing_bracket_ends_the_choice(tmp_path: Path):
+    """What is typed to its end matches no choice any more: else the next Enter would take one, and write over the bracket."""
+    text = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [2] (mm,deg,s) {B}\nP0010 MOVEL 0 900 600 0 0 0 {}\n"
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "a.yarc", text)
+        for shift in (1, 0):
+            place = types.Position(2, len("P0010 MOVEL 0 900 600 0 0 0 ") + shift)
+            found = await one.client.text_document_completion_async(types.CompletionParams(document, place))
+            named = {one.label: one.filter_text for one in found.items}
+            assert named["{B}"] == "{B"
+            assert not any(one.endswith(("]", "}")) for one in named.values())
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
+def test_lenses_are_asked_for_again_when_motions_are_planned(tmp_path: Path):
+    async def work(one: Editor) -> None:
+        planned = asyncio.Event()
+        one.client.protocol.fm.features[types.WORKSPACE_CODE_LENS_REFRESH] = lambda _: planned.set()
+        document = one.open(tmp_path / "a.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [2] (s)\n")
+        await planned.wait()
+        lenses = await one.client.text_document_code_lens_async(types.CodeLensParams(document))
+        assert lenses[0].command.title == "plot 1 motion, 2.000 s"
+
+    chosen = capabilities(pull=True, refresh=False)
+    chosen.workspace.code_lens = types.CodeLensWorkspaceClientCapabilities(refresh_support=True)
+    run(work, chosen)
+
+
 def test_fixes_of_a_whole_text(tmp_path: Path):
     """All safe fixes at once, and new numbers, are source actions."""
     text = "ROBOT INDUSTRIAL6\nUSE PALLET\nP0020 MOVJ HOME [2] (s)\nP0010 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"

@@ -19,6 +19,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.source import Span
 
 if TYPE_CHECKING:
+    from yarclang.lsp.analyses import Analysis
     from yarclang.lsp.server import Server
 
 INSPECT = "yarc.inspect"
@@ -137,7 +138,16 @@ def _show(server: Server, path: Path) -> None:
         server.window_show_document(types.ShowDocumentParams(path.as_uri(), take_focus=False))
 
 
+def _arrived(server: Server, analysis: Analysis) -> None:
+    """Motions were planned: a client that asked for lenses before that gets them now."""
+    workspace = server.client_capabilities.workspace
+    refresh = workspace.code_lens if workspace else None
+    if analysis.is_whole and refresh and refresh.refresh_support:
+        server.workspace_code_lens_refresh(None)
+
+
 FEATURE = Feature(
     {types.TEXT_DOCUMENT_CODE_LENS: (_lenses, types.CodeLensOptions())},
     commands={INSPECT: _inspect, PLOT: _plot},
+    listens=_arrived,
 )

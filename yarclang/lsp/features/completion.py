@@ -61,7 +61,7 @@ def _item(server: Server, source: SourceFile, one: Candidate) -> types.Completio
         detail=one.detail or None,
         documentation=documentation if one.documentation else None,
         sort_text=f"{one.rank:02d}{one.label}",
-        filter_text=one.label,
+        filter_text=one.label.rstrip("]}"),  # a closing bracket that is typed ends the choice
         insert_text_format=types.InsertTextFormat.Snippet if fills and "$" in one.text else None,
         text_edit=types.TextEdit(
             range_of(source, one.span, server.encoding), one.text if fills else one.plain

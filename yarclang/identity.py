@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+import marshal
 from collections.abc import Hashable
+from typing import Any
 
 from yarclang.hir import Array, FrameLink, JointDelta, JointGoal, Motion, PoseDelta, PoseGoal, Reading
 
 
-def key_of(step: Motion) -> Hashable:
+def flat(*parts: Any) -> bytes:
+    """Numbers, texts, bytes and tuples of them as one piece: hashed and compared at once, where a tuple asks each of its parts.
+
+    Equal pieces say the same; the other way round not always (a numpy float isn't written as a float is), which costs a recollection and
+    nothing else.
+    """
+    return marshal.dumps(parts, _WITHOUT_REFERENCES)
+
+
+_WITHOUT_REFERENCES = 2
+"""The version of the format that writes what parts say, not which objects they are."""
+
+
+def key_of(step: Motion) -> bytes:
     """What a motion does and what it moves, by value: all of it but where it stands in a text."""
     goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
     timing, speed = step.timing, step.timing.speed
     via: Array | None = getattr(step, "via", None)
-    return (
-        type(step),
+    return flat(
+        type(step).__name__,
         tuple(map(_key_of_goal, goals)),
         None if via is None else via.tobytes(),
         step.profile,

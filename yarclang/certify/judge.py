@@ -22,7 +22,7 @@ from yarclang.certify.stretches import Claims, Proved, recalled
 from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.certify.zones import NO_ZONES, InZones
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.memory import NO_MEMORY, Memory
+from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile, Span
@@ -79,7 +79,7 @@ def certify(
     # how close a speed in a zone is told depends on what it is looked at with
     zones = judge.zones(layout)
     commands = tuple(
-        _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES))
+        _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES), memory)
         for place in layout.places
     )
     return Result(Certificate(content.target, commands, tolerance), tuple(judge.findings))
@@ -109,18 +109,29 @@ def _prove(judge: Judge, layout: Layout, claims: Claims) -> dict[int, Proved]:
     }
 
 
-def _row(judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones) -> CommandCertificate:
-    return judge.command(
-        layout,
-        place,
-        proved.loads,
-        proved.deviation,
-        proved.speed,
-        proved.blended,
-        proved.apart,
-        zones,
-        proved.torque,
-    )
+def _row(
+    judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones, memory: Memory
+) -> CommandCertificate:
+    """What the table says of a command; it says the same again of one that is called so, stands there, and was proved with its neighbours before."""
+
+    def make() -> CommandCertificate:
+        return judge.command(
+            layout,
+            place,
+            proved.loads,
+            proved.deviation,
+            proved.speed,
+            proved.blended,
+            proved.apart,
+            zones,
+            proved.torque,
+        )
+
+    if zones is not NO_ZONES or isinstance(memory, Forgetful):
+        return make()
+    origin = place.motion.origin
+    key = ("row", proved, place.step, place.lines, origin.place, origin.index, origin.name, origin.span.line)
+    return recall(memory, key, make)
 
 
 def certify_text(text: str, robot: Robot, source: SourceFile) -> Result[Certificate]:

@@ -245,14 +245,14 @@ def _with_places(
     before: int | None = None
     ways: list[Array] = []
     for entry, step in zip(entries, program.steps, strict=True):
-        match step:
-            case hir.When():
-                ways.append(stand)
-            case hir.Else() if ways:
-                stand = ways[-1]
-            case hir.EndWhen() if ways:
-                ways.pop()
         if not isinstance(step, hir.Motion):
+            match step:
+                case hir.When():
+                    ways.append(stand)
+                case hir.Else() if ways:
+                    stand = ways[-1]
+                case hir.EndWhen() if ways:
+                    ways.pop()
             continue
         first, last = spans.get(entry.step, (behind, behind))
         begins.append(stand)

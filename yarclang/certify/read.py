@@ -68,17 +68,24 @@ def _read_header(cursor: Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, B
     entries: list[Entry] = []
     barriers: dict[int, Barred] = {}
     while (line := cursor.peek()).startswith(";"):
-        if found := _TARGET.fullmatch(line):
+        if found := _ENTRY.fullmatch(line):
+            step, index, name, source_line, first, last, blend = found.groups()
+            entries.append(
+                Entry(
+                    cursor.line,
+                    int(step),
+                    "" if index == "-" else index,
+                    name,
+                    int(source_line),
+                    int(first) if first else None,
+                    int(last) if last else None,
+                    int(blend) if blend else None,
+                )
+            )
+        elif found := _TARGET.fullmatch(line):
             if target is not None:
                 cursor.refuse("names the target a second time")
             target = "rotary" if found[1] == "rotary" else "prog"
-        elif found := _ENTRY.fullmatch(line):
-            index = "" if found[2] == "-" else found[2]
-            first, last = (int(found[5]), int(found[6])) if found[5] else (None, None)
-            blend = int(found[7]) if found[7] else None
-            entries.append(
-                Entry(cursor.line, int(found[1]), index, found[3], int(found[4]), first, last, blend)
-            )
         elif found := _BARRIER.fullmatch(line):
             timeout = None if found[5] == "-" else float(found[5])
             barriers[int(found[1])] = Barred(

@@ -12,7 +12,7 @@ from yarclang.certify.clearance import Apart
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.limits import Loads
-from yarclang.identity import key_of
+from yarclang.identity import flat, key_of
 from yarclang.memory import Forgetful, Memory
 from yarclang.robot.model import Array
 
@@ -25,7 +25,7 @@ class Claims:
     laws: Mapping[int, Array]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Proved:
     """All that was proved of one motion by itself."""
 
@@ -61,7 +61,7 @@ def recalled(
     missing: list[tuple[Hashable, range]] = []
     context = (judge.robot, judge.program.cell, judge.tolerance)
     for rows in _stretches(layout.places):
-        key: Hashable = ("proved", *context, *_key(layout, rows, claims))
+        key: Hashable = ("proved", *context, _key(layout, rows, claims))
         found: tuple[Proved, ...] | None = memory.get(key)
         if found is None:
             missing.append((key, rows))
@@ -103,21 +103,25 @@ def _control(layout: Layout, segments: slice) -> slice:
     return slice(int(layout.at[segments.start]), int(layout.at[segments.stop - 1]) + 4)
 
 
-def _key(layout: Layout, rows: range, claims: Claims) -> Iterator[Hashable]:
+def _key(layout: Layout, rows: range, claims: Claims) -> bytes:
     """All that is proved about, by value."""
     segments = _segments(layout, rows)
     points = _control(layout, segments)
-    yield layout.control[points].tobytes()
     # a sequence that ends in the middle has more points than segments
-    yield (layout.at[segments] - points.start).tobytes()
-    yield layout.time[segments].tobytes()
-    yield layout.begins[rows.start : rows.stop].tobytes()
-    yield layout.ends[rows.start : rows.stop].tobytes()
+    numbers = (
+        layout.control[points],
+        layout.at[segments] - points.start,
+        layout.time[segments],
+        layout.begins[rows.start : rows.stop],
+        layout.ends[rows.start : rows.stop],
+    )
+    motions = []
     for row in rows:
         place = layout.places[row]
-        claimed = (claims.witnesses.get(place.step), claims.laws.get(place.step))
-        yield key_of(place.motion), place.size, place.before, place.behind
-        yield tuple(None if one is None else (one.shape, one.tobytes()) for one in claimed)
+        claimed = [claims.witnesses.get(place.step), claims.laws.get(place.step)]
+        said = tuple(None if one is None else (one.shape, one.tobytes()) for one in claimed)
+        motions.append((key_of(place.motion), place.size, place.before, place.behind, said))
+    return flat(*(one.tobytes() for one in numbers), tuple(motions))
 
 
 def _part(layout: Layout, stretches: Sequence[range]) -> Layout:

@@ -193,10 +193,10 @@ class Server(LanguageServer):
         self.checks.texts = {one.path: one.source for one in self.documents.values() if one.path}
 
     def _arrived(self, analysis: Analysis) -> None:
-        if analysis.is_whole:
-            self.view(analysis.document.uri)  # kept for the time when an edit hides the plan
         for listener in self.listeners:
             listener(self, analysis)
+        if analysis.is_whole:
+            self.view(analysis.document.uri)  # kept for the time when an edit hides the plan
 
     def shutdown(self) -> None:
         """End all work."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result
 from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Stop
-from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
@@ -151,7 +150,8 @@ class _Planner:
     def link(self, step: Motion, path: Path, leaves: bool, findings: Collector) -> Link | None:
         """A motion by itself; None with a finding where it can't be done as the command says. `leaves`: as of `zones`."""
         told = self.settings
-        key = ("link", self.robot, self.cell, told.grid, told.tolerance, path, leaves, key_of(step))
+        # the path was recalled by all that the step does (motion/routes.py), and stands for it
+        key = ("link", self.robot, self.cell, told.grid, told.tolerance, path, leaves)
 
         def make() -> tuple[Link | None]:
             return (self._link(step, path, self.zones(step, path, leaves=leaves), findings),)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.metadata import version
 from pathlib import PurePath
 
@@ -152,12 +153,13 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     header = tuple(_header(lowered, planned, request))
     if request.progress:
         request.progress("certifying", 0, 1)
-    text = emitted.text((*header, "certificate being made"))
+    unproved = "certificate being made"
+    text = emitted.text((*header, unproved))
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
     # only this comment line differs from the text that was judged
-    final = emitted.text((*header, f"certificate {judged.value.summary()}"))
+    final = text.replace(f"\n; {unproved}\n", f"\n; certificate {judged.value.summary()}\n", 1)
     return Result(Compiled(final, planned.program, planned, judged.value), judged.diagnostics)
 
 
@@ -168,11 +170,18 @@ def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certifica
     return certify(text, told, request.robot, tolerance, _witnesses(planned), _laws(planned), memory)
 
 
-def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> list[str]:
-    """What a person who finds the text wants to know, but for the certificate."""
+@cache
+def _made_with(searches: bool) -> str:
+    """The packages that had a say, and their versions, which don't change while we run."""
     import pinocchio
     import scipy
 
+    packages = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}"
+    return f"{packages}, ompl {version('ompl')}" if searches else packages
+
+
+def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> list[str]:
+    """What a person who finds the text wants to know, but for the certificate."""
     robot, target = planned.robot, request.target
     times = {motion.curve.segment for motion in planned.motions}
     segments = ""
@@ -187,18 +196,13 @@ def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> list
         "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
         "prog": f"loading moves nothing; with all motors closed-loop, &{lowered.coordinate_system}B1R runs it, from the start only",
     }[target]
-    ompl = (
-        f", ompl {version('ompl')}"
-        if any(isinstance(step, AvoidMove) for step in planned.program.steps)
-        else ""
-    )
-    made_with = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}{ompl}"
+    searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
     return [
         f"yarcc {__version__}: {_printable(PurePath(planned.program.source.name).name)}",
         f"target {target}",
         f"robot {robot.name} {robot.fingerprint}",
         f"program {fingerprint(planned.program, request.memory)}",
-        f"made with {made_with}",
+        f"made with {_made_with(searches)}",
         f"start {start} ({', '.join(units)})",
         f"duration {planned.duration:.3f} s{segments}",
         load,

@@ -10,11 +10,12 @@ from view.stages import EXAMPLES
 import yarclang
 from yarclang.diagnostics import Result
 from yarclang.pipeline.inputs import Options
+from yarclang.report.runs.kind import is_log
 from yarclang.robot.description import load_robot
 from yarclang.view import of_run
 from yarclang.view.of_run import stage_of_run
 from yarclang.view.of_text import stage_of_text
-from yarclang.view.opening import is_log, opened
+from yarclang.view.opening import opened
 from yarclang.view.show import ramps_of, values_of
 
 

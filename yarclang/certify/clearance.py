@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Clearance
-from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.certify.layout import Layout
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.remedy import remedy
-from yarclang.collision.course import Course
+from yarclang.certify.sweep import Sweep, moving_chunks, sweep_of
 from yarclang.collision.meeting import Contact, contact
 from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
 from yarclang.collision.scene import Scene, scene_of
@@ -54,22 +53,15 @@ def find_clearances(
     scene = made.value
     apart: dict[int, Apart] = {}
     findings: list[Diagnostic] = []
-    for places in chunks([place for place in layout.places if place.size]) if len(scene.first) else ():
-        base = places[0].first
-        course = _course(layout.cubics(base, places[-1].last))
-        spans = np.array([(place.first - base, place.last - base) for place in places])
-        found = clearances(scene, course, spans)
+    for places in moving_chunks(layout) if len(scene.first) else ():
+        sweep = sweep_of(layout, places)
+        found = clearances(scene, sweep.course, sweep.spans)
         for row, place in enumerate(places):
             apart[place.step] = Apart(_clearance(scene, found, row, 1), _clearance(scene, found, row, 0))
         for row, meetings in _by_motion(found.meetings):
-            span = (int(spans[row, 0]), int(spans[row, 1]))
-            contacts = [(one, contact(scene, course, span, one)) for one in meetings]
-            findings.append(_finding(scene, course, places[row], span, contacts, robot))
+            contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
+            findings.append(_finding(scene, sweep, row, contacts, robot))
     return apart, list(grouped(findings))
-
-
-def _course(cubics: Cubics) -> Course:
-    return Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())
 
 
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance | None:
@@ -87,22 +79,16 @@ def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meetin
 
 
 def _finding(
-    scene: Scene,
-    course: Course,
-    place: Place,
-    span: tuple[int, int],
-    contacts: list[tuple[Meeting, Contact]],
-    robot: Robot,
+    scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
 ) -> Diagnostic:
     """The worst pair of a motion with its figures, and the names of the others."""
     worst = min(contacts, key=lambda one: one[1].distance - scene.margin[one[0].pair])
     pair, found = worst[0].pair, worst[1]
     moving, other = scene.names(pair)
-    origin = place.motion.origin
-    start = float(course.begins[span[0]])
-    duration = float(course.begins[span[1]]) - start
-    when = span_text(found.begin, found.end, duration)
-    q = course.at(np.array([start + found.worst]))[0]
+    motion = sweep.places[row].motion
+    origin = motion.origin
+    when = span_text(found.begin, found.end, sweep.lasts(row))
+    q = sweep.course.at(np.array([sweep.starts(row) + found.worst]))[0]
     margin = float(scene.margin[pair])
     if found.distance <= 0.0:
         code = "Y0901" if scene.of_cell[pair] else "Y0902"
@@ -124,7 +110,7 @@ def _finding(
     names.pop(f"{moving} and {other}")
     more = f"; as well too near: {', '.join(names)}" if names else ""
     message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
-    help_, fix = remedy(place.motion, _REMEDIES[code])
+    help_, fix = remedy(motion, _REMEDIES[code])
     return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
 
 

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from yarclang import hir
-from yarclang.cell.model import Cell, JointWindow
+from yarclang.cell.model import JointWindow
 from yarclang.certify.certificate import Clearance, ZoneSpeed
 from yarclang.certify.frames import moving_frame
-from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.certify.layout import Layout, Place
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.remedy import remedy
 from yarclang.certify.speed import KEPT
-from yarclang.collision.course import Course
+from yarclang.certify.sweep import Sweep, moving_chunks, sweep_of
 from yarclang.collision.proof import KNOWN
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.breach import Beyond, beyond
@@ -29,8 +28,6 @@ from yarclang.collision.zones.workspace import Watch, watches_of
 from yarclang.diagnostics import Diagnostic, Fix, grouped
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
-
-Spans = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +61,9 @@ def find_zones(
         return {}, []  # that bodies can't be read is told with the collisions
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
-    for places in chunks([place for place in layout.places if place.size]):
+    for places in moving_chunks(layout):
         for moving, run in _runs(places, robot):
-            judge = _Judge(made.value, robot, cell, layout, run, moving)
+            judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
             told |= judge.judged()
             findings += judge.findings
     return told, list(grouped(findings))
@@ -109,16 +106,9 @@ def _moving(motion: hir.Motion, robot: Robot) -> Moving:
 class _Judge:
     """The judgement of some commands, all of which move one frame."""
 
-    def __init__(
-        self, scene: Scene, robot: Robot, cell: Cell, layout: Layout, places: list[Place], moving: Moving
-    ) -> None:
-        self.scene, self.robot, self.places = scene, robot, places
-        base = places[0].first
-        cubics = layout.cubics(base, places[-1].last)
-        peaks = cubics.velocity_peaks()
-        self.course = Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, peaks)
-        self.spans: Spans = np.array([(place.first - base, place.last - base) for place in places])
-        self.watches = watches_of(robot, cell, moving)
+    def __init__(self, scene: Scene, robot: Robot, sweep: Sweep, watches: Sequence[Watch]) -> None:
+        self.scene, self.robot, self.sweep, self.watches = scene, robot, sweep, watches
+        self.places, self.course, self.spans = sweep.places, sweep.course, sweep.spans
         self.findings: list[Diagnostic] = []
 
     def judged(self) -> dict[int, InZones]:
@@ -135,8 +125,8 @@ class _Judge:
         found = kept(self.scene, self.course, self.spans, self.watches)
         broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
         for one in found.breaches:
-            watch, span = self.watches[one.watch], self.spans[one.motion]
-            stay = beyond(self.scene, self.course, (int(span[0]), int(span[1])), watch, one.time)
+            watch, span = self.watches[one.watch], self.sweep.span(one.motion)
+            stay = beyond(self.scene, self.course, span, watch, one.time)
             broken.setdefault((one.motion, watch.zone.name), []).append((watch, stay))
         for (row, _), stays in sorted(broken.items(), key=lambda one: one[0][0]):
             self._break(row, stays)
@@ -171,7 +161,7 @@ class _Judge:
 
     def _too_fast(self, row: int, speed: ZoneSpeed, time: float) -> None:
         place = self.places[row]
-        after = time - float(self.course.begins[self.spans[row, 0]])
+        after = time - self.sweep.starts(row)
         message = (
             f"{speed.part} goes at {speed.largest / MM:.4g} mm/s in the zone {speed.zone}, where {speed.limit / MM:.4g} mm/s are allowed, "
             f"{after:.3f} s after its start, {pose_text(self.robot, place.motion.origin, self._at(time))}"
@@ -185,15 +175,14 @@ class _Judge:
 
     def _break(self, row: int, stays: list[tuple[Watch, Beyond]]) -> None:
         """A finding about a zone that a command breaks: of what is worst, and the names of the others."""
-        place, (begin, end) = self.places[row], self.spans[row].tolist()
+        place = self.places[row]
         watch, found = min(stays, key=lambda one: one[1].slack)
-        start, stop = float(self.course.begins[begin]), float(self.course.begins[end])
-        q = self._at(start + found.worst)
+        q = self._at(self.sweep.starts(row) + found.worst)
         code, how = self._how(watch, found, q)
         others = dict.fromkeys(_called(one) for one, _ in stays if _called(one) != _called(watch))
         more = f"; as well: {', '.join(others)}" if others else ""
         message = (
-            f"{how}, {span_text(found.begin, found.end, stop - start)}; worst at {found.worst:.3f} s, "
+            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} s, "
             f"{pose_text(self.robot, place.motion.origin, q)}{more}"
         )
         self._find(code, message, place, *remedy(place.motion, _REMEDIES[code]))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.certify.certificate import Certificate, Clearance, CommandCertificate
-from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.scene import Scene
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, WaitInput, When
 from yarclang.motion.plan import MotionPlan, PlannedMotion
@@ -17,14 +17,14 @@ from yarclang.report.pictures.plot import duration_text
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
-from yarclang.view.bodies import axes_of, cell_items, robot_items
 from yarclang.view.clearance import near
 from yarclang.view.stage import Mark, Piece, Stage
+from yarclang.view.surroundings import surroundings_of
 from yarclang.view.track import Curves, way_of_curves
 
 _LOOKS = 200
 """Places of a motion at which a collision that was found is looked for."""
-MEETINGS = ("Y0901", "Y0902", "Y0903")
+MEETINGS = ("Y0901", "Y0902", "Y0903", "Y0930")
 """Findings that two bodies come too near to each other."""
 
 
@@ -49,19 +49,15 @@ def stage_of_program(
     pieces, number_of = _pieces(plan, proved)
     owners = [number_of[motion.step] for motion in plan.motions]
     way = way_of_curves(curves, robot.chain, frame.flange_from_frame, owners)
-    links, unread = robot_items(robot)
-    around, placeless = cell_items(robot, program.cell) if program.cell is not None else ((), ())
-    axes, more = axes_of(robot, program, program.cell)
-    made = scene_of(robot, program.cell)
-    scene = made.value if made.value is not None and len(made.value.first) else None
+    around = surroundings_of(robot, program)
     unplanned = sum(isinstance(step, Motion) for step in program.steps) - len(plan.motions)
-    notes = (*unread, *placeless, *more)
+    notes = around.notes
     if unplanned and any(one.is_error for one in findings):
         notes = (
             f"{unplanned} motion{'s' * (unplanned != 1)} can't be planned; the path shows the others",
             *notes,
         )
-    stands = _Stands(plan, frame.flange_from_frame, pieces, number_of, scene)
+    stands = _Stands(plan, frame.flange_from_frame, pieces, number_of, around.scene)
     count = len(plan.motions)
     motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion"
     return Stage(
@@ -69,8 +65,8 @@ def stage_of_program(
         subtitle=f"{robot.name} · {duration_text(plan.duration)} · {motions}",
         notes=notes,
         robot=robot,
-        items=(*links, *around),
-        axes=axes,
+        items=around.items,
+        axes=around.axes,
         frame=frame.name,
         flange_from_frame=frame.flange_from_frame,
         track=curves,
@@ -79,7 +75,7 @@ def stage_of_program(
         ghost_way=None,
         pieces=pieces,
         marks=tuple(stands.mark(one) for one in findings),
-        scene=scene,
+        scene=around.scene,
         duration=plan.duration,
     )
 

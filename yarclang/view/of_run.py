@@ -6,7 +6,6 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
-from yarclang.collision.scene import scene_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.findings import Severity
 from yarclang.hir import Program
@@ -19,9 +18,8 @@ from yarclang.report.runs.tracking import Tracking, tracking_of
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
-from yarclang.view.bodies import axes_of
-from yarclang.view.of_text import bodies, followed_frame
 from yarclang.view.stage import Mark, Piece, Stage
+from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import Recorded, Shifted, way_of_track
 
 _MOST_POINTS = 20_000
@@ -71,29 +69,26 @@ def _with_help(finding: Diagnostic, help_: str) -> Diagnostic:
 
 def _stage(run: RecordedRun, planned: Planned, robot: Robot, program: Program | None, missing: str) -> Stage:
     tracking = tracking_of(run, planned)
-    cell = program.cell if program is not None else None
-    frame, flange_from_frame = followed_frame(robot, program)
+    frame = followed_frame(robot, program)
+    flange_from_frame = frame.flange_from_frame
+    around = surroundings_of(robot, program, missing)
+    notes = around.notes
     track = Recorded(run.times, run.actual)
     plan_times = _plan_times(run, tracking)
     ghost = Shifted(_AsPlanned(planned), *plan_times)
     every = max(-(-len(run.times) // _MOST_POINTS), 1)
     times = np.unique(np.append(run.times[::every], run.times[-1]))
-    items, notes = bodies(robot, cell)
-    axes, more = axes_of(robot, program, cell)
-    if program is None:
-        notes = (f"without the program's cell and frames: {missing}", *notes)
     if robot.fingerprint != run.robot.fingerprint:
         notes = (f"{robot.name} has changed since the run: what is shown is the robot of today", *notes)
-    scene = scene_of(robot, cell).value
     text, _ = outcome_text(run)
     return Stage(
         title=PurePath(run.file).name,
         subtitle=f"a run of {run.program} on {run.robot.name} · {duration_text(run.end)} · {text}",
-        notes=(*notes, *more),
+        notes=notes,
         robot=robot,
-        items=items,
-        axes=axes,
-        frame=frame,
+        items=around.items,
+        axes=around.axes,
+        frame=frame.name,
         flange_from_frame=flange_from_frame,
         track=track,
         ghost=ghost,
@@ -103,7 +98,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, program: Program | 
         ),
         pieces=_pieces(run, tracking),
         marks=_marks(run, tracking, track, robot, flange_from_frame),
-        scene=scene if scene is not None and len(scene.first) else None,
+        scene=around.scene,
         duration=float(run.end),
     )
 

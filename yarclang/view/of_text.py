@@ -6,17 +6,15 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
-from yarclang.cell.model import Cell
-from yarclang.collision.scene import scene_of
 from yarclang.diagnostics import Result
-from yarclang.hir import Motion, PoseDelta, PoseGoal, Program
+from yarclang.hir import Program
 from yarclang.pipeline.executed import Executed, executed
 from yarclang.pipeline.origins import origins_of_text
 from yarclang.report.pictures.plot import duration_text
-from yarclang.robot.model import Array, Robot
+from yarclang.robot.model import Robot
 from yarclang.source import SourceFile
-from yarclang.view.bodies import axes_of, cell_items, robot_items
-from yarclang.view.stage import Item, Piece, Stage
+from yarclang.view.stage import Piece, Stage
+from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import Curves, way_of_curves
 
 
@@ -31,7 +29,8 @@ def stage_of_text(source: SourceFile, folder: Path, robot: Robot) -> Result[Stag
 
 def _stage(name: str, does: Executed, program: Program | None, missing: str) -> Stage:
     robot = does.robot
-    frame, flange_from_frame = followed_frame(robot, program)
+    frame = followed_frame(robot, program)
+    around = surroundings_of(robot, program, missing)
     begins, pieces, owners = [], [], []
     now = 0.0
     for number, act in enumerate(does.acts):
@@ -51,47 +50,21 @@ def _stage(name: str, does: Executed, program: Program | None, missing: str) -> 
         tuple(act.curve for act in does.acts if act.curve is not None),
         np.array(begins, dtype=np.float64),
     )
-    items, notes = bodies(robot, program.cell if program is not None else None)
-    axes, more = axes_of(robot, program, program.cell if program is not None else None)
-    if program is None:
-        notes = (f"without the program's cell and frames: {missing}", *notes)
-    scene = scene_of(robot, program.cell if program is not None else None).value
     return Stage(
         title=PurePath(name).name,
         subtitle=f"{robot.name} · {duration_text(now)} · {len(begins):,} motions as the controller executes them",
-        notes=(*notes, *more),
+        notes=around.notes,
         robot=robot,
-        items=items,
-        axes=axes,
-        frame=frame,
-        flange_from_frame=flange_from_frame,
+        items=around.items,
+        axes=around.axes,
+        frame=frame.name,
+        flange_from_frame=frame.flange_from_frame,
         track=curves,
         ghost=None,
-        way=way_of_curves(curves, robot.chain, flange_from_frame, owners),
+        way=way_of_curves(curves, robot.chain, frame.flange_from_frame, owners),
         ghost_way=None,
         pieces=tuple(pieces),
         marks=(),
-        scene=scene if scene is not None and len(scene.first) else None,
+        scene=around.scene,
         duration=now,
     )
-
-
-def bodies(robot: Robot, cell: Cell | None) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Robot and cell, and what of them isn't shown."""
-    links, unread = robot_items(robot)
-    around, placeless = cell_items(robot, cell) if cell is not None else ((), ())
-    return (*links, *around), (*unread, *placeless)
-
-
-def followed_frame(robot: Robot, program: Program | None) -> tuple[str, Array]:
-    """The frame that the first Cartesian motion of a program moves, else {TCP}, else the flange."""
-    for step in program.steps if program is not None else ():
-        goals = getattr(step, "waypoints", None) or (getattr(step, "goal", None),)
-        if (
-            isinstance(step, Motion)
-            and isinstance(goals[-1], PoseGoal | PoseDelta)
-            and step.origin.moving is not None
-        ):
-            return step.origin.moving.name, goals[-1].flange_from_moving
-    name = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
-    return name, robot.flange_from_frame.get(name, np.eye(4))

@@ -11,7 +11,6 @@ from yarclang.cli.options import file_argument, planning_options, tm_option
 from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
 
 _FORMATS = ("png", "svg", "pdf")
-_MAGIC = b"\x89MCAP0\r\n"
 
 
 @click.command("plot")
@@ -29,30 +28,18 @@ def command(file: str, output: str | None, **planning: Any) -> None:
 
     Of a run's log (.mcap): what was planned and what became of it.
     """
+    from yarclang.report.runs.kind import is_log
+
     destination = output or beside(file, ".png")
     format_ = _format(destination)
     refuse_collisions([file], [(destination, file)])
-    if _is_run_log(file):
+    if file != STANDARD and is_log(file):
         if given := [f"--{name}" for name, value in planning.items() if value is not None]:
             raise click.UsageError(f"{', '.join(given)}: the log of a run says that itself")
         picture, what = _run_picture(file, format_)
     else:
         picture, what = _program_picture(file, format_, planning)
     _write(picture, what, destination)
-
-
-def _is_run_log(file: str) -> bool:
-    """Whether a file is the log of a run: it is called so, or begins so."""
-    path = Path(file)
-    if path.suffix.lower() == ".mcap":
-        return True
-    try:
-        if file == STANDARD or not path.is_file():
-            return False
-        with path.open("rb") as stream:
-            return stream.read(len(_MAGIC)) == _MAGIC
-    except (OSError, ValueError):  # told of when the program is read
-        return False
 
 
 def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple[bytes, str]:

@@ -59,7 +59,8 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
     from yarclang.cli.loading import is_compiled, robot_of_text
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
-    from yarclang.view.opening import is_log, opened
+    from yarclang.report.runs.kind import is_log
+    from yarclang.view.opening import opened
 
     given = [f"--{name}" for name, value in planning.items() if value is not None and name != "robot"]
     if given and (is_log(file) or is_compiled(file)):

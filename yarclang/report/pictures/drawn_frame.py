@@ -20,7 +20,7 @@ class DrawnFrame:
 
 def drawn_frame(plan: MotionPlan) -> DrawnFrame:
     """The frame that most motions of a plan lead somewhere, of equals the first; {TCP} where none leads one."""
-    led = [found for motion in plan.motions if (found := _led(plan.program.steps[motion.step])) is not None]
+    led = [found for motion in plan.motions if (found := led_by(plan.program.steps[motion.step])) is not None]
     if not led:
         name = _tool_name(plan.robot)
         return DrawnFrame(name, plan.robot.flange_from_frame[name])
@@ -37,7 +37,8 @@ def moving_frame(step: Step) -> Array | None:
     return poses[-1].flange_from_moving if poses else None
 
 
-def _led(step: Step) -> DrawnFrame | None:
+def led_by(step: Step) -> DrawnFrame | None:
+    """The frame whose pose a motion leads somewhere; None where it leads none, or one without a name."""
     frame = moving_frame(step)
     if frame is None or not isinstance(step, Motion) or step.origin.moving is None:
         return None

@@ -17,6 +17,7 @@ from yarclang.report.pictures.palette import bars_of
 from yarclang.report.pictures.panels import draw_panels
 from yarclang.report.pictures.passed import passed_corners
 from yarclang.report.pictures.scene import draw_scene
+from yarclang.report.pictures.style import picture_style
 from yarclang.report.pictures.tool_trace import tool_trace_of
 from yarclang.report.pictures.toolpath import tool_path_of
 from yarclang.report.pictures.trace import trace_of
@@ -48,24 +49,7 @@ def draw(plan: MotionPlan, format_: Format) -> bytes:
     Returns:
         The file's bytes, the same for the same plan.
     """
-    import matplotlib as mpl
-
-    with mpl.rc_context():
-        # a user's own matplotlibrc shall not change the picture
-        mpl.rcdefaults()
-        mpl.rcParams.update(
-            {
-                "svg.hashsalt": "yarclang",
-                "text.parse_math": False,  # a name with dollars is no formula
-                "font.size": 9.0,
-                "axes.linewidth": 0.6,
-                "axes.edgecolor": "0.35",
-                "xtick.major.width": 0.6,
-                "ytick.major.width": 0.6,
-                "grid.color": "0.85",
-                "grid.linewidth": 0.6,
-            }
-        )
+    with picture_style():
         return saved(_figure(plan), format_)
 
 

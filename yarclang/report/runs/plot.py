@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from yarclang.report.pictures.palette import joint_style
 from yarclang.report.pictures.panels import legend_row
 from yarclang.report.pictures.plot import SIZE, Format, duration_text, printable, saved
+from yarclang.report.pictures.style import picture_style
 from yarclang.report.runs.course import marks_of, outcome_text, spans_of
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.panels import (
@@ -43,16 +44,6 @@ _MOST_MARKS = 6
 _LONGEST = 95
 """Characters of a line of that list."""
 
-_STYLE: Any = {
-    "svg.hashsalt": "yarclang",
-    "text.parse_math": False,  # a name with dollars is no formula
-    "font.size": 9.0,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": "0.35",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-}
-
 
 def draw_run(run: RecordedRun, planned: Planned, format_: Format) -> bytes:
     """Draw a run against its plan.
@@ -65,14 +56,9 @@ def draw_run(run: RecordedRun, planned: Planned, format_: Format) -> bytes:
     Returns:
         The file's bytes, the same for the same log.
     """
-    import matplotlib as mpl
-
     tracking = tracking_of(run, planned)
     shown = Shown(run, planned, tracking, spans_of(run, tracking), marks_of(run, tracking))
-    with mpl.rc_context():
-        # a user's own matplotlibrc shall not change the picture
-        mpl.rcdefaults()
-        mpl.rcParams.update(_STYLE)
+    with picture_style():
         return saved(_figure(shown), format_)
 
 

@@ -10,8 +10,7 @@ from typing import Any
 from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
 from mcap.stream_reader import StreamReader
 
-MAGIC = b"\x89MCAP0\r\n"
-"""What every MCAP file begins with."""
+from yarclang.report.runs.kind import MAGIC
 
 
 @dataclass(frozen=True, slots=True, eq=False)

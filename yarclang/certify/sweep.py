@@ -1,0 +1,52 @@
+"""The motions of a text as they are held against bodies and zones: as many at once as a chunk has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bounds import Cubics
+from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.collision.course import Course
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep:
+    """Commands that follow each other: what the joints do in their segments, and which of these (M, 2), first and last (not included), are those of each."""
+
+    places: list[Place]
+    course: Course
+    spans: NDArray[np.int64]
+
+    def span(self, row: int) -> tuple[int, int]:
+        """The segments of one command."""
+        begin, end = self.spans[row].tolist()
+        return begin, end
+
+    def starts(self, row: int) -> float:
+        """When a command begins [s]."""
+        return float(self.course.begins[self.spans[row, 0]])
+
+    def lasts(self, row: int) -> float:
+        """How long it takes [s]."""
+        return float(self.course.begins[self.spans[row, 1]]) - self.starts(row)
+
+
+def moving_chunks(layout: Layout) -> Iterator[list[Place]]:
+    """The commands that move something, in chunks."""
+    return chunks([place for place in layout.places if place.size])
+
+
+def sweep_of(layout: Layout, places: list[Place]) -> Sweep:
+    """What the joints do in commands that follow each other."""
+    base = places[0].first
+    course = course_of(layout.cubics(base, places[-1].last))
+    return Sweep(places, course, np.array([(place.first - base, place.last - base) for place in places]))
+
+
+def course_of(cubics: Cubics) -> Course:
+    """Segments as the collision check sees them."""
+    return Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())

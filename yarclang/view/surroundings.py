@@ -1,0 +1,55 @@
+"""What every picture begins with: the robot, its cell, the frames of its program, and what of them can't be shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.hir import Program
+from yarclang.report.pictures.drawn_frame import DrawnFrame, led_by
+from yarclang.robot.model import Robot
+from yarclang.view.bodies import axes_of, cell_items, robot_items
+from yarclang.view.stage import Axes, Item
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surroundings:
+    """As of `Stage`: its bodies, its frames, the bodies of the collision check, and notes about what isn't shown."""
+
+    items: tuple[Item, ...]
+    axes: tuple[Axes, ...]
+    scene: Scene | None
+    notes: tuple[str, ...]
+
+
+def surroundings_of(robot: Robot, program: Program | None, missing: str = "") -> Surroundings:
+    """What is around.
+
+    Args:
+        robot: that is shown.
+        program: whose frames and cell are shown; None where there is none.
+        missing: why there is none.
+    """
+    cell = program.cell if program is not None else None
+    links, unread = robot_items(robot)
+    around, placeless = cell_items(robot, cell) if cell is not None else ((), ())
+    axes, more = axes_of(robot, program, cell)
+    scene = scene_of(robot, cell).value
+    without = (f"without the program's cell and frames: {missing}",) if program is None else ()
+    return Surroundings(
+        (*links, *around),
+        axes,
+        scene if scene is not None and len(scene.first) else None,
+        (*without, *unread, *placeless, *more),
+    )
+
+
+def followed_frame(robot: Robot, program: Program | None) -> DrawnFrame:
+    """The frame that the first motion of a program leads somewhere, else {TCP}, else the flange."""
+    for step in program.steps if program is not None else ():
+        if (led := led_by(step)) is not None:
+            return led
+    name = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
+    return DrawnFrame(name, robot.flange_from_frame.get(name, np.eye(4)))

@@ -425,7 +425,9 @@ def test_nothing_is_asked_that_moves():
     world = connected()
     seen(world)
     asked = [
-        line for line in world.asked if not re.fullmatch(r"(I\d+)+|[M#]\d+->|LIST PLC \d+|(M\d61)+|\??", line)
+        line
+        for line in world.asked
+        if not re.fullmatch(r"(I\d+)+|[M#]\d+->|LIST PLC \d+|(M\d61)+(I\d+)+|\??", line)
     ]
     assert set(asked) <= {
         "I6=1 I3=2", "CLOSE", "CID", "TYPE", "&1??", "CLOSE ALL", "M8116", "P8100=1", "P8100", "P8100=0", "&1A",

@@ -143,7 +143,7 @@ def _safe_outputs(program: PmacProgram) -> Iterator[str]:
 
 
 def _open_rotary(program: PmacProgram) -> Iterator[str]:
-    """The paper's Listing 3, and a slow RAPID move to the start."""
+    """The paper's Listing 3, and a slow RAPID move to the start, where it is wanted."""
     yield "".join(f"#{motor}J/" for motor in program.motors)
     yield "DELETE ROT"
     yield f"I16={program.low_lines}"
@@ -152,6 +152,9 @@ def _open_rotary(program: PmacProgram) -> Iterator[str]:
     yield "B0"
     yield "OPEN ROT"
     yield "CLEAR"
+    if not program.rapid:
+        yield "ABS"
+        return
     yield "RAPID"
     yield "ABS"
     yield _moves(program, program.start[None]).rstrip("\n")

@@ -29,11 +29,10 @@ from yarclang.runtime.performance import (
     connect,
     end_what_runs,
     look,
-    off_the_start,
     perform,
 )
 from yarclang.runtime.remote import About
-from yarclang.runtime.rest import described
+from yarclang.runtime.rest import described, off_the_start
 from yarclang.runtime.session import REPLY_TIME, Session
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.local import ControlSocket, controller_lock

@@ -27,7 +27,7 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Override, Resume
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.performance import off_the_start
+from yarclang.runtime.rest import off_the_start
 from yarclang.runtime.state import State
 
 LIVE = Settings()
@@ -247,7 +247,7 @@ class Client(Asking):
         step = checked.value.steps[-1]
         assert isinstance(step, LineMove)
         frame = Moving(moving.strip("{} ").upper(), step.goal.flange_from_moving)
-        here = await coordinator.stands()
+        here = await coordinator.commanded()
         made = await coordinator.plan(
             live_motion, coordinator.robot, here, frame, checked.value.cell, settings, name
         )

@@ -185,16 +185,23 @@ class Coordinator:
         return self.engine.operation.override * 100.0
 
     async def stands(self) -> Array:
-        """(n,) where the robot is commanded to stand [rad or m], asked now.
+        """(n,) where the robot is commanded to stand [rad or m], asked now: the planned end of its last motion, where it has ended there to a count.
 
         Raises:
             Trouble: it is under way, or can't be asked.
         """
-        operation, robot = self.engine.operation, self.robot
-        here = await self.engine.ask(lambda: stands_at(operation, robot))
+        here = await self.commanded()
         known = self.history.end
-        # where a motion has ended to a count, the next begins where it was planned to end
-        return known if known is not None and stands_there(robot, here, known) else here
+        return known if known is not None and stands_there(self.robot, here, known) else here
+
+    async def commanded(self) -> Array:
+        """(n,) where the controller commands the motors to stand [rad or m], asked now, as exactly as its registers tell it.
+
+        Raises:
+            Trouble: as `stands`.
+        """
+        operation, robot = self.engine.operation, self.robot
+        return await self.engine.ask(lambda: stands_at(operation, robot))
 
     # orders, for everybody
 

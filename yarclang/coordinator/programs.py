@@ -16,7 +16,7 @@ from yarclang.pipeline.parts import approach, chains, motion_number, part
 from yarclang.pipeline.stages import Compiled, compile_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.job import Job
-from yarclang.runtime.performance import off_the_start
+from yarclang.runtime.rest import off_the_start
 
 APPROACH = "approach"
 """What the way to a program's start is called."""

@@ -98,7 +98,8 @@ class PmacProgram:
     motors' positions there and how far each may be off [1/(Ixx08 32) count].
     `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
     and as low below so many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs, and
-    what they become when the guard has held the motion.
+    what they become when the guard has held the motion. `rapid` says whether a rotary begins with a slow RAPID to the start; without it the motion begins
+    where the motors are commanded to stand.
     """
 
     target: Target
@@ -116,3 +117,4 @@ class PmacProgram:
     body: tuple[Item, ...]
     commands: tuple[Command, ...]
     safe_outputs: tuple[tuple[str, float], ...] = ()
+    rapid: bool = True

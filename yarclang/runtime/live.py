@@ -2,6 +2,9 @@
 
 As many lines as the guard PLC needs for a hold on the path, and some that this host may be late by, always lie ahead: so the buffer never runs dry in motion, and
 whatever is wanted comes that much later. A stop doesn't wait for them: it is a hold, and what is left is forgotten.
+
+The motion begins where the motors are commanded to stand, and was proved from there; no RAPID leads to a start. So the last question before R is whether they
+still stand there. One reply lies between both, and R is refused while a motor jogs (ERR011).
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Override
 from yarclang.runtime.operation import URGENT, Interrupted, Operation
 from yarclang.runtime.packets import fitting
-from yarclang.runtime.rest import come_to_rest, leave
+from yarclang.runtime.rest import away_from_start, come_to_rest, leave
 from yarclang.runtime.state import Event
 from yarclang.runtime.streaming import STATUS_EACH
 from yarclang.runtime.watching import look_at_motors, sample
@@ -105,7 +108,7 @@ class LiveStream:
 
         Raises:
             Stopped: somebody has ended it; the motion may still be going on.
-            Trouble: it can't go on; likewise.
+            Trouble: the robot doesn't stand at its start any more, so that nothing moves; or it can't go on: the motion may still be going on.
             Lost: the connection is of no use any more.
         """
         operation, job = self.operation, self.job
@@ -132,10 +135,14 @@ class LiveStream:
         operation.go(Event.END, f"{job.name} has ended")
 
     def _begin(self) -> Script[bool]:
-        yield from self.operation.ask("R")
+        operation = self.operation
+        yield from operation.ask("CLOSE")  # an open rotary would store the question
+        yield from away_from_start(operation, self.job, "begin again")
+        yield from operation.ask("R")
         self.begun = True
-        self.operation.slept = 0.0
-        self.operation.go(Event.BEGIN)
+        operation.slept = 0.0
+        operation.go(Event.BEGIN)
+        yield from operation.ask("OPEN ROT")
         return False
 
     def _step(self) -> Script[bool]:

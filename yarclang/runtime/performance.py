@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import (
     Connect,
@@ -139,7 +137,6 @@ def perform_live(operation: Operation, live: Live) -> Script[Ended]:
 def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
     """To its end, or to rest."""
     try:
-        yield from away_from_start(operation, stream.job)
         yield from stream.run()
     except Stopped as stopped:
         what = _ABORTED if stopped.abort else "stopped on its path"
@@ -154,33 +151,6 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
     operation.watch, operation.patience = (), PATIENCE
     operation.orders.clear()
     return ended
-
-
-def away_from_start(operation: Operation, job: Job) -> Script[None]:
-    """Look where the robot stands.
-
-    Raises:
-        Trouble: a joint is further from the start than the first segment allows.
-    """
-    joints = yield from stands_at(operation, job.robot)
-    if text := off_the_start(job, joints):
-        raise Trouble(text, "give --approach for a slow, certified motion to the start")
-
-
-def off_the_start(job: Job, joints: Array) -> str:
-    """How far each joint is from the start of a job; empty where all are near enough."""
-    robot = job.robot
-    off = joints - job.start
-    if (np.abs(off) <= job.slack).all():
-        return ""
-    parts = [
-        f"{name} {value / unit:+.4f} {unit_name}"
-        for name, value, allowed, unit, unit_name in zip(
-            robot.joint_names, off, job.slack, robot.axis_units, robot.axis_unit_names, strict=True
-        )
-        if abs(value) > allowed
-    ]
-    return f"the robot doesn't stand where {job.name} starts: {', '.join(parts)}"
 
 
 def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why: Trouble) -> Script[Ended]:

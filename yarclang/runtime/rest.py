@@ -18,6 +18,7 @@ from yarclang.runtime.feedback import (
     statuses_in,
     system_status,
 )
+from yarclang.runtime.job import Job
 from yarclang.runtime.operation import Operation
 
 LONGEST = 15.0
@@ -108,13 +109,44 @@ def leave(operation: Operation, robot: Robot) -> Script[None]:
 def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
     """The commanded joint positions (n,) [rad or m], from M161 and so on. No buffer may be open on this port."""
     motors = robot.controller.motors
-    count = len(motors)
-    registers = yield from operation.numbers("".join(commanded_position(motor)[0] for motor in motors), count)
-    scales = yield from operation.numbers("".join(motor_variable(motor, 8) for motor in motors), count)
+    asked = "".join(commanded_position(motor)[0] for motor in motors)
+    values = yield from operation.numbers(
+        asked + "".join(motor_variable(motor, 8) for motor in motors), 2 * len(motors)
+    )
+    registers, scales = values[: len(motors)], values[len(motors) :]
     if not all(scale > 0.0 for scale in scales):
         raise Trouble("a motor's position scale Ixx08 is 0", f"download `yarc settings {robot.name}`")
     counts = np.array(registers) / (32.0 * np.array(scales))
     return from_counts(robot, counts)
+
+
+def away_from_start(
+    operation: Operation, job: Job, remedy: str = "give --approach for a slow, certified motion to the start"
+) -> Script[None]:
+    """Look where the robot stands; `remedy` says what to do where that isn't the start.
+
+    Raises:
+        Trouble: a joint is further from the start than the first segment allows.
+    """
+    joints = yield from stands_at(operation, job.robot)
+    if text := off_the_start(job, joints):
+        raise Trouble(text, remedy)
+
+
+def off_the_start(job: Job, joints: Array) -> str:
+    """How far each joint is from the start of a job; empty where all are near enough."""
+    robot = job.robot
+    off = joints - job.start
+    if (np.abs(off) <= job.slack).all():
+        return ""
+    parts = [
+        f"{name} {value / unit:+.4f} {unit_name}"
+        for name, value, allowed, unit, unit_name in zip(
+            robot.joint_names, off, job.slack, robot.axis_units, robot.axis_unit_names, strict=True
+        )
+        if abs(value) > allowed
+    ]
+    return f"the robot doesn't stand where {job.name} starts: {', '.join(parts)}"
 
 
 def described(robot: Robot, joints: Array) -> str:

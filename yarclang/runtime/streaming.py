@@ -16,7 +16,7 @@ from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import URGENT, Interrupted, Operation, Refused
 from yarclang.runtime.outputs import Outputs
-from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
+from yarclang.runtime.rest import away_from_start, come_to_rest, described, leave, stands_at
 from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.watching import look_at_motors, look_at_program, raise_trouble, sample
@@ -105,6 +105,7 @@ class Stream:
             Lost: the connection is of no use any more.
         """
         operation = self.operation
+        yield from away_from_start(operation, self.job)
         operation.go(Event.LOAD, f"loading {self.job.name}")
         yield from self._load()
         operation.watch = URGENT

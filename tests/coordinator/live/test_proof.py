@@ -17,7 +17,9 @@ START = np.array([0.0, 10.0, 10.0, 0.0, 40.0, 0.0])
 def judge_at(start=START, speed=SPEED):
     robot = load_robot("INDUSTRIAL6").value
     scene, watches = surroundings_of(robot, None, tool_frame(robot)).value
-    return robot, Judge(robot, start, H, speed, robot.flange_from_frame["TCP"], scene, watches)
+    return robot, Judge(
+        robot, start * robot.axis_units, H, speed, robot.flange_from_frame["TCP"], scene, watches
+    )
 
 
 def text(robot, points):
@@ -83,7 +85,7 @@ def test_whatever_is_wanted_the_whole_text_keeps_the_limits(seed):
     robot, judge = judge_at()
     rates, random = rates_of(robot), np.random.default_rng(seed)
     tool = robot.flange_from_frame["TCP"]
-    made = Generator(robot, START, 7, H, Steering(robot, tool, rates), judge, rates)
+    made = Generator(robot, START * robot.axis_units, 7, H, Steering(robot, tool, rates), judge, rates)
     lines, now, target = [], 0.0, None
     while now < 2.5:
         if target is None or random.random() < 0.05:

@@ -33,7 +33,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, refused_line
     from yarclang.cli.loading import is_compiled, load
-    from yarclang.runtime.performance import off_the_start
+    from yarclang.runtime.rest import off_the_start
 
     if is_compiled(file) and (first or any(options[name] for name in ("start", "tm", "tolerance"))):
         raise click.UsageError(

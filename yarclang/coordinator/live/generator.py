@@ -48,7 +48,7 @@ class Generator:
 
     Args:
         robot: that moves.
-        start: (n,) where it stands, as printed [axis units].
+        start: (n,) where it is commanded to stand [rad or m].
         decimals: of the printed positions.
         segment: TM [s].
         steering: makes velocities of what is wanted.
@@ -78,7 +78,7 @@ class Generator:
         self._steering = steering
         self._judge = judge
         self._rates = rates
-        self._state = State.at_rest(start * robot.axis_units)
+        self._state = State.at_rest(start)
         self._rest: tuple[State, ...] = ()
         self._target: Target | None = None
         self._refused: Array | None = None

@@ -15,7 +15,6 @@ from yarclang.coordinator.live.generator import Generator, rates_of
 from yarclang.coordinator.live.proof import Judge, surroundings_of
 from yarclang.coordinator.live.steering import SPEED, Steering
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.pipeline.jobs import START_SHARE
 from yarclang.pmac.program import Assignment, PmacProgram, SegmentTime
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import to_counts
@@ -43,11 +42,11 @@ class Settings:
 def live_motion(
     robot: Robot, here: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
 ) -> Result[tuple[Live, Generator]]:
-    """A live motion from where the robot stands.
+    """A live motion from where the robot stands: no RAPID leads to a printed start, since that takes the motors' acceleration time, whatever the way.
 
     Args:
         robot: that moves.
-        here: (n,) where it stands [rad or m].
+        here: (n,) where it is commanded to stand [rad or m], as the controller tells it.
         moving: the tool.
         cell: what is around it.
         settings: how it is made.
@@ -61,18 +60,19 @@ def live_motion(
         return Result(None, around.diagnostics)
     segment = max(settings.segment, robot.controller.smallest_segment)
     decimals = decimals_for(robot, segment, robot.tolerance)
-    start = np.round(here / robot.axis_units, decimals) + 0.0
     tool = moving.flange_from_moving
-    judge = Judge(robot, start, segment, settings.speed, tool, *around.value)
+    judge = Judge(robot, here, segment, settings.speed, tool, *around.value)
+    start = np.round(here / robot.axis_units, decimals) + 0.0
     stands = "".join(
         f"{axis}{value:.{decimals}f}" for axis, value in zip(robot.controller.axes, start, strict=True)
     )
+    # the way to rest behind nothing: to the nearest place that can be printed
     if objection := judge.objection((stands,) * 3, ()):
         message = f"where the robot stands, no live motion can begin: {objection}"
         return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))
     rates = rates_of(robot, settings.share)
     steering = Steering(robot, tool, rates, settings.speed)
-    generator = Generator(robot, start, decimals, segment, steering, judge, rates)
+    generator = Generator(robot, here, decimals, segment, steering, judge, rates)
     marks = watermarks(robot, segment)
     program = PmacProgram(
         target="rotary",
@@ -89,11 +89,11 @@ def live_motion(
         low_lines=marks.low,
         body=(SegmentTime(segment / MS), Assignment(ARMED, 1.0)),
         commands=(),
+        rapid=False,
     )
     text = [line for line in emit(program).text(()).splitlines() if line and not line.startswith(";")]
     at = text.index("OPEN ROT")
     shown = emit(program).text((MADE_ON_THE_WAY, f"robot {robot.name} {robot.fingerprint}"))
-    slack = START_SHARE * robot.limits.acceleration * segment**2
     job = Job(
         name=name,
         robot=robot,
@@ -101,9 +101,9 @@ def live_motion(
         lines=(),
         times=np.empty(0),
         commands=(),
-        start=start * robot.axis_units,
-        end=start * robot.axis_units,
-        slack=slack,
+        start=here,
+        end=here,
+        slack=judge.slack,
         segment=segment,
         duration=0.0,
         words=marks.words,

@@ -2,6 +2,11 @@
 
 What is read are the printed numbers. Behind what was admitted before, they must keep at every instant the limits of position, velocity, acceleration and
 jerk of each joint and of the motors' speeds, the tool's largest speed, the distances of all bodies, and the zones; and the text must end at rest.
+
+The motion begins where the controller commands the motors to stand: SPLINE1's first three control points are that place, which no line says. So it is an
+argument here, as exactly as the controller's registers tell it, and nothing has to move to a printed start before. Whoever streams the text
+looks once more, right before it begins, and doesn't begin farther away than `slack`. If each of the three is off by d there, then in the first three segments
+velocities are off by d / h at most, accelerations by d / h^2, jerks by 2 d / h^3 (the differences of d, d, d, 0, 0, 0): all of these are judged with that much more.
 """
 
 from __future__ import annotations
@@ -15,7 +20,7 @@ from yarclang.certify.bounds import Cubics, reaches
 from yarclang.certify.limits import POSITION_UNITS, RELATIVE
 from yarclang.certify.speed import KEPT
 from yarclang.collision.course import Course
-from yarclang.collision.proof import clearances
+from yarclang.collision.proof import SLACK, clearances
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.proof import kept
 from yarclang.collision.zones.speed import fastest_inside
@@ -29,6 +34,12 @@ from yarclang.units import MM
 
 _WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d*)?)")
 
+_START_SHARE = 0.05
+"""Where the robot stands beside its start, that adds at most this share of the limits of acceleration and jerk."""
+
+_BEYOND = 1.0
+"""Bodies of a tool are at most so far beyond its origin [m], where it is told how far they move beside what was proved."""
+
 _PIECES = (1, 8, 64)
 """Into so many pieces a segment is cut, one after the other, to tell the tool's speed."""
 
@@ -38,12 +49,16 @@ class Judge:
 
     Args:
         robot: whose limits count.
-        start: (n,) where it stands at rest, as printed [axis units].
+        start: (n,) where it is commanded to stand, at rest [rad or m].
         segment: TM [s].
         speed: the largest speed of the tool's origin [m/s].
         tool: (4, 4) flange_from_tool.
         scene: bodies that must stay apart; None where there are none.
         watches: zones.
+
+    Attributes:
+        slack: (n,) how far from there each joint may stand when the motion begins [rad or m]: a fraction of a count. No point of the arm is
+            farther than half of the collision proof's `SLACK` from where it would be, so that bodies stay apart, and zones are kept to so much.
     """
 
     def __init__(
@@ -66,7 +81,15 @@ class Judge:
         self._motors = counts_per_joint(robot)
         travel = np.maximum(np.abs(robot.limits.lower), np.abs(robot.limits.upper))
         self._reach = reaches(robot.chain, tool, np.where(robot.chain.is_prismatic, travel, 0.0))
-        self._behind = np.tile(start * robot.axis_units, (3, 1))
+        limits = robot.limits
+        arms = np.where(robot.chain.is_prismatic, 1.0, self._reach + _BEYOND)
+        self.slack = np.minimum(
+            _START_SHARE * np.minimum(limits.acceleration * segment**2, limits.jerk * segment**3 / 2.0),
+            SLACK / 2.0 / (robot.size * arms),
+        )
+        self._beside = float(arms @ self.slack)
+        self._behind = np.tile(start, (3, 1))
+        self._starts = 3
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
         """Why lines can't be admitted; empty: they can.
@@ -84,13 +107,16 @@ class Judge:
         control = np.concatenate([self._behind, points])
         count = len(control) - 3
         cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))
-        return self._limits(cubics) or self._tool_speed(cubics) or self._surroundings(cubics)
+        # a segment has four control points: these may be off
+        off = np.where(np.arange(count) < self._starts, 1.0, 0.0)
+        return self._limits(cubics, off[:, None] * self.slack) or self._speeds(cubics, off * self._beside)
 
     def admit(self, lines: tuple[str, ...]) -> None:
         """These are streamed; `objection` had none."""
         points = self._read(lines)
         assert not isinstance(points, str)
         self._behind = np.concatenate([self._behind, points])[-3:]
+        self._starts = max(0, self._starts - len(points))
 
     def _read(self, lines: tuple[str, ...]) -> Array | str:
         axes = self._robot.controller.axes
@@ -102,38 +128,48 @@ class Judge:
             rows.append([float(value) for _, value in words])
         return np.array(rows).reshape(-1, len(axes)) * self._robot.axis_units
 
-    def _limits(self, cubics: Cubics) -> str:
+    def _limits(self, cubics: Cubics, off: Array) -> str:
+        """Of joints and motors; the control points of each segment may be off by `off` (N, n)."""
+        h = self._segment
         robot, limits, names = self._robot, self._robot.limits, self._robot.joint_names
         lower, upper = cubics.position_range()
-        past = np.maximum(upper - limits.upper, limits.lower - lower).max(axis=0) / robot.axis_units
+        # where it stands may be past a limit by as much as nobody knows
+        past = (np.maximum(upper - limits.upper, limits.lower - lower) - off).max(axis=0) / robot.axis_units
         if (past > POSITION_UNITS).any():
             return f"{names[int(np.argmax(past))]} would go past its limit"
         shares = {
-            "velocity": cubics.velocity_peaks() / limits.velocity,
-            "acceleration": cubics.acceleration_peaks() / limits.acceleration,
-            "jerk": np.abs(cubics.j) / limits.jerk,
+            "velocity": (cubics.velocity_peaks() + off / h) / limits.velocity,
+            "acceleration": (cubics.acceleration_peaks() + off / h**2) / limits.acceleration,
+            "jerk": (np.abs(cubics.j) + 2.0 * off / h**3) / limits.jerk,
         }
         for what, share in shares.items():
             worst = share.max(axis=0)
             if (worst > 1.0 + RELATIVE).any():
                 joint = int(np.argmax(worst))
                 return f"{names[joint]} would have {worst[joint]:.1%} of its {what} limit"
-        motors = (cubics.mapped(self._motors).velocity_peaks() / robot.actuation.velocity).max(axis=0)
+        speeds = cubics.mapped(self._motors).velocity_peaks() + off / h @ np.abs(self._motors).T
+        motors = (speeds / robot.actuation.velocity).max(axis=0)
         if (motors > 1.0 + RELATIVE).any():
             motor = int(np.argmax(motors))
             return f"motor {robot.controller.motors[motor]} would have {motors[motor]:.1%} of its speed limit"
         return ""
 
-    def _tool_speed(self, cubics: Cubics) -> str:
-        """Segments are cut into pieces until the bound says enough of them."""
+    def _speeds(self, cubics: Cubics, beside: Array) -> str:
+        """The tool's, and all that is around it; points of the arm may be `beside` (N,) [m] where they would be on each segment."""
+        # of their velocity J(q) w, w is off by at most beside / h, and J by what they are beside
+        faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
+        return self._tool_speed(cubics, faster) or self._surroundings(cubics, float(faster.max()))
+
+    def _tool_speed(self, cubics: Cubics, faster: Array) -> str:
+        """Segments are cut into pieces until the bound says enough of them; on each it may be `faster` (N,) [m/s]."""
         worst = 0.0
         for pieces in _PIECES:
-            speed = self._speed_bounds(cubics, pieces)
+            speed = self._speed_bounds(cubics, pieces) + faster
             worst = float(speed.max())
             (open_,) = np.nonzero(speed > self._speed * (1.0 + RELATIVE))
             if not len(open_):
                 return ""
-            cubics = cubics.take(open_)
+            cubics, faster = cubics.take(open_), faster[open_]
         return f"the tool might reach {worst / MM:.1f} mm/s, of {self._speed / MM:g} at most"
 
     def _speed_bounds(self, cubics: Cubics, pieces: int) -> Array:
@@ -162,7 +198,7 @@ class Judge:
         bounds: Array = speed.reshape(count, pieces).max(axis=1) + half * bend
         return bounds
 
-    def _surroundings(self, cubics: Cubics) -> str:
+    def _surroundings(self, cubics: Cubics, faster: float) -> str:
         scene = self._scene
         if scene is None:
             return ""
@@ -180,7 +216,7 @@ class Judge:
         for watch in self._slow:
             allowed = watch.zone.speed or 0.0
             fastest = float(fastest_inside(scene, course, spans, watch, least=allowed).speed[0])
-            if fastest > allowed * (1.0 + KEPT):
+            if fastest + faster > allowed * (1.0 + KEPT):
                 return f"in the zone {watch.zone.name} it would be faster than {allowed / MM:g} mm/s"
         return ""
 

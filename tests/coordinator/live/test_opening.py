@@ -1,0 +1,201 @@
+"""How live motions begin: at once, from where the robot stands, and only from there."""
+
+import asyncio
+import re
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from coordinator.live.test_drive import keep
+from coordinator.live.test_proof import START, H, judge_at, text
+from coordinator.virtual import coordinating, done, run
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from yarclang.certify.bounds import Cubics
+from yarclang.coordinator.live import opening
+from yarclang.coordinator.live.generator import Generator, rates_of
+from yarclang.coordinator.live.opening import Settings
+from yarclang.coordinator.live.proof import Judge
+from yarclang.coordinator.live.steering import JointVelocity, Steering
+from yarclang.robot.actuation import from_counts, to_counts
+from yarclang.simulator.commissioning import stand
+
+QUICK = (Phase.explicit, Phase.reuse, Phase.generate)
+"""To shrink a session takes longer than to read it."""
+
+SOON = 0.03
+"""From a key to the first motion, where replies take 0.5 ms at most and planning takes no time [s]."""
+
+
+def turning(speed):
+    velocity = np.zeros(6)
+    velocity[0] = np.deg2rad(speed)
+    return JointVelocity(velocity)
+
+
+async def first_motion(world, client, speed):
+    """Jog a joint; how long from the key to when a motor has moved by two counts [s], and the drive."""
+    before, loop = world.machine.positions(motors=[1]), asyncio.get_running_loop()
+    begun = loop.time()
+    drive = asyncio.ensure_future(client.drive(turning(speed)))
+
+    def moved():
+        world.catch_up()
+        return abs(world.machine.positions(motors=[1]) - before) > 2.0
+
+    await world.until(moved, within=1.0, each=0.0005)
+    return loop.time() - begun, (await drive).value
+
+
+def test_a_jog_moves_at_once_behind_whatever_was_before():
+    """The controller would take 94 ms for a RAPID over a fraction of a count."""
+
+    async def session():
+        async with coordinating(joints=START) as (world, _, client):
+            await done(client, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
+            took, drive = await first_motion(world, client, 5.0)
+            assert took < SOON
+            for _ in range(3):
+                await asyncio.sleep(0.1)
+                drive.stop()  # a hold: between two counts
+                await drive.ended()
+                await asyncio.sleep(0.1)
+                took, drive = await first_motion(world, client, -5.0)
+                assert took < SOON
+            drive.stop()
+            await drive.ended()
+            await done(client, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
+            written = "\0".join(line for _, _, line in world.lines).split("\0")
+            assert written.count("RAPID") == 2  # of both commands
+
+    run(session())
+
+
+SPEEDS = st.lists(st.floats(-0.5, 0.5), min_size=5, max_size=5)
+BESIDE = st.lists(st.floats(-0.5, 0.5), min_size=6, max_size=6)
+
+
+@contextmanager
+def admitted():
+    """Where live motions begin, and all lines that their judges admit: their control points, in order [rad or m]."""
+    points = []
+
+    class Seen(Judge):
+        def __init__(self, robot, start, *others):
+            super().__init__(robot, start, *others)
+            points.append(np.tile(start, (3, 1)))
+
+        def admit(self, lines):
+            super().admit(lines)
+            points.append(self._read(lines))
+
+    opening.Judge = Seen
+    try:
+        yield points
+    finally:
+        opening.Judge = Judge
+
+
+@settings(max_examples=12, deadline=None, phases=QUICK)
+@given(BESIDE, SPEEDS, st.sampled_from([0.004, 0.01, 0.02, 0.05]))
+def test_what_moves_is_what_was_proved(beside, speeds, segment):
+    """Wherever between two counts the motors stand: from the first instant on the robot is on the proved curve, to a step of the registers."""
+
+    async def session(points):
+        async with coordinating(joints=START, record=True) as (world, _, client):
+            robot, machine, count = world.robot, world.machine, 8
+            stand(machine, robot, START * robot.axis_units + from_counts(robot, np.array(beside)))
+            target = JointVelocity(np.array([0.1, *speeds]))
+            made = await client.drive(target, settings=Settings(segment=segment))
+            await world.until(lambda: "R" in [line for _, _, line in world.lines], each=segment / 8.0)
+            await keep(made.value, target, (count + 1) * segment)
+            made.value.stop()
+            await made.value.ended()
+            world.catch_up()
+            control = np.concatenate(points)[: count + 3]
+            curve = Cubics.of_spline(control, np.arange(count), np.full(count, segment))
+            row, u = np.repeat(np.arange(count), 8), np.tile(np.arange(8) / 8.0, count)
+            proved = curve.take(row).at(u * segment)[0]
+            begins = next(at for at, _, line in world.lines if line == "R")
+            moved = machine.positions(begins + (row + u) * segment, robot.controller.motors)
+            assert np.abs(moved - to_counts(robot, proved)).max() < 1.0 / 3072.0
+            assert abs(moved[-1, 0] - moved[0, 0]) > 10.0
+
+    with admitted() as points:
+        run(session(points))
+
+
+@pytest.mark.parametrize(("moved", "begins"), [(0.0, True), (1e-4, True), (3.0, False), (-40.0, False)])
+def test_it_begins_only_where_it_was_proved_from(moved, begins):
+    """Somebody else moves motor 1 by some counts while the motion is planned."""
+
+    async def session():
+        async with coordinating(joints=START) as (world, coordinator, client):
+            plan = coordinator.plan
+
+            async def planned(function, *arguments):
+                made = await plan(function, *arguments)
+                motor = world.machine.motors[1]
+                motor.stand += moved
+                world.machine.changed([motor])
+                return made
+
+            coordinator.plan = planned
+            drive = (await client.drive(turning(5.0))).value
+            await asyncio.sleep(0.05)
+            assert world.moving == begins
+            drive.stop()
+            ended = await drive.ended()
+            if begins:
+                assert ended.what == "stopped on its path"
+            else:
+                assert "the robot doesn't stand where jog starts: J1" in ended.what
+                assert ended.remedy == "begin again"
+                assert "R" not in [line for _, _, line in world.lines]
+
+    run(session())
+
+
+def jerking(share):
+    """Points from rest to rest: J1 with some share of its jerk limit, and no rounding to speak of."""
+    robot, _ = judge_at()
+    step = share * robot.limits.jerk[0] * H**3 / robot.axis_units[0]
+    third = np.concatenate([[1, 0, -1, -1, 0, 1], np.zeros(3)]) * step
+    points = np.tile(START, (9, 1))
+    points[:, 0] += np.cumsum(np.cumsum(np.cumsum(third)))
+    return points
+
+
+def test_what_the_start_may_be_off_by_counts_where_it_matters():
+    """Near the limit of jerk there is no room for a robot that stands beside its start; behind the start there is."""
+    robot, judge = judge_at()
+    assert judge.objection(text(robot, jerking(0.9)), ()) == ""
+    assert "jerk limit" in judge.objection(text(robot, jerking(0.99)), ())
+    stands = text(robot, np.tile(START, (3, 1)))
+    assert judge.objection((*stands, *text(robot, jerking(0.99))), ()) == ""
+    judge.admit(stands)
+    assert judge.objection(text(robot, jerking(0.99)), ()) == ""
+
+
+@settings(max_examples=25, deadline=None, phases=QUICK)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6), SPEEDS, st.sampled_from([0.1, 1.0, 20.0]))
+def test_all_limits_are_kept_from_wherever_it_may_begin(off, speeds, faster):
+    """Whatever of its slack the robot stands beside the start, what was admitted keeps the whole limits."""
+    robot, judge = judge_at()
+    rates, limits = rates_of(robot), robot.limits
+    start, tool = START * robot.axis_units, robot.flange_from_frame["TCP"]
+    made = Generator(robot, start, 7, H, Steering(robot, tool, rates), judge, rates)
+    made.want(JointVelocity(np.array([0.5, *speeds]) * faster), 0.0)
+    lines = made.more(0.0, 12)
+    made.finish()
+    while not made.ended:
+        lines += made.more(0.1, 3)
+    printed = np.array([[float(word) for word in re.findall(r"[A-Z]([-.\d]+)", line)] for line in lines])
+    stands = start + np.array(off) * judge.slack
+    control = np.concatenate([np.tile(stands, (3, 1)), printed * robot.axis_units])
+    count = len(control) - 3
+    curve = Cubics.of_spline(control, np.arange(count), np.full(count, H))
+    assert (curve.velocity_peaks() <= limits.velocity).all()
+    assert (curve.acceleration_peaks() <= limits.acceleration).all()
+    assert (np.abs(curve.j) <= limits.jerk).all()

@@ -24,7 +24,11 @@ _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![A-Za-z_])"
 
 
 def grammar() -> dict[str, Any]:
-    """The TextMate grammar: a line's own words first, then what may stand anywhere."""
+    """The TextMate grammar: a line's own words first, then what may stand anywhere.
+
+    Themes colour its scopes as they colour the kinds that the language server gives words, so that nothing changes its colour when the server
+    has started.
+    """
     known = words()
     units = _any(known.units)
     anywhere = [
@@ -38,11 +42,11 @@ def grammar() -> dict[str, Any]:
         _rule("variable.other", r"\$[A-Za-z_][A-Za-z0-9_.]*"),
         {
             "match": rf"(?i){_BEFORE}({_any(known.commands)})((?:_{_any(known.suffixes)})*){_BEHIND}",
-            "captures": {"1": _named("support.function"), "2": _named("storage.modifier")},
+            "captures": {"1": _named("support.function"), "2": _named("support.function.suffix")},
         },
         _rule("support.function.builtin", rf"(?i){_BEFORE}{_any(known.functions)}(?=\s*\()"),
-        _rule("keyword.other.option", rf"(?i){_BEFORE}{_any(known.options)}{_BEHIND}"),
-        _rule("keyword.operator.word", rf"(?i){_BEFORE}{_any(known.operators)}{_BEHIND}"),
+        _rule("keyword.control.option", rf"(?i){_BEFORE}{_any(known.options)}{_BEHIND}"),
+        _rule("keyword.control.operator.word", rf"(?i){_BEFORE}{_any(known.operators)}{_BEHIND}"),
         _rule("constant.language", rf"(?i){_BEFORE}{_any((*known.constants, 'MIN', 'V'))}{_BEHIND}"),
         _rule("constant.numeric", rf"(?<![A-Za-z0-9_.]){_NUMBER}"),
         _rule("keyword.operator", r"<>|<=|>=|\*\*|[-+*/%=<>]"),
@@ -55,7 +59,7 @@ def grammar() -> dict[str, Any]:
         },
         {
             "match": rf"(?i)^\s*({_any(known.declarations)}){_BEHIND}",
-            "captures": {"1": _named("storage.type")},
+            "captures": {"1": _named("keyword.control.declaration")},
         },
     ]
     return {

@@ -19,19 +19,19 @@ SCOPES = {
     Comment.Single: "comment.line.exclamation",
     Keyword: "keyword.control",
     Keyword.Constant: "constant.language",
-    Keyword.Declaration: "storage.type",
-    Keyword.Pseudo: "keyword.other.option",
+    Keyword.Declaration: "keyword.control.declaration",
+    Keyword.Pseudo: "keyword.control.option",
     Keyword.Type: "support.type.unit",
     Name: "source",
     Name.Builtin: "support.function.builtin",
-    Name.Decorator: "storage.modifier",
+    Name.Decorator: "support.function.suffix",
     Name.Function: "support.function",
     Name.Label: "entity.name.label",
     Name.Namespace: "entity.name.namespace.frame",
     Name.Variable: "variable.other",
     Number: "constant.numeric",
     Operator: "keyword.operator",
-    Operator.Word: "keyword.operator.word",
+    Operator.Word: "keyword.control.operator.word",
     Punctuation: "source",
     String.Double: "string.quoted.double",
 }
@@ -90,7 +90,8 @@ def test_a_vsix_is_made(vscode, tool):
         manifest = json.loads(package.read("extension/package.json"))
         bundle = package.read("extension/out/extension.js").decode()
     contributes = manifest["contributes"]
-    paths = [one["path"] for one in (*contributes["grammars"], *contributes["snippets"])]
+    assert "snippets" not in contributes  # the server's would stand beside them
+    paths = ["snippets/yarc.json", *(one["path"] for one in contributes["grammars"])]
     paths += [one["configuration"] for one in contributes["languages"]] + [manifest["main"]]
     assert {f"extension/{one.removeprefix('./')}" for one in paths} <= names
     assert not any("node_modules" in name for name in names)

@@ -2,7 +2,35 @@
 
 const path = require("path");
 
-/** The program `yarc` or `yarcc`: beside the one that the settings name, else on the PATH. */
+/** Where `yarc` may be, the likeliest first: what the settings say, else on the PATH or in the folder's own environment. */
+function places(setting, folder, home) {
+  if (!setting) {
+    return folder ? ["yarc", path.join(folder, ".venv", "bin", "yarc")] : ["yarc"];
+  }
+  const whole = /^~(?=$|[/\\])/.test(setting) ? home + setting.slice(1) : setting;
+  return [path.dirname(whole) === "." || !folder ? whole : path.resolve(folder, whole)];
+}
+
+/** What is wrong with a `yarc`, and what to do; nothing if it is the one that is wanted. `outcome` tells how `yarc lsp --help` ended. */
+function complaint(setting, command, outcome) {
+  const remedy = "say in the setting yarc.path where yarc is.";
+  if (outcome.code === "ENOENT") {
+    return setting
+      ? `${command} isn't there. Correct the setting yarc.path.`
+      : `yarc isn't found, neither on the PATH nor in .venv of this folder. Install yarclang, or ${remedy}`;
+  }
+  if (outcome.code) {
+    const why = outcome.code === "EACCES" ? "it is no program that may be run" : outcome.code;
+    return `${command} can't be started: ${why}. Install yarclang, or ${remedy}`;
+  }
+  if (outcome.status !== 0) {
+    const words = outcome.words.trim().split("\n").at(-1).slice(0, 200) || `it ended with status ${outcome.status}`;
+    return `${command} has no language server (${words}). It may be too old: install a newer yarclang, or ${remedy}`;
+  }
+  return "";
+}
+
+/** The program `yarc` or `yarcc`: beside the one that was found, else on the PATH. */
 function program(settings, name) {
   if (!settings.path) {
     return name;
@@ -25,9 +53,17 @@ function compileArguments(settings, file) {
   return { command: program(settings, "yarcc"), args: [file, ...robot(settings)] };
 }
 
-/** How a program is viewed with its robot. */
+/** How a program is viewed with its robot: on a free port, since another one may be viewed. */
 function viewArguments(settings, file) {
-  return { command: settings.path || "yarc", args: ["view", file, ...robot(settings)] };
+  return {
+    command: settings.path || "yarc",
+    args: ["view", file, "--port", "0", "--no-browser", ...robot(settings)],
+  };
+}
+
+/** The first whole address in what a program prints; nothing if there is none yet. */
+function addressIn(words) {
+  return words.match(/http:\/\/\S+(?=\s)/)?.[0];
 }
 
 /** Why a document is no program that can be compiled; nothing if it is one. */
@@ -45,7 +81,16 @@ function programOf(document) {
 function pictureHtml(data) {
   const policy = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
   return `<!DOCTYPE html><html><head><meta http-equiv="Content-Security-Policy" content="${policy}"></head>
-<body style="background: white"><img style="max-width: 100%" src="data:image/svg+xml;base64,${data}"></body></html>`;
+<body style="background: white"><img style="width: max(100%, 1100px)" src="data:image/svg+xml;base64,${data}"></body></html>`;
 }
 
-module.exports = { pictureHtml, serverCommand, compileArguments, viewArguments, programOf };
+module.exports = {
+  addressIn,
+  compileArguments,
+  complaint,
+  pictureHtml,
+  places,
+  programOf,
+  serverCommand,
+  viewArguments,
+};

@@ -1,35 +1,78 @@
 "use strict";
 
+const os = require("os");
 const path = require("path");
-const { window, workspace, commands, Uri, ViewColumn } = require("vscode");
+const vscode = require("vscode");
+const { commands, env, window, workspace, Uri, ViewColumn } = vscode;
 const { LanguageClient } = require("vscode-languageclient/node");
-const { compileArguments, pictureHtml, viewArguments, serverCommand, programOf } = require("./arguments");
+const {
+  addressIn,
+  compileArguments,
+  complaint,
+  pictureHtml,
+  places,
+  programOf,
+  serverCommand,
+  viewArguments,
+} = require("./arguments");
+const { run } = require("./running");
+const { fitting } = require("./snippets");
 
 let client;
 let channel;
+let watcher;
+/** Where yarc was found; nothing while it isn't there. */
+let found = "";
+/** Starts and ends of the server, one after the other. */
+let changing = Promise.resolve();
+/** The programs that are viewed, by file. */
+const views = new Map();
+/** The panels with pictures, by file. */
+const panels = new Map();
 
 /** Start `yarc lsp`, and offer the commands. */
 async function activate(context) {
   channel = window.createOutputChannel("YARC");
+  watcher = workspace.createFileSystemWatcher("**/*.{yarc,toml,urdf}");
   context.subscriptions.push(
     channel,
+    watcher,
     commands.registerCommand("yarc.compileProgram", () => onProgram(compile)),
     commands.registerCommand("yarc.plotProgram", () => onProgram(plot)),
     commands.registerCommand("yarc.viewProgram", () => onProgram(view)),
     commands.registerCommand("yarc.restartServer", restart),
     workspace.onDidChangeConfiguration((change) => change.affectsConfiguration("yarc") && restart()),
+    vscode.languages.registerCompletionItemProvider("yarc", { provideCompletionItems: snippets }),
   );
-  await start();
+  await restart();
 }
 
 async function deactivate() {
-  await client?.stop();
+  for (const one of views.values()) {
+    one.kill();
+  }
+  await stop();
+}
+
+function restart() {
+  changing = changing.then(stop).then(start);
+  return changing;
+}
+
+async function stop() {
+  const old = client;
   client = undefined;
+  await old?.stop().catch(() => {}); // one that has ended by itself
 }
 
 async function start() {
+  const problem = await find();
+  if (problem) {
+    complain(problem);
+    return;
+  }
   const server = serverCommand(settings());
-  client = new LanguageClient(
+  const starting = new LanguageClient(
     "yarc",
     "YARC",
     { command: server.command, args: server.args, options: { cwd: workspaceFolder() } },
@@ -52,39 +95,70 @@ async function start() {
           },
         },
       },
-      synchronize: { fileEvents: workspace.createFileSystemWatcher("**/*.{yarc,toml,urdf}") },
+      synchronize: { fileEvents: watcher },
     },
   );
   try {
-    await client.start();
+    await starting.start();
+    client = starting;
   } catch (error) {
-    client = undefined;
-    const chosen = await window.showErrorMessage(
-      `${server.command} can't be started: ${error.message}. Install yarclang, or say in the settings where yarc is.`,
-      "Open settings",
-    );
-    if (chosen) {
-      await commands.executeCommand("workbench.action.openSettings", "yarc.path");
-    }
+    channel.appendLine(String(error?.message ?? error)); // the client has said that it failed, with a way to this channel
   }
 }
 
-async function restart() {
-  await deactivate();
-  await start();
+/** Look for yarc. What is wrong, in words, or nothing. */
+async function find() {
+  const setting = workspace.getConfiguration("yarc").get("path");
+  let problem = "";
+  for (const command of places(setting, workspaceFolder(), os.homedir())) {
+    const outcome = await run(command, ["lsp", "--help"], workspaceFolder());
+    const wrong = complaint(setting, command, outcome);
+    if (!wrong) {
+      found = command;
+      return "";
+    }
+    if (!problem || outcome.code !== "ENOENT") {
+      problem = wrong; // a yarc that is there and too old says more than one that isn't there
+    }
+  }
+  found = "";
+  return problem;
 }
 
+/** Say what is wrong with yarc, and offer to change the settings. Nobody waits for the answer: commands go on. */
+function complain(problem) {
+  channel.appendLine(problem);
+  window.showErrorMessage(problem, "Open settings").then((chosen) => {
+    if (chosen) {
+      commands.executeCommand("workbench.action.openSettings", "yarc.path");
+    }
+  });
+}
+
+/** The settings, with yarc where it was found. */
 function settings() {
-  const all = workspace.getConfiguration("yarc");
-  return { path: all.get("path"), robot: all.get("robot") };
+  return { path: found, robot: workspace.getConfiguration("yarc").get("robot") };
 }
 
 function workspaceFolder() {
   return workspace.workspaceFolders?.[0]?.uri.fsPath;
 }
 
-/** What the editor shows, saved, handed to `work`. */
-async function onProgram(work) {
+/** The snippets, as long as no server completes: it has them with the robot's joints and the next index. */
+function snippets(document, position) {
+  if (client) {
+    return [];
+  }
+  return fitting(document.lineAt(position).text.slice(0, position.character)).map(([word, body, description]) => {
+    const item = new vscode.CompletionItem(word, vscode.CompletionItemKind.Snippet);
+    item.insertText = new vscode.SnippetString(body);
+    item.detail = description;
+    return item;
+  });
+}
+
+/** What the editor shows, saved, handed to `use`. */
+async function onProgram(use) {
   const document = window.activeTextEditor?.document;
   const problem = programOf(document);
   if (problem) {
@@ -94,63 +168,107 @@ async function onProgram(work) {
   if (document.isDirty && !(await document.save())) {
     return;
   }
-  await work(document.uri);
+  if (!found) {
+    const missing = await find();
+    if (missing) {
+      complain(missing);
+      return;
+    }
+    restart(); // it has come since
+  }
+  await use(document.uri);
 }
 
-/** Run a program of yarclang; its words go to the channel. Resolves to its exit status, and null if there is no such program. */
-function run(command, args, cwd) {
+/** Run a program of yarclang; its words go to the channel. */
+function runHeard({ command, args }, uri, heard = () => {}, started = undefined) {
   channel.appendLine(`> ${command} ${args.join(" ")}`);
-  return new Promise((resolve) => {
-    const process = require("child_process").spawn(command, args, { cwd });
-    process.stdout.on("data", (data) => channel.append(data.toString()));
-    process.stderr.on("data", (data) => channel.append(data.toString()));
-    process.on("error", (error) => {
-      channel.appendLine(error.message);
-      resolve(null);
-    });
-    process.on("close", resolve);
-  });
+  const hear = (words) => {
+    channel.append(words);
+    heard(words);
+  };
+  return run(command, args, path.dirname(uri.fsPath), hear, started);
 }
 
 async function compile(uri) {
-  const { command, args } = compileArguments(settings(), uri.fsPath);
-  const status = await run(command, args, path.dirname(uri.fsPath));
-  if (status === 0) {
-    window.setStatusBarMessage(`${path.basename(uri.fsPath)}: compiled and certified`, 5000);
-  } else {
-    channel.show(true);
-    window.showErrorMessage(
-      status === null ? `${command} can't be started` : `${path.basename(uri.fsPath)}: nothing written`,
-    );
+  const name = path.basename(uri.fsPath);
+  const compiler = compileArguments(settings(), uri.fsPath);
+  const outcome = await waitingFor(`compiling ${name}`, () => runHeard(compiler, uri));
+  if (outcome.status === 0) {
+    window.setStatusBarMessage(`$(check) ${name}: compiled and certified`, 8000);
+    return;
   }
+  channel.show(true);
+  window.showErrorMessage(
+    outcome.code
+      ? `${compiler.command} can't be started: ${outcome.code}`
+      : `${name}: nothing written. The output channel YARC says why.`,
+  );
 }
 
 async function plot(uri) {
+  await changing;
   if (!client) {
-    window.showErrorMessage("yarc lsp isn't running");
+    window.showErrorMessage("The language server isn't running. YARC: Restart the language server starts it.");
     return;
   }
   // the server asks to show what it has drawn, and tells why where it can't
-  await client.sendRequest("workspace/executeCommand", {
-    command: "yarc.plot",
-    arguments: [uri.toString()],
-  });
+  await waitingFor("plotting", () =>
+    client.sendRequest("workspace/executeCommand", { command: "yarc.plot", arguments: [uri.toString()] }),
+  );
 }
 
-/** A picture in a panel beside the program; VS Code would show the text of an SVG. */
+/** A picture in a panel beside the program, the same one each time; VS Code would show the text of an SVG. */
 async function showPicture(uri) {
   const name = path.basename(uri.fsPath, ".svg");
   const data = Buffer.from(await workspace.fs.readFile(uri)).toString("base64");
-  const panel = window.createWebviewPanel("yarc.plot", `Plot of ${name}`, ViewColumn.Beside, {});
+  let panel = panels.get(name);
+  if (panel) {
+    panel.reveal(undefined, true);
+  } else {
+    const column = { viewColumn: ViewColumn.Beside, preserveFocus: true };
+    panel = window.createWebviewPanel("yarc.plot", `Plot of ${name}`, column, {});
+    panel.onDidDispose(() => panels.delete(name));
+    panels.set(name, panel);
+  }
   panel.webview.html = pictureHtml(data);
 }
 
+/** Show a program in the browser, in place of what is shown of it. */
 async function view(uri) {
-  const { command, args } = viewArguments(settings(), uri.fsPath);
-  channel.show(true);
-  if ((await run(command, args, path.dirname(uri.fsPath))) === null) {
-    window.showErrorMessage(`${command} can't be started`);
-  }
+  const name = path.basename(uri.fsPath);
+  views.get(uri.fsPath)?.kill();
+  let words = "";
+  let address;
+  let viewer;
+  const opened = new Promise((resolve) => {
+    const heard = (piece) => {
+      words += piece;
+      if (!address && (address = addressIn(words))) {
+        env.openExternal(Uri.parse(address));
+        resolve();
+      }
+    };
+    const started = (process) => {
+      viewer = process;
+      views.set(uri.fsPath, viewer);
+    };
+    runHeard(viewArguments(settings(), uri.fsPath), uri, heard, started).then((outcome) => {
+      resolve();
+      if (views.get(uri.fsPath) === viewer) {
+        views.delete(uri.fsPath);
+      }
+      if (outcome.code || outcome.status) {
+        channel.show(true);
+        window.showErrorMessage(`${name} can't be shown. The output channel YARC says why.`);
+      }
+    });
+  });
+  await waitingFor(`opening ${name} in the browser`, () => opened);
+}
+
+/** What is under way, in the status bar until it is done. */
+function waitingFor(what, work) {
+  return window.withProgress({ location: vscode.ProgressLocation.Window, title: `YARC: ${what}` }, work);
 }
 
 module.exports = { activate, deactivate };

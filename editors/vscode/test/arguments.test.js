@@ -3,14 +3,28 @@
 const assert = require("node:assert");
 const path = require("node:path");
 const test = require("node:test");
-const { compileArguments, pictureHtml, programOf, serverCommand, viewArguments } = require("../src/arguments");
+const {
+  addressIn,
+  compileArguments,
+  complaint,
+  pictureHtml,
+  places,
+  programOf,
+  serverCommand,
+  viewArguments,
+} = require("../src/arguments");
+const { run } = require("../src/running");
+const { fitting } = require("../src/snippets");
 const manifest = require("../package.json");
 
 test("without settings, programs are looked for on the PATH", () => {
   const none = { path: "", robot: "" };
   assert.deepStrictEqual(serverCommand(none), { command: "yarc", args: ["lsp"] });
   assert.deepStrictEqual(compileArguments(none, "a.yarc"), { command: "yarcc", args: ["a.yarc"] });
-  assert.deepStrictEqual(viewArguments(none, "a.yarc"), { command: "yarc", args: ["view", "a.yarc"] });
+  assert.deepStrictEqual(viewArguments(none, "a.yarc"), {
+    command: "yarc",
+    args: ["view", "a.yarc", "--port", "0", "--no-browser"],
+  });
 });
 
 test("yarcc is beside the yarc of the settings, and the robot is handed on", () => {
@@ -20,6 +34,51 @@ test("yarcc is beside the yarc of the settings, and the robot is handed on", () 
   assert.deepStrictEqual(args, ["a.yarc", "--robot", "INDUSTRIAL6"]);
   assert.deepStrictEqual(serverCommand(settings).args, ["lsp", "--robot", "INDUSTRIAL6"]);
   assert.strictEqual(compileArguments({ path: "yarc", robot: "" }, "a.yarc").command, "yarcc");
+});
+
+test("yarc is looked for on the PATH and in .venv, or where the settings say", () => {
+  assert.deepStrictEqual(places("", "/work", "/home/me"), ["yarc", "/work/.venv/bin/yarc"]);
+  assert.deepStrictEqual(places("", undefined, "/home/me"), ["yarc"]);
+  assert.deepStrictEqual(places("~/venv/bin/yarc", "/work", "/home/me"), ["/home/me/venv/bin/yarc"]);
+  assert.deepStrictEqual(places("venv/bin/yarc", "/work", "/home/me"), ["/work/venv/bin/yarc"]);
+  assert.deepStrictEqual(places("/opt/bin/yarc", "/work", "/home/me"), ["/opt/bin/yarc"]);
+  assert.deepStrictEqual(places("yarc-next", "/work", "/home/me"), ["yarc-next"]);
+});
+
+test("a yarc that is absent, no program, or too old gets one sentence that says what to do", async () => {
+  const trial = async (setting, command, args) => complaint(setting, command, await run(command, args, __dirname));
+  assert.match(await trial("", "no-such-yarc", []), /^yarc isn't found.* Install yarclang, or say in the setting yarc.path/);
+  assert.match(await trial("/no/yarc", "/no/yarc", []), /^\/no\/yarc isn't there. Correct the setting yarc.path/);
+  assert.match(await trial(__dirname, __dirname, []), /can't be started: it is no program/);
+  const old = "console.error('Usage: yarc'); console.error('Error: No such command lsp.'); process.exit(2)";
+  assert.match(await trial("", process.execPath, ["-e", old]), /no language server \(Error: No such command lsp\.\).*newer/);
+  assert.match(await trial("", process.execPath, ["-e", "process.exit(1)"]), /it ended with status 1/);
+  assert.strictEqual(await trial("", process.execPath, ["-e", ""]), "");
+});
+
+test("what a program prints is heard as it comes", async () => {
+  const heard = [];
+  const print = "process.stdout.write('one'); process.stderr.write('two')";
+  const outcome = await run(process.execPath, ["-e", print], __dirname, (words) => heard.push(words));
+  assert.strictEqual(outcome.status, 0);
+  assert.deepStrictEqual(heard.sort(), ["one", "two"]);
+});
+
+test("the address of a view is found in what is printed", () => {
+  const address = "http://127.0.0.1:34203";
+  assert.strictEqual(addressIn(`a.yarc is shown at ${address} (Ctrl-C ends)\n`), address);
+  assert.strictEqual(addressIn("a.yarc is shown at http://127.0"), undefined);
+  assert.strictEqual(addressIn("nothing"), undefined);
+});
+
+test("snippets stand where a line begins, without a second index", () => {
+  const words = (before) => fitting(before).map(([word]) => word);
+  assert.deepStrictEqual(words("").includes("MOVEL") && words("").includes("FRAME"), true);
+  assert.deepStrictEqual(words("  P0010 MOV").includes("MOVEL") && !words("P0010 ").includes("FRAME"), true);
+  assert.deepStrictEqual(words("P0010 MOVEL 1"), []);
+  const body = (before) => fitting(before).find(([word]) => word === "MOVEL")[1];
+  assert.match(body(""), /^P0010 MOVEL/);
+  assert.match(body("P0070 "), /^MOVEL/);
 });
 
 test("only a saved program can be compiled", () => {

@@ -10,7 +10,7 @@ const SAMPLES = [
     [
       ["P0010", "entity.name.label"],
       ["MOVEJ", "support.function"],
-      ["_RPY_LSPB", "storage.modifier"],
+      ["_RPY_LSPB", "support.function.suffix"],
       ["{TCP}", "entity.name.namespace.frame"],
       ["0", "constant.numeric"],
       ["-", "keyword.operator"],
@@ -20,7 +20,7 @@ const SAMPLES = [
       ["mm", "support.type.unit"],
       ["deg", "support.type.unit"],
       ["{B}", "entity.name.namespace.frame"],
-      ["BLEND", "keyword.other.option"],
+      ["BLEND", "keyword.control.option"],
       ["5", "constant.numeric"],
       ["! a comment", "comment.line.exclamation"],
     ],
@@ -29,7 +29,7 @@ const SAMPLES = [
   [
     "LET A = MIN(B, 3 (mm)) + SIN($C)",
     [
-      ["LET", "storage.type"],
+      ["LET", "keyword.control.declaration"],
       ["=", "keyword.operator"],
       ["MIN", "support.function.builtin"],
       ["3", "constant.numeric"],

@@ -59,9 +59,9 @@ def recalled(
         return prove(layout)
     proofs: dict[int, Proved] = {}
     missing: list[tuple[Hashable, range]] = []
-    context = (judge.robot, judge.program.cell, judge.tolerance)
+    context, said = (judge.robot, judge.program.cell, judge.tolerance), _Said(layout, claims)
     for rows in _stretches(layout.places):
-        key: Hashable = ("proved", *context, _key(layout, rows, claims))
+        key: Hashable = ("proved", *context, said.key(rows))
         found: tuple[Proved, ...] | None = memory.get(key)
         if found is None:
             missing.append((key, rows))
@@ -103,25 +103,48 @@ def _control(layout: Layout, segments: slice) -> slice:
     return slice(int(layout.at[segments.start]), int(layout.at[segments.stop - 1]) + 4)
 
 
-def _key(layout: Layout, rows: range, claims: Claims) -> bytes:
-    """All that is proved about, by value."""
-    segments = _segments(layout, rows)
-    points = _control(layout, segments)
-    # a sequence that ends in the middle has more points than segments
-    numbers = (
-        layout.control[points],
-        layout.at[segments] - points.start,
-        layout.time[segments],
-        layout.begins[rows.start : rows.stop],
-        layout.ends[rows.start : rows.stop],
-    )
-    motions = []
-    for row in rows:
-        place = layout.places[row]
-        claimed = [claims.witnesses.get(place.step), claims.laws.get(place.step)]
-        said = tuple(None if one is None else (one.shape, one.tobytes()) for one in claimed)
-        motions.append((key_of(place.motion), place.size, place.before, place.behind, said))
-    return flat(*(one.tobytes() for one in numbers), tuple(motions))
+class _Said:
+    """The numbers of a layout as bytes, of which stretches are cut."""
+
+    def __init__(self, layout: Layout, claims: Claims) -> None:
+        self._layout, self._claims = layout, claims
+        self._control = layout.control.tobytes()
+        self._row = layout.control.itemsize * layout.control.shape[1]
+        # from one segment to the next: so they are the same wherever the stretch stands
+        self._steps = np.diff(layout.at, prepend=0).tobytes()
+        self._time = layout.time.tobytes()
+        self._begins, self._ends = layout.begins.tobytes(), layout.ends.tobytes()
+
+    def key(self, rows: range) -> bytes:
+        """All that is proved about, by value."""
+        places, row = self._layout.places[rows.start : rows.stop], self._row
+        segments, first, last = _segments(self._layout, rows), rows.start * row, rows.stop * row
+        points = _control(self._layout, segments)
+        begin, end = segments.start * _NUMBER, segments.stop * _NUMBER
+        return flat(
+            # a sequence that ends in the middle has more points than segments
+            self._control[points.start * row : points.stop * row],
+            self._steps[begin + _NUMBER : end],
+            self._time[begin:end],
+            self._begins[first:last],
+            self._ends[first:last],
+            *[self._motion(place) for place in places],
+        )
+
+    def _motion(self, place: Place) -> tuple[object, ...]:
+        witness, law = self._claims.witnesses.get(place.step), self._claims.laws.get(place.step)
+        return (
+            key_of(place.motion),
+            place.last - place.first,
+            place.before,
+            place.behind,
+            None if witness is None else (witness.shape, witness.tobytes()),
+            None if law is None else law.tobytes(),
+        )
+
+
+_NUMBER = 8
+"""Bytes of a number of `Layout.at` and `Layout.time`."""
 
 
 def _part(layout: Layout, stretches: Sequence[range]) -> Layout:

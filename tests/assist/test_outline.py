@@ -77,6 +77,15 @@ def test_kinds_of_words():
     assert found["! One."] == {("comment", False)}
 
 
+def test_min_is_a_time_and_a_function():
+    text = "LET A = MIN(1, 2)\nP0010 MOVEJ HOME [MIN]\n"
+    assert [one.tint for one in tints(looked_at(text).sketch) if one.end - one.start == 3] == [
+        "keyword",
+        "function",
+        "constant",
+    ]
+
+
 @given(
     text=st.one_of(
         st.sampled_from([path.read_text() for path in sorted(EXAMPLES.glob("*.yarc"))]),

@@ -88,7 +88,8 @@ def _of_line(
             if found:
                 yield from found
                 continue
-        tint = _plain(one, is_head=number == head_at and not goes_on)
+        is_called = number + 1 < len(pieces) and pieces[number + 1].text == "("
+        tint = _plain(one, is_head=number == head_at and not goes_on, is_called=is_called)
         if tint is not None:
             yield Tinted(line, one.start, one.end, tint)
 
@@ -105,8 +106,8 @@ def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bo
         start += len(part) + 1
 
 
-def _plain(piece: Lexeme, *, is_head: bool) -> Tint | None:
-    """A word that is no declared name."""
+def _plain(piece: Lexeme, *, is_head: bool, is_called: bool) -> Tint | None:
+    """A word that is no declared name. `MIN` is a time, and a function where a bracket follows."""
     match piece.kind:
         case "comment" | "string" | "number" | "index":
             return piece.kind
@@ -125,8 +126,8 @@ def _plain(piece: Lexeme, *, is_head: bool) -> Tint | None:
         return "unit"
     if name in OPTIONS or name in OPERATORS:
         return "keyword"
-    if name in FUNCTIONS:
+    if name in FUNCTIONS and (is_called or name != "MIN"):
         return "function"
-    if name in STATES or name in CONSTANTS or name == "V":
+    if name in STATES or name in CONSTANTS or name in {"MIN", "V"}:
         return "constant"
     return "variable"

@@ -22,7 +22,12 @@ def units_of(text: str, encoding: str) -> int:
 
 def position_of(source: SourceFile, line: int, column: int, encoding: str) -> types.Position:
     """The position of a line and column from 1; behind a line's end its end is meant."""
-    return types.Position(line - 1, units_of(source.line(line)[: column - 1], encoding))
+    return position_in(source.line(line), line, column, encoding)
+
+
+def position_in(text: str, line: int, column: int, encoding: str) -> types.Position:
+    """The same where the line's text is at hand."""
+    return types.Position(line - 1, units_of(text[: column - 1], encoding))
 
 
 def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:

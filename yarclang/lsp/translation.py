@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 
 from lsprotocol import types
 
 from yarclang.diagnostics import Diagnostic, Edit
 from yarclang.lsp.documents import Document
-from yarclang.lsp.positions import position_of, range_of
+from yarclang.lsp.positions import position_in, position_of, range_of
 from yarclang.source import SourceFile, Span
 
 _SEVERITIES = {
@@ -25,33 +26,58 @@ _OLD = frozenset(["Y0204"])
 
 
 def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> types.Diagnostic:
-    """One finding. What is in another file is told at the beginning of the text, with the place as related information."""
-    own = finding.source is None or finding.source.name == document.source.name
-    message = finding.message + (f"\n{finding.help}" if finding.help else "")
-    related = None
-    if own:
-        range_ = shown_range(document.source, finding.span, encoding)
-    else:
-        assert finding.source is not None
-        range_ = shown_range(document.source, None, encoding)
-        place = finding.source.name + (f":{finding.span.line}" if finding.span else "")
-        message = f"{place}: {message}"
-        inner = shown_range(finding.source, finding.span, encoding)
-        location = types.Location(uri_of(finding.source.name), inner)
-        related = [types.DiagnosticRelatedInformation(location, finding.message)]
+    """One finding. What is in another file is told at the beginning of the text, with the place as related information.
+
+    What is given is shared, and never changed.
+    """
+    source, span = document.source, finding.span
+    if finding.source is None or finding.source.name == source.name:
+        if span is not None and span.line == span.end_line:
+            line = source.line(span.line)
+            return _on_line(
+                finding.code, finding.severity, finding.message, finding.help, line, span, encoding
+            )
+        return _diagnostic(
+            finding.code, finding.severity, finding.message, finding.help, shown_range(source, span, encoding)
+        )
+    place = finding.source.name + (f":{span.line}" if span else "")
+    location = types.Location(uri_of(finding.source.name), shown_range(finding.source, span, encoding))
+    shown = _diagnostic(
+        finding.code,
+        finding.severity,
+        f"{place}: {finding.message}",
+        finding.help,
+        shown_range(source, None, encoding),
+    )
+    shown.related_information = [types.DiagnosticRelatedInformation(location, finding.message)]
+    return shown
+
+
+@lru_cache(4096)
+def _on_line(
+    code: str, severity: str, message: str, help_: str, line: str, span: Span, encoding: str
+) -> types.Diagnostic:
+    """A finding in one line: most of a long program's are the same after an edit."""
+    range_ = types.Range(
+        position_in(line, span.line, span.column, encoding),
+        position_in(line, span.line, max(span.end_column, span.column + 1), encoding),
+    )
+    return _diagnostic(code, severity, message, help_, range_)
+
+
+def _diagnostic(code: str, severity: str, message: str, help_: str, range_: types.Range) -> types.Diagnostic:
     tags = []
-    if finding.code in _UNNEEDED:
+    if code in _UNNEEDED:
         tags.append(types.DiagnosticTag.Unnecessary)
-    if finding.code in _OLD:
+    if code in _OLD:
         tags.append(types.DiagnosticTag.Deprecated)
     return types.Diagnostic(
         range=range_,
-        message=message,
-        severity=_SEVERITIES[finding.severity],
-        code=finding.code,
+        message=message + (f"\n{help_}" if help_ else ""),
+        severity=_SEVERITIES[severity],
+        code=code,
         source="yarc",
         tags=tags or None,
-        related_information=related,
     )
 
 

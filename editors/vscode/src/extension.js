@@ -83,18 +83,7 @@ async function start() {
         { scheme: "file", pattern: "**/{robot,cell}.toml" },
       ],
       outputChannel: channel,
-      middleware: {
-        window: {
-          async showDocument(params, token, next) {
-            const uri = Uri.parse(params.uri);
-            if (!uri.fsPath.endsWith(".svg")) {
-              return next(params, token);
-            }
-            await showPicture(uri);
-            return { success: true };
-          },
-        },
-      },
+      middleware: { window: { showDocument } },
       synchronize: { fileEvents: watcher },
     },
   );
@@ -215,6 +204,17 @@ async function plot(uri) {
   await waitingFor("plotting", () =>
     client.sendRequest("workspace/executeCommand", { command: "yarc.plot", arguments: [uri.toString()] }),
   );
+}
+
+/** Show what the server has made, beside the program: pictures in panels of their own, texts as texts. */
+async function showDocument(params) {
+  const uri = Uri.parse(params.uri);
+  if (uri.fsPath.endsWith(".svg")) {
+    await showPicture(uri);
+  } else {
+    await window.showTextDocument(uri, { viewColumn: ViewColumn.Beside, preserveFocus: !params.takeFocus });
+  }
+  return { success: true };
 }
 
 /** A picture in a panel beside the program, the same one each time; VS Code would show the text of an SVG. */

@@ -13,7 +13,7 @@ QUATERNION_TOLERANCE = 1e-3
 
 def rpy_rotation(rpy: Array) -> Array:
     """Rz(yaw) Ry(pitch) Rx(roll) of `rpy` (3,) = roll pitch yaw [rad], as (3, 3)."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy).tolist(), np.cos(rpy).tolist()
     return np.array(
         [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

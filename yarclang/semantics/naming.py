@@ -21,7 +21,7 @@ from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.poses import check_limits, rotation_of
 from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope, Where
 from yarclang.semantics.signals import Signals
-from yarclang.semantics.units import amount, missing_unit, number_fault, resolve_units
+from yarclang.semantics.units import amount, joint_kinds, missing_unit, number_fault, resolve_units
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
 from yarclang.syntax.words import RESERVED
@@ -267,11 +267,8 @@ def _numbers(
         message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
         findings.add("Y0401", message, statement.whole_span)
         return None
-    joint_kinds: tuple[Kind, ...] = tuple(
-        "length" if unit == "mm" else "angle" for unit in robot.axis_unit_names
-    )
     numbers = np.empty(len(labels))
-    for place, (value, kind) in enumerate(zip(given, values.kinds(joint_kinds), strict=True)):
+    for place, (value, kind) in enumerate(zip(given, values.kinds(joint_kinds(robot)), strict=True)):
         found = amount(value, scope, statement, findings)
         if found is None:
             return None

@@ -14,7 +14,10 @@ from yarclang.transforms import QUATERNION_TOLERANCE, quaternion_rotation, rpy_r
 
 def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
     """One finding for the joint that is farthest out of its limits."""
-    excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
+    beyond = np.maximum(robot.limits.lower - q, q - robot.limits.upper)
+    if beyond.max() <= 0.0:  # nearly always
+        return
+    excess = beyond / robot.axis_units
     joint = int(np.argmax(excess))
     if excess[joint] <= 1e-9:
         return

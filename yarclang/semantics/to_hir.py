@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from yarclang.commands.spec import Arguments
 from yarclang.diagnostics import Collector
 from yarclang.hir import Origin, Step, Timing
 from yarclang.semantics.context import Context, Defaults
-from yarclang.semantics.goals import Line
+from yarclang.semantics.goals import goals_of
+from yarclang.semantics.line import Line
+from yarclang.semantics.moved import Moved, moved_by
 from yarclang.semantics.names import ResolvedName
+from yarclang.semantics.options import limited
 from yarclang.semantics.parts import ALL_PARTS, refuse_parts
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.times import resolve_time
@@ -36,31 +38,40 @@ def to_step(
     before = len(findings.found)
     own_units = resolve_units(statement, statement.units, findings) if name.values else {}
     units = {**defaults.units, **own_units} if own_units is not None else None
-    origin = origin_of(statement, name.full, findings, units)
-    tolerance, blend = None, None
+    tolerance, blend, moved = None, None, _NOTHING
     if name.values is None:
         refuse_parts(statement, ALL_PARTS, findings)
         goals: tuple[object, ...] = ()
         timing = Timing(0.0)
     else:
         line = Line(statement, name, name.values, context.robot, defaults, scope, units, findings)
-        goals = line.goals()
+        moved = moved_by(line)
+        goals = goals_of(line, moved.frames)
         timing = (
             resolve_time(statement, units, defaults, scope, findings, has_speed=name.spec.moves_frame)
             if units is not None
             else Timing(None)
         )
-        timing, tolerance, blend = line.limited(timing)
-        origin = replace(origin, moving=line.links[0], base=line.links[1], tool=line.tool)
-    if any(found.is_error for found in findings.found[before:]):
+        timing, tolerance, blend = limited(line, timing)
+    if len(findings.found) > before and any(found.is_error for found in findings.found[before:]):
         return None
+    origin = origin_of(statement, name.full, findings, units, moved)
     return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids))
 
 
+_NOTHING = Moved(None, None)
+"""What a command without values moves."""
+
+
 def origin_of(
-    statement: Statement, name: str, findings: Collector, units: Mapping[Kind, Unit] | None = None
+    statement: Statement,
+    name: str,
+    findings: Collector,
+    units: Mapping[Kind, Unit] | None = None,
+    moved: Moved = _NOTHING,
 ) -> Origin:
     """Where a command comes from."""
+    moving, base = moved.links
     return Origin(
         index=f"P{int(statement.index.text[1:]):04d}" if statement.index else "",
         name=name,
@@ -72,6 +83,9 @@ def origin_of(
         name_span=statement.span(statement.name.place),
         values_span=_values(statement),
         place=findings.place,
+        moving=moving,
+        tool=moved.tool,
+        base=base,
     )
 
 

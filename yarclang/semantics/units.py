@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 from yarclang.diagnostics import Collector, suggest
+from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount
 from yarclang.semantics.evaluate import LARGEST_NUMBER, EvaluationError, evaluate, quantity
 from yarclang.semantics.scope import Scope
@@ -42,6 +44,12 @@ def resolve_units(
     return found
 
 
+@lru_cache(maxsize=8)
+def joint_kinds(robot: Robot) -> tuple[Kind, ...]:
+    """The kind of unit of each joint value of a robot."""
+    return tuple("length" if unit == "mm" else "angle" for unit in robot.axis_unit_names)
+
+
 def missing_unit(kind: Kind, what: str) -> tuple[str, str]:
     """The message and the help for a unit that a line needs and doesn't have."""
     names = " or ".join(units_of(kind)[:2])
@@ -53,12 +61,12 @@ def missing_unit(kind: Kind, what: str) -> tuple[str, str]:
 
 def number_fault(item: Value) -> tuple[str, str, str] | None:
     """Why an item isn't a number to compute with: code, message, help; None if it is one, or an expression."""
-    if isinstance(item, Computed):
-        return None
     if isinstance(item, Number):
-        if abs(item.value) <= LARGEST_NUMBER:
+        if -LARGEST_NUMBER <= item.value <= LARGEST_NUMBER:
             return None
         return "Y0403", f"{item.text} is beyond the largest value, {LARGEST_NUMBER:,.0f}", ""
+    if isinstance(item, Computed):
+        return None
     text = item.text if len(item.text) <= 40 else item.text[:40] + "…"
     help_ = "numbers look like 30, -0.5, 1e-3; blanks stand between them"
     if "," in item.text:

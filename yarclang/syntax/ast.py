@@ -147,7 +147,8 @@ class Statement:
 
     def span(self, place: Place) -> Span:
         """The place in the file."""
-        return Span.on_line(self.line + place.row, place.start, place.end)
+        line = self.line + place.row
+        return Span(line, place.start, line, place.end)
 
     @property
     def head_span(self) -> Span:

@@ -7,7 +7,7 @@ import pytest
 from coordinator.virtual import run
 from repl.talking import talking
 
-from yarclang.coordinator.live.steering import SPEED, JointVelocity, Twist
+from yarclang.coordinator.live.steering import JointVelocity, Twist
 from yarclang.repl.jogging import HELD, Axis, Jogging, axis_of
 from yarclang.robot.description import load_robot
 from yarclang.runtime.actions import Trouble
@@ -58,7 +58,7 @@ def test_keys_choose_axes_and_speeds():
         jogging.press("up", 0.0)
     jogging.press("x", 0.0)
     jogging.press("+", 0.0)
-    assert jogging.target(0.0).linear[0] == pytest.approx(SPEED)  # never more
+    assert jogging.target(0.0).linear[0] == pytest.approx(0.25)  # never more
     assert not jogging.ended
     jogging.press("enter", 0.0)
     assert jogging.ended

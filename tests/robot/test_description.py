@@ -261,6 +261,18 @@ def test_the_fingerprint_is_of_the_content(tmp_path: Path) -> None:
         assert other.fingerprint != ours
 
 
+def test_the_speed_of_jogs_is_the_robots_and_no_programs(tmp_path: Path) -> None:
+    ours = robot("industrial6")
+    assert ours.jog_speed == pytest.approx(0.25)
+    other = load_texts(tmp_path, TOML.replace("speed = 250 ", "speed = 100 "), URDF).value
+    assert other is not None
+    assert other.jog_speed == pytest.approx(0.1)
+    assert other.fingerprint == ours.fingerprint  # what was compiled stays as it is
+    without = load_texts(tmp_path, TOML[: TOML.index("# How fast")], URDF).value
+    assert without is not None
+    assert without.jog_speed == pytest.approx(0.25)
+
+
 # ---------------------------------------------------------------------------- one test for each finding
 
 J1 = "[joints.J1]\nposition = [-170, 170]  # deg\nvelocity = 60           # deg/s\n"
@@ -307,6 +319,12 @@ IN_TOML = [
     ("Y1308", "numbers = [1, ", "numbers = [0, ", "[0,"),
     ("Y1308", "coordinate_system = 1", "coordinate_system = 17", "17"),
     ("Y1308", "rapid_share = 0.1", "rapid_share = 1.5", "1.5"),
+    ("Y1308", "speed = 250", "speed = 0", "0"),
+    ("Y1308", "speed = 250", "speed = -250", "-250"),
+    ("Y1308", "speed = 250", "speed = 250000", "250000"),
+    ("Y1307", "speed = 250", "speed = nan", "nan"),
+    ("Y1306", "speed = 250", 'speed = "slow"', '"slow"'),
+    ("Y1306", "[jog]\nspeed = 250", "[[jog]]", "jog"),
     ("Y1308", '"turbo-pmac"', '"power-pmac"', "power-pmac"),
     ("Y1309", "position = [-170, 170]", "position = [-170]", "[-170]"),
     ("Y1309", "HOME = [0, ", "HOME = [", "HOME"),

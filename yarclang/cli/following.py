@@ -59,7 +59,8 @@ async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines
                         f"the cell can't be used: {made.diagnostics[0].message}", "see its findings"
                     )
                 await client.go(made.value)
-            settings = Settings(speed=options["speed"] * MM)
+            speed = options["speed"]
+            settings = Settings(speed=None if speed is None else speed * MM)
             moving = "{" + options["moving"].strip("{} ") + "}"
             with client.events() as stream:
                 telling = asyncio.create_task(

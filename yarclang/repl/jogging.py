@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from yarclang.coordinator.live.drive import Drive
-from yarclang.coordinator.live.steering import SPEED, JointVelocity, Target, Twist
+from yarclang.coordinator.live.steering import JointVelocity, Target, Twist
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.units import DEG, MM
@@ -114,7 +114,7 @@ class Jogging:
         """Of the axis [rad/s or m/s]."""
         if self.axis.kind == "joint":
             return float(self.robot.limits.velocity[self.axis.number])
-        return SPEED if self.axis.number < 3 else _FAST_TURN
+        return self.robot.jog_speed if self.axis.number < 3 else _FAST_TURN
 
     @property
     def text(self) -> str:

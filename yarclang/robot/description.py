@@ -232,6 +232,7 @@ def _assemble(
         ),
         tolerance=Tolerance(table.tolerance.position * MM, table.tolerance.angle * DEG),
         fingerprint="",
+        jog_speed=table.jog.speed * MM,
     )
 
 
@@ -257,7 +258,7 @@ def _fingerprint(
     allowed: frozenset[tuple[str, str]],
     more: tuple[tuple[Tool, ...], Dynamics],
 ) -> str:
-    """SHA-256 of what the files say: values, joints and collision shapes (meshes with their bytes), tools, and masses where torques are checked.
+    """SHA-256 of what the files say of programs: values, joints and collision shapes (meshes with their bytes), tools, and masses where torques are checked.
 
     Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
     """
@@ -268,7 +269,7 @@ def _fingerprint(
     tools, dynamics = more
     # what a robot doesn't have leaves its fingerprint as it is
     later = {"tools", "bodies", "dynamics"}
-    values = table.model_dump(exclude={"urdf", "ignored_joints", "collision", *later})
+    values = table.model_dump(exclude={"urdf", "ignored_joints", "collision", "jog", *later})
     for joint in values["joints"].values():
         joint.pop("effort")
     parts: list[object] = [values, joints, dict(shapes), *sorted(allowed)]

@@ -183,9 +183,9 @@ class Robot:
 
     `flange_from_frame` has each frame that sits on the flange, by its name in upper case
     without braces; FLANGE itself is the identity. `positions` are the named joint
-    positions, HOME among them. `fingerprint` is the SHA-256 of all that this says. `shapes` are the links' collision
+    positions, HOME among them. `fingerprint` is the SHA-256 of all that programs depend on. `shapes` are the links' collision
     shapes; `allowed` the pairs of links and tools, each in alphabetical order, that may touch each other. `dynamics` is None for a robot that was made
-    without files.
+    without files. `jog_speed` is the largest speed of the tool's origin in live motions [m/s]: ISO 10218-1's reduced speed, unless its file says otherwise.
     """
 
     name: str
@@ -206,6 +206,7 @@ class Robot:
     allowed: frozenset[tuple[str, str]] = frozenset()
     tools: tuple[Tool, ...] = ()
     dynamics: Dynamics | None = None
+    jog_speed: float = 250.0 * MM
 
     @property
     def size(self) -> int:

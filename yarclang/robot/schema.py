@@ -75,6 +75,12 @@ class ToleranceTable(Table):
     angle: Annotated[float, Field(ge=LEAST, le=180.0)] = 0.002
 
 
+class JogTable(Table):
+    """`[jog]`: how fast live motions move the tool's origin at most, mm/s."""
+
+    speed: Annotated[float, Field(ge=0.1, le=5000.0)] = 250.0
+
+
 class CollisionTable(Table):
     """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more of them."""
 
@@ -140,6 +146,7 @@ class RobotTable(Document):
     motors: MotorsTable | None = None
     controller: ControllerTable | None = None
     tolerance: ToleranceTable = Field(default_factory=ToleranceTable)
+    jog: JogTable = Field(default_factory=JogTable)
     collision: CollisionTable = Field(default_factory=CollisionTable)
     tools: dict[str, ToolTable] = Field(default={})
     bodies: list[BodyTable] = Field(default=[])
@@ -152,6 +159,7 @@ class RobotTable(Document):
         "motors": MotorsTable,
         "controller": ControllerTable,
         "tolerance": ToleranceTable,
+        "jog": JogTable,
         "collision": CollisionTable,
         "tools": ToolTable,
         "bodies": BodyTable,

@@ -1,6 +1,7 @@
 """Live motions against the simulator in virtual time."""
 
 import asyncio
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -129,6 +130,22 @@ def test_the_tool_is_never_faster_than_250_mm_a_second():
             await drive.ended()
             within_limits(world, since)
             assert world.stands()[0] > 10.0
+
+    run(session())
+
+
+def test_the_robot_says_how_fast_the_tool_may_be():
+    async def session():
+        world = World(joints=READY, record=True)
+        world.robot = replace(world.robot, jog_speed=0.05)
+        async with coordinating(world=world) as (_, _, client):
+            since = world.machine.now
+            drive = (await client.drive(joint(1, 60.0))).value
+            await keep(drive, joint(1, 60.0), 1.0)
+            drive.stop()
+            await drive.ended()
+            within_limits(world, since, speed=0.05)
+            assert world.stands()[0] > 0.5
 
     run(session())
 

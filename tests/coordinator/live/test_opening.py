@@ -185,7 +185,7 @@ def test_all_limits_are_kept_from_wherever_it_may_begin(off, speeds, faster):
     robot, judge = judge_at()
     rates, limits = rates_of(robot), robot.limits
     start, tool = START * robot.axis_units, robot.flange_from_frame["TCP"]
-    made = Generator(robot, start, 7, H, Steering(robot, tool, rates), judge, rates)
+    made = Generator(robot, start, 7, H, Steering(robot, tool, rates, robot.jog_speed), judge, rates)
     made.want(JointVelocity(np.array([0.5, *speeds]) * faster), 0.0)
     lines = made.more(0.0, 12)
     made.finish()

@@ -7,14 +7,14 @@ from yarclang.certify.bounds import Cubics
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.coordinator.live.generator import Generator, rates_of
 from yarclang.coordinator.live.proof import Judge, surroundings_of
-from yarclang.coordinator.live.steering import SPEED, JointVelocity, Steering, Twist
+from yarclang.coordinator.live.steering import JointVelocity, Steering, Twist
 from yarclang.robot.description import load_robot
 
 H = 0.01
 START = np.array([0.0, 10.0, 10.0, 0.0, 40.0, 0.0])
 
 
-def judge_at(start=START, speed=SPEED):
+def judge_at(start=START, speed=0.25):
     robot = load_robot("INDUSTRIAL6").value
     scene, watches = surroundings_of(robot, None, tool_frame(robot)).value
     return robot, Judge(
@@ -85,7 +85,9 @@ def test_whatever_is_wanted_the_whole_text_keeps_the_limits(seed):
     robot, judge = judge_at()
     rates, random = rates_of(robot), np.random.default_rng(seed)
     tool = robot.flange_from_frame["TCP"]
-    made = Generator(robot, START * robot.axis_units, 7, H, Steering(robot, tool, rates), judge, rates)
+    made = Generator(
+        robot, START * robot.axis_units, 7, H, Steering(robot, tool, rates, robot.jog_speed), judge, rates
+    )
     lines, now, target = [], 0.0, None
     while now < 2.5:
         if target is None or random.random() < 0.05:

@@ -30,8 +30,7 @@ from yarclang.cli.options import PositiveNumber, robot_option
 @click.option(
     "--speed",
     type=PositiveNumber("MM_S"),
-    default=250.0,
-    help="The largest speed of that frame, mm/s (default: 250).",
+    help="The largest speed of that frame, mm/s (default: the robot's, [jog] speed of its robot.toml).",
 )
 @click.option("--cell", type=click.Path(), help="A cell.toml: its obstacles and zones are kept to.")
 @click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")

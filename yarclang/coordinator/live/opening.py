@@ -13,7 +13,7 @@ from yarclang.cell.model import Cell
 from yarclang.collision.zones.watched import Moving
 from yarclang.coordinator.live.generator import Generator, rates_of
 from yarclang.coordinator.live.proof import Judge, surroundings_of
-from yarclang.coordinator.live.steering import SPEED, Steering
+from yarclang.coordinator.live.steering import Steering
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.pmac.program import Assignment, PmacProgram, SegmentTime
 from yarclang.pmac.variables import ARMED
@@ -32,9 +32,9 @@ _LEAD = 12
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How a live motion is made: `speed` of the tool at most [m/s], `share` of the joints' velocity limits, the segment time [s]."""
+    """How a live motion is made: `speed` of the tool at most [m/s] (None: the robot's `jog_speed`), `share` of the joints' velocity limits, the segment time [s]."""
 
-    speed: float = SPEED
+    speed: float | None = None
     share: float = 1.0
     segment: float = SEGMENT
 
@@ -58,10 +58,11 @@ def live_motion(
     around = surroundings_of(robot, cell, moving)
     if around.value is None:
         return Result(None, around.diagnostics)
+    speed = robot.jog_speed if settings.speed is None else settings.speed
     segment = max(settings.segment, robot.controller.smallest_segment)
     decimals = decimals_for(robot, segment, robot.tolerance)
     tool = moving.flange_from_moving
-    judge = Judge(robot, here, segment, settings.speed, tool, *around.value)
+    judge = Judge(robot, here, segment, speed, tool, *around.value)
     start = np.round(here / robot.axis_units, decimals) + 0.0
     stands = "".join(
         f"{axis}{value:.{decimals}f}" for axis, value in zip(robot.controller.axes, start, strict=True)
@@ -71,7 +72,7 @@ def live_motion(
         message = f"where the robot stands, no live motion can begin: {objection}"
         return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))
     rates = rates_of(robot, settings.share)
-    steering = Steering(robot, tool, rates, settings.speed)
+    steering = Steering(robot, tool, rates, speed)
     generator = Generator(robot, here, decimals, segment, steering, judge, rates)
     marks = watermarks(robot, segment)
     program = PmacProgram(

@@ -12,10 +12,6 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.kinematics.singularity import weighted_jacobians
 from yarclang.robot.model import Array, Robot
-from yarclang.units import MM
-
-SPEED = 250.0 * MM
-"""The largest speed of the tool in a jog [m/s], unless somebody says otherwise (ISO 10218-1, reduced speed)."""
 
 SLOW, STILL = 0.06, 0.02
 """Smallest singular values (weighted, `robot.kinematics.singularity`): a motion towards a singularity gets slower below the first, and ends at the second."""
@@ -76,7 +72,7 @@ class Steering:
         speed: the largest speed of the tool's origin [m/s].
     """
 
-    def __init__(self, robot: Robot, tool: Array, rates: Rates, speed: float = SPEED) -> None:
+    def __init__(self, robot: Robot, tool: Array, rates: Rates, speed: float) -> None:
         self._robot = robot
         self._tool = tool
         self._rates = rates

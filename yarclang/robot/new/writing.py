@@ -95,6 +95,10 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         "position = 0.02  # mm",
         "angle = 0.002    # deg",
         "",
+        "# How fast the tool goes at most in jogs and other live motions.",
+        "[jog]",
+        "speed = 250  # mm/s; ISO 10218-1: reduced speed",
+        "",
         *_TOOL,
         "",
     ]

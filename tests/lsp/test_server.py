@@ -131,6 +131,9 @@ def test_users_of_a_changed_robot_and_project(tmp_path: Path):
         project = one.open(tmp_path / "yarc.toml", 'robot = "arm/robot.toml"\n')
         one.write(project, "rbot = 3\n")
         assert codes(await one.pulled(project)) == ["Y1393"]
+        assert codes(await one.pulled(user)) == ["Y1393"]  # of which nothing is saved
+        one.write(project, 'robot = "INDUSTRIAL6"\n[findings]\nY0205 = "error"\n')
+        assert codes(await one.pulled(user)) == ["Y0205"]  # for a robot that has no AWAY
 
     run(work, capabilities(pull=True, refresh=False))
 

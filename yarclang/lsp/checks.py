@@ -91,5 +91,5 @@ class Checks:
             return Checked(in_order(read_project(document.source, document.folder).diagnostics))
         if name == DESCRIPTION:
             return Checked(in_order(read_robot(document.source, document.folder).diagnostics))
-        robot = robot_for(document.folder, self._options.robot).value
+        robot = robot_for(document.folder, self._options.robot, self.texts).value
         return Checked(in_order(check_cell(document.source, document.folder, robot)))

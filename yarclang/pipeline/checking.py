@@ -88,7 +88,7 @@ def check_program_file(path: str, options: Options, *, plans: bool = True) -> Ch
 def check_text(source: SourceFile, folder: Path, options: Options, *, plans: bool = True) -> Checked:
     """Check the text of a program that belongs to a folder; else as `check_file`."""
     opened = open_source(source, folder, options)
-    project = find_project(folder).value or Project(folder)
+    project = find_project(folder, options.texts).value or Project(folder)
     if opened.value is None:
         return Checked(settled(opened.diagnostics, source, project), source)
     begun = _begun(opened.value, opened.diagnostics, project)

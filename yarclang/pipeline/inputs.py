@@ -83,7 +83,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         return Result(
             None, (Diagnostic("Y0104", "the file has no command", source, span, "was another file meant?"),)
         )
-    project = find_project(folder)
+    project = find_project(folder, options.texts)
     if project.value is None:
         return Result(None, (*parsed.diagnostics, *project.diagnostics))
     found = _robot(module, folder, project.value, options)
@@ -142,15 +142,15 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
     return _of_project(project, module.source, options)
 
 
-def robot_for(folder: Path, name: str | None) -> Result[Robot]:
-    """The robot that is named, else that of the folder's yarc.toml: for work that has no program yet."""
+def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Robot]:
+    """The robot that is named, else that of the folder's yarc.toml: for work that has no program yet. `texts` are files that are open."""
     if name is not None:
         return load_robot(name)
-    project = find_project(folder)
+    project = find_project(folder, texts)
     return (
         Result(None, project.diagnostics)
         if project.value is None
-        else _of_project(project.value, None, Options())
+        else _of_project(project.value, None, Options(texts=texts))
     )
 
 

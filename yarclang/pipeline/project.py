@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
-from yarclang.pipeline.sources import read_source
+from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.source import SourceFile, Span
 from yarclang.toml.places import find_places
 
@@ -37,12 +37,16 @@ class Project:
         return find_places(self.source).of_value((key,)) if self.source else None
 
 
-def find_project(folder: Path) -> Result[Project]:
-    """The yarc.toml of a folder, or of the nearest one above it; empty settings where there is none."""
+def find_project(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Project]:
+    """The yarc.toml of a folder, or of the nearest one above it; empty settings where there is none. What is open in `texts` goes before what is saved."""
     folder = folder.resolve()
+    open_ = {path.resolve(): text for path, text in texts.items() if path.name == FILE_NAME}
     for candidate in (folder, *folder.parents):
-        if (candidate / FILE_NAME).is_file():
-            return _read(candidate / FILE_NAME)
+        path = candidate / FILE_NAME
+        if path in open_:
+            return read_project(open_[path], candidate)
+        if path.is_file():
+            return _read(path)
     return Result(Project(folder))
 
 

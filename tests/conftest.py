@@ -1,6 +1,7 @@
 """What the tests share: robots, the numbers worked out independently, and the flag that rewrites goldens."""
 
 import json
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -16,6 +17,12 @@ EXAMPLES = HERE.parent / "examples"
 
 def pytest_addoption(parser):
     parser.addoption("--rewrite-golden", action="store_true", help="write the golden files anew")
+
+
+@pytest.hookimpl(wrapper=True, optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """One worker more than there are cores: tests of real processes wait for half of their time."""
+    return (yield) + ("PYTEST_XDIST_AUTO_NUM_WORKERS" not in os.environ)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -56,7 +56,8 @@ def test_the_line_that_changes(workshop):
         "long.yarc",
         "ROBOT INDUSTRIAL6\nP0010 MOVEJ -110 -20 -60 -100 -110 -100 [3] (deg,s)\n",
     )
-    text = workshop.terminal("run", "long.yarc", "--no-log", "--rate", "3").end(0)
+    # at this rate a busy computer may delay the robot, but not keep the line from changing
+    text = workshop.terminal("run", "long.yarc", "--no-log").end(0)
     written = [part for line in text.split("\n") for part in line.split("\r\x1b[K")]
     live = [part for part in written if part.startswith("P0010 MOVEJ")]
     assert len(live) > 3

@@ -169,3 +169,42 @@ def test_without_a_robot_there_is_nothing_to_show():
     made = program_stage(SourceFile("made.yarc", "P0010 MOVEJ 0\n"), EXAMPLES.parent / "docs", Options())
     assert made.value is None
     assert [one.code for one in made.diagnostics] == ["Y1391"]
+
+
+def test_collisions_are_shown_beside_errors_of_planning():
+    """They are those that the program has without the errors, at the same place."""
+    whole = next(one for one in stage_of(CRASH).marks if one.code == "Y0901")
+    far = "P0035 MOVEL 9000 0 0 0 0 0\n"
+    stage = stage_of(CRASH.replace("P0040", f"{far}P0040"))
+    errors = [one for one in stage.marks if one.severity == "error"]
+    assert [(one.code, stage.pieces[one.piece].label) for one in errors] == [
+        ("Y0901", "P0030"),
+        ("Y0501", "P0035"),
+    ]
+    shown = errors[0]
+    assert (shown.text, shown.time) == (whole.text, whole.time)
+    assert np.allclose(shown.place, whole.place)
+
+
+def test_a_gap_in_the_plan_is_no_motion():
+    """Behind what can't be planned the robot stands elsewhere; on the way there, which isn't planned, it meets nothing."""
+    text = CRASH.replace("P0030 MOVEL -200 0 -260", "P0030 MOVEL 9000 0 -260").replace(
+        "P0050 MOVEL -200 0 150 0 0 0 [5] {PART}", "P0050 MOVEJ READY\nP0060 MOVEJ 170 0 0 0 0 0 [20] (deg,s)"
+    )
+    stage = stage_of(text)
+    assert [one.code for one in stage.marks if one.severity == "error"] == ["Y0501"]
+
+
+def test_a_broken_zone_is_shown_beside_errors_of_planning(tmp_path):
+    (tmp_path / "cell.toml").write_text(
+        'units = "mm,deg,s"\n[[zones]]\nname = "WALL"\nrule = "forbidden"\nshape = "half-space"\n'
+        'frame = "B"\n'
+        "xyz = [700, 0, 0]\nnormal = [1, 0, 0]\n"
+    )
+    text = (
+        'ROBOT INDUSTRIAL6\nCELL "cell.toml"\nDEFAULT {TCP} [MIN] (mm,deg,s) {B}\n'
+        "P0010 MOVEJ -90 0 0 0 0 0\nP0020 MOVEL 9000 0 0 0 0 0\n"
+    )
+    result = program_stage(SourceFile("made.yarc", text), tmp_path, Options())
+    assert [one.code for one in result.diagnostics] == ["Y0908", "Y0501"]
+    assert [one.code for one in result.value.marks] == ["Y0908", "Y0501"]

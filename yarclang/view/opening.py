@@ -6,16 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from yarclang.diagnostics import Result
-from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.checking import check_text, told
 from yarclang.pipeline.inputs import Options, open_source
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import shown_plan
+from yarclang.report.runs.kind import is_log
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile
 from yarclang.view.of_program import stage_of_program
+from yarclang.view.partial import met
 from yarclang.view.stage import Stage
 
-_COMPILED, _LOG = "; yarcc ", b"\x89MCAP0\r\n"
+_COMPILED = "; yarcc "
 
 
 RobotOf = Callable[[SourceFile, str | None], Result[Robot]]
@@ -28,7 +30,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
     Returns:
         None, with findings, where there is nothing to show.
     """
-    if is_log(file):
+    if file != STANDARD_INPUT and is_log(file):
         from yarclang.view.of_run import stage_of_run
 
         return stage_of_run(file, options.robot)
@@ -47,20 +49,6 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
     return program_stage(read.value, folder, options)
 
 
-def is_log(file: str) -> bool:
-    """Whether a file is the log of a run: it is called so, or begins so."""
-    path = Path(file)
-    if path.suffix.lower() == ".mcap":
-        return True
-    try:
-        if file == STANDARD_INPUT or not path.is_file():
-            return False
-        with path.open("rb") as stream:
-            return stream.read(len(_LOG)) == _LOG
-    except (OSError, ValueError):  # told of when the program is read
-        return False
-
-
 def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[Stage]:
     """What a program that belongs to a folder shows; None, with findings, where it isn't known for which robot."""
     checked = check_text(source, folder, options)
@@ -74,5 +62,9 @@ def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[
         plan = shown_plan(checked.program, again.request)
         if plan is None:
             return Result(None, found)
+    if checked.compiled is None:
+        said = {(one.code, one.span, one.place) for one in found}
+        more = [one for one in met(plan) if (one.code, one.span, one.place) not in said]
+        found = told((*found, *more), source, folder)
     certificate = checked.compiled.certificate if checked.compiled is not None else None
     return Result(stage_of_program(source.name, plan, certificate, found), found)

@@ -9,6 +9,7 @@ import numpy as np
 from yarclang.robot.model import Array
 from yarclang.view import colours
 from yarclang.view.camera import first_view, shown_box
+from yarclang.view.labels import SHARE, labelled, spots
 from yarclang.view.stage import Item, Mark, Stage, Way, moved_by
 
 if TYPE_CHECKING:
@@ -17,10 +18,6 @@ if TYPE_CHECKING:
 _AXES_LENGTH = 0.12
 _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
 """Widths of lines [pixels]: of the path, of the planned path beside it, of the chosen command."""
-_MOST_LABELS = 24
-"""So many findings have labels; of the others what they are is written when they are chosen."""
-_SPOT = 0.02
-"""Findings that are nearer to each other [m] are at one place."""
 _TITLE = 60
 """Characters of a finding's label."""
 
@@ -47,8 +44,8 @@ class Picture:
         self._touching: frozenset[str] = frozenset()
         self._chosen: Any = None
         self._written: Any = None
-        self._labels: dict[int, Any] = {}
-        self._spots: dict[tuple[int, ...], int] = {}
+        self._labels: list[tuple[list[int], Any]] = []
+        self._marks_shown = True
         self._groups: dict[str, list[Any]] = {name: [] for name in GROUPS}
         low, high = shown_box(stage, whole=True)
         self._size = float(np.linalg.norm(high - low)) / 2.0
@@ -67,8 +64,7 @@ class Picture:
             ghost_way = self._draw_way("ghost_way", stage.ghost_way, _THIN)
             if ghost_way is not None:
                 ghost_way.colors = np.array(colours.PLANNED_WAY, dtype=np.uint8)
-        for number, mark in enumerate(stage.marks):
-            self._draw_mark(number, mark)
+        self._draw_marks()
 
     @property
     def groups(self) -> dict[str, str]:
@@ -79,6 +75,9 @@ class Picture:
         """Show or hide all nodes of a group."""
         for node in self._groups[name]:
             node.visible = is_shown
+        if name == "marks":
+            self._marks_shown = is_shown
+            self._label_marks()
 
     def move_to(self, time: float) -> None:
         """Move what the joints move to where it is at a time."""
@@ -105,7 +104,9 @@ class Picture:
 
     def choose_piece(self, number: int) -> None:
         """Make the piece of the path stand out that belongs to a command; -1 for none."""
-        self._piece = number
+        if number != self._piece:
+            self._piece = number
+            self._label_marks()
         if self._chosen is not None:
             self._chosen.remove()
             self._chosen = None
@@ -195,20 +196,33 @@ class Picture:
         return nodes
 
     def _draw_axes(self) -> None:
-        for number, one in enumerate(self._stage.axes):
+        axes = self._stage.axes
+        for number, one in enumerate(axes):
             position, wxyz = _pose(one.base_from_frame)
-            name = f"/joint_{one.joint}/axes_{number}"
             group = self._groups["program_axes" if one.of_program else "axes"]
             length = _AXES_LENGTH * (1.0 if one.joint == 0 else 0.7)
             group.append(
                 self._scene.add_frame(
-                    name, axes_length=length, axes_radius=length / 30.0, position=position, wxyz=wxyz
+                    f"/joint_{one.joint}/axes_{number}",
+                    axes_length=length,
+                    axes_radius=length / 30.0,
+                    position=position,
+                    wxyz=wxyz,
                 )
             )
-            text = f"{{{one.name}}}"
-            group.append(
-                self._scene.add_label(f"{name}/name", text, font_screen_scale=0.7, anchor="top-left")
-            )
+        for kind in dict.fromkeys((one.joint, one.of_program) for one in axes):
+            alike = [number for number, one in enumerate(axes) if (one.joint, one.of_program) == kind]
+            places = np.array([axes[number].base_from_frame[:3, 3] for number in alike])
+            for spot in spots(places, SHARE * self._size):
+                first = alike[spot[0]]
+                label = self._scene.add_label(
+                    f"/joint_{kind[0]}/axes_{first}/name",
+                    " ".join(f"{{{axes[alike[one]].name}}}" for one in spot),
+                    font_screen_scale=0.7,
+                    # a frame that the robot brings to another one has its name on the other side
+                    anchor="top-right" if kind[0] else "top-left",
+                )
+                self._groups["program_axes" if kind[1] else "axes"].append(label)
 
     def _draw_way(self, name: str, way: Way, width: float) -> Any:
         first = _lines(way)
@@ -221,34 +235,36 @@ class Picture:
         self._groups["way"].append(node)
         return node
 
-    def _draw_mark(self, number: int, mark: Mark) -> None:
-        if mark.place is None:
-            return
-        colour = colours.SEVERITIES[mark.severity]
-        place = tuple(mark.place)
-        ball = self._scene.add_icosphere(
-            f"/marks/{number}",
-            radius=0.012 + 0.004 * self._size,
-            color=colour,
-            position=place,
-            cast_shadow=False,
-        )
-        self._groups["marks"].append(ball)
-        # findings at one place have one label
-        spot = tuple(np.round(mark.place / _SPOT).astype(int).tolist())
-        at = self._spots.setdefault(spot, number)
-        if at == number:
-            label = self._scene.add_label(
-                f"/marks/{number}/text",
-                mark.code or _short(mark),
-                font_screen_scale=0.8,
-                anchor="bottom-left",
-                visible=number < _MOST_LABELS,
+    def _draw_marks(self) -> None:
+        marks = self._stage.marks
+        placed = [number for number, mark in enumerate(marks) if mark.place is not None]
+        places = np.array([marks[number].place for number in placed]).reshape(-1, 3)
+        for number, place in zip(placed, places, strict=True):
+            ball = self._scene.add_icosphere(
+                f"/marks/{number}",
+                radius=0.012 + 0.004 * self._size,
+                color=colours.SEVERITIES[marks[number].severity],
+                position=place,
+                cast_shadow=False,
             )
-            self._labels[number] = label
-            self._groups["marks"].append(label)
-        elif mark.code and mark.code not in self._labels[at].text:
-            self._labels[at].text += f", {mark.code}"
+            self._groups["marks"].append(ball)
+        for spot in spots(places, SHARE * self._size):
+            here = [placed[one] for one in spot]
+            label = self._scene.add_label(
+                f"/marks/{here[0]}/text", "", font_screen_scale=0.8, anchor="bottom-left", visible=False
+            )
+            self._labels.append((here, label))
+        self._label_marks()
+
+    def _label_marks(self) -> None:
+        """Write what is found at the command at hand and beside it, if findings are shown."""
+        marks, wanted = self._stage.marks, labelled(self._stage.marks, self._piece)
+        for numbers, label in self._labels:
+            texts = [marks[number].code or _short(marks[number]) for number in numbers if number in wanted]
+            is_shown = self._marks_shown and bool(texts)
+            if is_shown:
+                label.text = ", ".join(dict.fromkeys(texts))
+            label.visible = is_shown
 
 
 def _short(mark: Mark) -> str:

@@ -1,0 +1,70 @@
+"""What meets what in the motions of a program that can't be planned whole: its text isn't made, so there is no certificate that would say it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.clearance import find_clearances
+from yarclang.certify.layout import Layout, Place
+from yarclang.certify.zones import find_zones
+from yarclang.diagnostics import Diagnostic, in_order
+from yarclang.hir import Motion
+from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.robot.model import Array
+
+_TOGETHER = 1e-9
+"""A motion begins where the one before it has ended if no joint is farther from there [rad or m]."""
+
+
+def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
+    """The collisions and broken zones of the motions that are planned, by the very proofs that a whole program gets."""
+    found: list[Diagnostic] = []
+    for motions in _without_gaps(plan.motions):
+        layout = _layout(plan, motions)
+        for find in (find_clearances, find_zones):
+            found += find(layout, plan.program, plan.robot)[1]
+    return in_order(found)
+
+
+def _without_gaps(motions: Sequence[PlannedMotion]) -> Iterator[list[PlannedMotion]]:
+    """Motions in stretches without a jump: in front of each a motion is missing."""
+    stretch: list[PlannedMotion] = []
+    for motion in motions:
+        if stretch and np.abs(_ends(motion)[0] - _ends(stretch[-1])[1]).max() > _TOGETHER:
+            yield stretch
+            stretch = []
+        stretch.append(motion)
+    if stretch:
+        yield stretch
+
+
+def _ends(motion: PlannedMotion) -> tuple[Array, Array]:
+    points = motion.curve.points
+    weights = np.array([1.0, 4.0, 1.0]) / 6.0
+    return weights @ points[:3], weights @ points[-3:]
+
+
+def _layout(plan: MotionPlan, motions: Sequence[PlannedMotion]) -> Layout:
+    """Planned motions as the segments of a text."""
+    places: list[Place] = []
+    at: list[NDArray[np.int64]] = []
+    first = points = 0
+    for motion in motions:
+        step, curve = plan.program.steps[motion.step], motion.curve
+        assert isinstance(step, Motion)
+        places.append(Place(motion.step, step, first, first + curve.segments, None))
+        at.append(points + np.arange(curve.segments))
+        first += curve.segments
+        points += len(curve.points)
+    ends = [_ends(motion) for motion in motions]
+    return Layout(
+        control=np.concatenate([motion.curve.points for motion in motions]),
+        at=np.concatenate(at),
+        time=np.concatenate([np.full(motion.curve.segments, motion.curve.segment) for motion in motions]),
+        places=tuple(places),
+        begins=np.array([begin for begin, _ in ends]),
+        ends=np.array([end for _, end in ends]),
+    )

@@ -1,7 +1,7 @@
 """Control points of live motions: limits hold for all inputs, what is wanted is reached, and rest always is."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from yarclang.coordinator.live.grid import Rates, State, advance, to_rest
@@ -27,6 +27,7 @@ def driven(changes):
 
 @settings(max_examples=150, deadline=None)
 @given(WANTED)
+@example([(2, [0.0, 0.0, 1.0]), (29, [0.0, 1.0, 2.0]), (4, [1.0, 0.0, 0.0])])
 def test_limits_hold_on_the_grid_whatever_is_wanted(changes):
     states = driven(changes)
     states += to_rest(states[-1], RATES, H)

@@ -83,6 +83,10 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
     # what still leads the other way ends for all joints at once: else the direction would change meanwhile
     strong = np.where(against, -before, _STILL)
     unwound = strong * (full / np.maximum(strong, _STILL)).min()
+    # but for one that would go past its velocity meanwhile
+    steps = np.floor(strong / unwound)
+    gained = h * (steps * strong - unwound * steps * (steps + 1.0) / 2.0)
+    unwound = np.where(gained - side * state.v > rates.velocity, full, unwound)
     most = np.where(against, np.maximum(np.minimum(before + unwound, rise), before + rise), before + rise)
     a = side * np.clip(np.clip(aim, before - full, most), -rates.acceleration, rates.acceleration)
     v = state.v + h * a

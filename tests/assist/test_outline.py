@@ -41,6 +41,8 @@ def test_outline():
     assert (sub.span.line, sub.span.end_line, sub.detail) == (4, 10, "SUB GO {AT} T (s)")
     (condition,) = sub.children
     assert [one.name for one in condition.children] == ["P0010 MOVEL", "P0020 STOP"]
+    assert found[3].detail == "GRIP ON"
+    assert condition.children[1].detail == ""
     assert [one.name for one in found[2].children] == ["{C}", "P0030 MOVEL_SPLINE"]
 
 

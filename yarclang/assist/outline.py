@@ -80,7 +80,8 @@ class _Maker:
         if statement.index is None or not self.has_commands:
             return None
         name = f"{statement.index.name} {statement.name.name}"
-        return Entry(name, _code(sketch, statement), "command", statement.whole_span, statement.head_span)
+        rest = _code(sketch, statement).removeprefix(name).strip()  # an editor shows it behind the name
+        return Entry(name, rest, "command", statement.whole_span, statement.head_span)
 
 
 def _code(sketch: Sketch, statement: Statement) -> str:

@@ -190,7 +190,7 @@ async function compile(uri) {
   window.showErrorMessage(
     outcome.code
       ? `${compiler.command} can't be started: ${outcome.code}`
-      : `${name}: nothing written. The output channel YARC says why.`,
+      : `${name}: nothing written`,
   );
 }
 
@@ -259,7 +259,7 @@ async function view(uri) {
       }
       if (outcome.code || outcome.status) {
         channel.show(true);
-        window.showErrorMessage(`${name} can't be shown. The output channel YARC says why.`);
+        window.showErrorMessage(`${name} can't be shown`);
       }
     });
   });

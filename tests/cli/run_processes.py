@@ -219,6 +219,21 @@ class Simulator:
         """Likewise the joints [deg or mm]."""
         return from_counts(self.robot, self.counts()) / self.robot.axis_units
 
+    def until(self, there):
+        """Wait until the joints [deg or mm] are where `there` wants them; a wrong byte may look like that."""
+        until = time.monotonic() + LONGEST
+        while not there(joints := self.joints()):
+            assert time.monotonic() < until, f"it is at {joints}"
+            time.sleep(0.02)
+
+    def comes_to_rest(self):
+        """Likewise until it rests. Where the joints are then [deg or mm]."""
+        until = time.monotonic() + LONGEST
+        while True:
+            with contextlib.suppress(AssertionError):
+                return self.stands()
+            assert time.monotonic() < until, "it doesn't come to rest"
+
     def stands(self):
         """Where the joints are [deg or mm]; they must not move. A wrong byte may look like a motion once."""
         for _ in range(3):

@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import time
 
 import pytest
 
@@ -79,10 +78,8 @@ def test_a_reader_that_does_not_read_delays_nothing(workshop, simulator):
         )
         os.close(writing)
         writing = -1
-        until = time.monotonic() + 30.0
-        while abs(simulator.joints()).max() < 1.0:
-            assert time.monotonic() < until
-        time.sleep(3.0)
+        simulator.until(lambda joints: abs(joints).max() > 1.0)
+        simulator.until(lambda joints: abs(joints).max() < 1e-4)
         assert simulator.stands() == pytest.approx([0.0] * 6, abs=1e-4)
         with os.fdopen(reading) as lines:
             reading = -1

@@ -127,6 +127,23 @@ def status():
     return json.loads(call("status", "--format", "json").stdout)
 
 
+def wait_for(look):
+    """What a look tells as soon as it tells something."""
+    until = time.monotonic() + 30.0
+    while not (seen := look()):
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    return seen
+
+
+def told_at_rest():
+    """The status of a robot whose places have been told anew and are the same."""
+    one = status()
+    time.sleep(0.3)  # they are told every 0.1 s
+    two = status()
+    return two if one["joints"] == two["joints"] else None
+
+
 def places(text):
     """Joint positions in a text."""
     return [float(value) for value in re.findall(r"J\d (?:commanded )?(-?[\d.]+) deg", text)]
@@ -142,9 +159,7 @@ def test_hold_resume_override_stop(running):
     assert held.startswith(f"industrial6-{os.getpid()}: holding on the path, ")
     assert status()["state"] == "hold"
     assert "holding" in call("hold", "--run", "industrial6").stdout
-    time.sleep(0.6)  # it comes to rest, and its places are told
-    one, two = status(), status()
-    assert one["joints"] == two["joints"]
+    one = wait_for(told_at_rest)
     assert one["why"] == "a hold was asked for"
     assert one["command"] == {"title": "P0010 MOVEJ", "line": 1}
 
@@ -287,8 +302,7 @@ def test_looking_changes_nothing(job, simulator, running):
     assert now["guard"] == 1.0
     assert now["motors"]["1"] == "closed-loop, homed, moves"
     call("hold")
-    time.sleep(0.5)
-    now = picture(simulator)
+    now = wait_for(lambda: (seen := picture(simulator))["motors"]["1"].endswith("at rest") and seen)
     assert now["program"].startswith("one is in the middle, held or starved")
     assert now["motors"]["1"] == "closed-loop, homed, at rest"
     assert ": move" in call("resume").stdout
@@ -308,7 +322,7 @@ def test_a_rotary_that_was_left_open(job, simulator):
 @pytest.mark.parametrize("abort", [[], ["--abort"]])
 def test_what_a_killed_run_has_left_is_ended(job, simulator, abort):
     with Running(job, simulator.port) as run:
-        time.sleep(1.0)
+        wait_for(lambda: picture(simulator)["joints"][0]["commanded"] > 0.05)
         run.kill()
         run.wait()
     done = call("stop", *to(simulator), *abort)

@@ -15,14 +15,18 @@ from yarclang.runtime.performance import perform
 from yarclang.runtime.state import State
 
 
+def is_under_way(joints):
+    """Whether the program has left its start."""
+    return abs(joints).max() > 1.0
+
+
 def test_kill_9(workshop):
     simulator = workshop.simulator()
     process = workshop.start(*run_on(simulator))
     process.wait_for("P0010 MOVEJ")
-    time.sleep(0.3)
+    simulator.until(is_under_way)
     process.kill()
-    time.sleep(1.4)  # the buffer lasts for a second
-    stands = simulator.stands()
+    stands = simulator.comes_to_rest()  # the buffer lasts for a second
     assert_on_path(stands)
     time.sleep(0.5)
     assert simulator.stands() == pytest.approx(stands, abs=1e-4)  # for good
@@ -78,8 +82,8 @@ def test_a_process_that_sleeps(workshop, simulator):
     process = workshop.start(*run_on(simulator))
     process.wait_for("P0010 MOVEJ")
     process.signal(signal.SIGSTOP)
-    time.sleep(1.5)
-    assert_on_path(simulator.stands())
+    simulator.until(is_under_way)  # the buffer lasts for a second
+    assert_on_path(simulator.comes_to_rest())
     process.signal(signal.SIGCONT)
     text = process.end(0)
     assert re.search("warning: the guard PLC ha[sd] held the motion", text)

@@ -26,8 +26,7 @@ def test_ctrl_c_holds_and_yarc_resume_goes_on(workshop, simulator, process):
     process.signal(signal.SIGINT)
     process.wait_for("hold: a hold was asked for")
     assert "Enter or `yarc resume` goes on, `yarc stop` ends, Ctrl-C again aborts" in process.text
-    time.sleep(0.4)
-    assert_on_path(simulator.stands())
+    assert_on_path(simulator.comes_to_rest())
     status = json.loads(workshop.here("status", "--format", "json"))
     assert (status["state"], status["program"]) == ("hold", "p.yarc")
     assert ": move, " in workshop.yarc("resume")
@@ -37,7 +36,7 @@ def test_ctrl_c_holds_and_yarc_resume_goes_on(workshop, simulator, process):
 
 def test_a_second_ctrl_c_aborts(workshop, simulator, process):
     process.signal(signal.SIGINT)
-    time.sleep(0.05)
+    process.wait_for("hold: ")
     process.signal(signal.SIGINT)
     text = process.end(1)
     assert "aborting: each motor stops at once" in text
@@ -65,7 +64,7 @@ def test_a_termination_ends_it_on_its_path(simulator, process):
 
 
 def test_yarc_stop_and_going_on(workshop, simulator, process):
-    time.sleep(0.6)  # into the second command
+    process.wait_for("P0020 MOVEJ  0.7 s to ")
     assert "ended" in workshop.here("stop")
     text = process.end(1)
     assert "p.yarc: stopped on its path\n" in text

@@ -337,8 +337,8 @@ def test_a_bug_ends_the_log_and_is_told(tmp_path, job):
     assert log.failure.startswith("ValueError: ")
 
 
-def wait_for(condition, longest=5.0):
-    until = time.monotonic() + longest
+def wait_for(condition):
+    until = time.monotonic() + 40.0  # a busy computer is no failure
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.005)

@@ -13,6 +13,7 @@ from yarclang.certify.speed import KEPT
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.cells import cell_loader
 from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics.fk import tool_poses
 
 HEAD = 'CELL "cell.toml"\nDEFAULT {TCP} [MIN] (mm,deg,s) {B}\nJOINTS A 20 10 -40 0 -30 0\nSTART A\n'
 
@@ -193,6 +194,15 @@ def test_the_certificate_tells_how_near_it_comes(tmp_path):
     assert told["zone_clearance"]["bodies"] == ["{TCP}", "Z"]
     assert told["zone_speed"] is None
     assert second.zone_clearance.distance == pytest.approx(first.zone_clearance.distance, abs=0.007)
+    # and where: there it is about so near, and nowhere nearer
+    for command, motion in zip((first, second), value.plan.motions, strict=True):
+        at, distance = command.zone_clearance.at, command.zone_clearance.distance
+        times = np.append(np.linspace(0.0, motion.curve.duration, 500), at)
+        q = motion.curve.sample(times)[0]
+        robot = value.plan.robot
+        above = tool_poses(robot.chain, q, robot.flange_from_frame["TCP"])[:, 2, 3] - 1.063
+        assert distance <= above.min() + 1e-9
+        assert above[-1] - above.min() < 0.15 * above.min()
 
 
 def test_the_frame_that_is_moved_is_the_tool(tmp_path):

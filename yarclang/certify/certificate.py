@@ -117,18 +117,20 @@ class ToolSpeed:
 class Clearance:
     """How far apart the bodies of two kinds stay at least [m], and the two that come nearest.
 
-    Without names, all of them stay farther apart than that.
+    Without names, all of them stay farther apart than that. `at` is when, after the command's start, they were seen nearest [s]; None where that isn't told.
     """
 
     distance: float
     first: str = ""
     second: str = ""
+    at: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """In mm."""
         return {
             "at_least_mm": _number(self.distance / MM),
             "bodies": [self.first, self.second] if self.first else None,
+            **({} if self.at is None else {"at_s": self.at}),
         }
 
 

@@ -138,8 +138,8 @@ class _Judge:
             elif near < 0 or least >= KNOWN:
                 clearances.append(Clearance(KNOWN))
             else:
-                watch = self.watches[near]
-                clearances.append(Clearance(least, _called(watch), watch.zone.name))
+                watch, at = self.watches[near], float(found.when[row]) - self.sweep.starts(row)
+                clearances.append(Clearance(least, _called(watch), watch.zone.name, at))
         return clearances
 
     def _speeds(self) -> list[ZoneSpeed | None]:

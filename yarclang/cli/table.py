@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from yarclang.certify.certificate import IDLE, Certificate, Clearance, CommandCertificate, Load, bound_text
+from yarclang.report.distances import when_text, whole_tenths
 from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
@@ -28,17 +28,23 @@ _HEAD = (
 )
 _CLEAR = "clear mm"
 """Of programs in a cell with obstacles: the smallest distance, proved, and the two that come so near."""
+_ZONES = "zones mm"
+"""Of programs in a cell with zones that may not be left or entered: the smallest distance from such a border, proved, what comes so near, to which zone, and when."""
 
 
 def certificate_table(certificate: Certificate) -> str:
-    """Duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance, for each command."""
+    """Duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance and the distance from zones, for each command."""
     rows = [_HEAD, *(tuple(_row(command)) for command in certificate.commands)]
     if any(command.torque for command in certificate.commands):
         torques = ["torque", *(_load(command.torque or IDLE) for command in certificate.commands)]
         rows = [(*row, cell) for row, cell in zip(rows, torques, strict=True)]
-    if any(command.clearance for command in certificate.commands):
-        clear = [_CLEAR, *(_clearance(command.clearance) for command in certificate.commands)]
-        rows = [(*row, cell) for row, cell in zip(rows, clear, strict=True)]
+    for name, found in (
+        (_CLEAR, [command.clearance for command in certificate.commands]),
+        (_ZONES, [command.zone_clearance for command in certificate.commands]),
+    ):
+        if any(found):
+            clear = [name, *(_clearance(one) for one in found)]
+            rows = [(*row, cell) for row, cell in zip(rows, clear, strict=True)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [
         "  ".join(
@@ -71,8 +77,9 @@ def _clearance(clearance: Clearance | None) -> str:
         return "-"
     if not clearance.first:
         return f"over {clearance.distance / MM:g}"
-    # what is printed is proved as well
-    return f"{math.floor(clearance.distance / MM * 10.0) / 10.0:.1f} {clearance.first}, {clearance.second}"
+    return (
+        f"{whole_tenths(clearance.distance / MM)} {clearance.first}, {clearance.second}{when_text(clearance)}"
+    )
 
 
 def _load(load: Load) -> str:

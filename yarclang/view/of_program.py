@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from yarclang.certify.certificate import Certificate, Clearance, CommandCertificate
+from yarclang.certify.certificate import Certificate, CommandCertificate
 from yarclang.collision.scene import Scene
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, WaitInput, When
 from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.report.distances import distances_of
 from yarclang.report.pictures.drawn_frame import drawn_frame
 from yarclang.report.pictures.plot import duration_text
 from yarclang.robot.kinematics.fk import tool_poses
@@ -135,18 +136,7 @@ def motion_facts(
         return tuple(facts)
     if proved.tool_speed is not None and not proved.tool_speed.turns:
         facts.append(("largest speed of the frame", f"{proved.tool_speed.largest / MM:.0f} mm/s"))
-    for name, clearance in (
-        ("clearance to the cell", proved.clearance),
-        ("clearance of itself", proved.own_clearance),
-    ):
-        if clearance is not None:
-            facts.append((name, _clearance_text(clearance)))
-    return tuple(facts)
-
-
-def _clearance_text(clearance: Clearance) -> str:
-    between = f" ({clearance.first}, {clearance.second})" if clearance.first else ""
-    return f"at least {clearance.distance / MM:.1f} mm{between}"
+    return (*facts, *distances_of(proved))
 
 
 def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:

@@ -44,11 +44,12 @@ class Breach:
 @dataclass(frozen=True, slots=True, eq=False)
 class Kept:
     """What was proved of G motions: `least` (G,) is a lower bound of the distance [m] of all that is watched from the borders that it must not cross,
-    and `nearest` (G,) the watch that comes nearest, -1 where all stay above `KNOWN`. `breaches` are broken.
+    and `nearest` (G,) the watch that comes nearest, -1 where all stay above `KNOWN`, of the samples at `when` (G,) [s]. `breaches` are broken.
     """
 
     least: Array
     nearest: Rows
+    when: Array
     breaches: tuple[Breach, ...]
 
 
@@ -65,7 +66,7 @@ def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequen
     for number, watch in enumerate(watches):
         if watch.zone.rule != "slow":
             search.look(number, watch)
-    return Kept(search.least, search.nearest, tuple(search.breaches))
+    return Kept(search.least, search.nearest, search.when, tuple(search.breaches))
 
 
 class _Search:
@@ -77,6 +78,7 @@ class _Search:
         self.least = np.full(len(spans), np.inf)
         self.best = np.full(len(spans), np.inf)
         self.nearest = np.full(len(spans), -1, dtype=np.int64)
+        self.when = np.zeros(len(spans))
         self.breaches: list[Breach] = []
         self.pieces = Pieces.whole(course, int(spans[0, 0]), int(spans[-1, 1]))
         self.ends = Ends(scene, course, self.pieces)
@@ -174,6 +176,7 @@ class _Search:
         order = np.argsort(-seen, kind="stable")  # the smallest is written last
         nearer = order[seen[order] < self.best[motion[order]]]
         self.best[motion[nearer]], self.nearest[motion[nearer]] = seen[nearer], number
+        self.when[motion[nearer]] = self.course.begins[segment[nearer]] + when[nearer]
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[motion] - COARSE)
         done = (least >= margin - SLACK) & (least >= wanted)
         np.minimum.at(self.least, motion[done], least[done])

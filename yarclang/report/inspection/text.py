@@ -21,6 +21,7 @@ from yarclang.hir import (
     When,
 )
 from yarclang.pipeline.line_map import MOVE, Stretch
+from yarclang.report.distances import distances_of
 from yarclang.report.inspection.branches import Solution
 from yarclang.report.inspection.flow import flow_lines, when_set
 from yarclang.report.inspection.inspected import Inspected, WayPoint, chain_of, chain_pose
@@ -300,6 +301,8 @@ def _certificate(one: CommandCertificate | None) -> Iterator[str]:
         ("torque", one.torque or IDLE),
     )
     yield "of the limits: " + ", ".join(_load(name, load) for name, load in loads if load.name)
+    for name, told in distances_of(one):
+        yield f"{name}: {told}"
 
 
 def _load(name: str, load: Load) -> str:

@@ -1,0 +1,44 @@
+"""Proved distances in words."""
+
+from __future__ import annotations
+
+import math
+
+from yarclang.certify.certificate import Clearance, CommandCertificate, ZoneSpeed
+from yarclang.units import MM
+
+
+def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
+    """What a command was proved to keep away from, and how fast it is in slow zones: each by its name, and in words."""
+    found = [
+        (name, distance_text(clearance))
+        for name, clearance in (
+            ("clearance to the cell", command.clearance),
+            ("clearance of itself", command.own_clearance),
+            ("distance from zones' borders", command.zone_clearance),
+        )
+        if clearance is not None
+    ]
+    if command.zone_speed is not None:
+        found.append(("speed in slow zones", _speed_text(command.zone_speed)))
+    return tuple(found)
+
+
+def distance_text(clearance: Clearance) -> str:
+    """`at least 12.3 mm (FINGERS, BENCH), nearest at 1.250 s`."""
+    between = f" ({clearance.first}, {clearance.second})" if clearance.first else ""
+    return f"at least {whole_tenths(clearance.distance / MM)} mm{between}{when_text(clearance, ', nearest')}"
+
+
+def when_text(clearance: Clearance, word: str = "") -> str:
+    """When after the command's start it is nearest, where that is known."""
+    return "" if clearance.at is None else f"{word} at {clearance.at:.3f} s"
+
+
+def whole_tenths(value: float) -> str:
+    """A distance with one decimal, rounded down: what is printed is proved as well."""
+    return f"{math.floor(value * 10.0) / 10.0:.1f}"
+
+
+def _speed_text(speed: ZoneSpeed) -> str:
+    return f"{speed.part} at most {speed.largest / MM:.1f} mm/s in {speed.zone}, where {speed.limit / MM:g} mm/s are allowed"

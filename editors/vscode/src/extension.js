@@ -119,7 +119,8 @@ function complain(problem) {
   channel.appendLine(problem);
   window.showErrorMessage(problem, "Open settings").then((chosen) => {
     if (chosen) {
-      commands.executeCommand("workbench.action.openSettings", "yarc.path");
+      const place = env.remoteName ? "workbench.action.openRemoteSettings" : "workbench.action.openSettings";
+      commands.executeCommand(place, { query: "@id:yarc.path" });
     }
   });
 }

@@ -1,179 +1,20 @@
-"""What the planner says: the code, one sentence with its figures, the place, the remedy, the fix."""
+"""What the planner says of times and speeds: the code, one sentence with its figures, the place, the remedy, the fix."""
 
 from __future__ import annotations
 
 import math
 import re
 
-import numpy as np
-
-from yarclang.diagnostics import Diagnostic, Edit, Fix
-from yarclang.hir import (
-    ArcMove,
-    Array,
-    Else,
-    EndWhen,
-    Gap,
-    LineMove,
-    Motion,
-    Origin,
-    PoseSplineMove,
-    Step,
-    Stop,
-    When,
-)
-from yarclang.motion.cartesian import FramePath
+from yarclang.diagnostics import Edit, Fix
+from yarclang.hir import Motion, Origin
 from yarclang.motion.cruise import CruiseBroken
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
-from yarclang.motion.paths.arc import NoArc
 from yarclang.motion.singular import Nearest
-from yarclang.robot.kinematics.nearest import Unreachable
-from yarclang.robot.kinematics.track import Broken
+from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
-from yarclang.source import Span
-from yarclang.units import DEG, MM, MS, UNITS, Kind
-
-Message = tuple[str, str, Span, str, Fix | None]
-CartesianMove = LineMove | ArcMove | PoseSplineMove
-
-MUCH_SWING = 1.0
-"""A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
-
-MUCH_OF_BOX = 0.1
-"""... or, of a curve of the moving frame, by more than this share of the diagonal of the box round them."""
-
-_ANGLE_NOISE = 1e-3
-"""A smaller angle [rad] that is left beside a distance comes from the search for the distance."""
-
-_DISTANCE_NOISE = 1e-6
-"""A smaller distance [m] that is left beside an angle comes from the search for both."""
-
-_BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a via pose beside it"
-
-
-def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
-    """A pose without a joint position."""
-    if solved.kind == "reach":
-        message = f"{which}out of reach by {_miss(solved.miss, solved.miss_angle)}"
-        return (
-            "Y0501",
-            message,
-            origin.span,
-            "check the pose, its units and its frames; or move the robot nearer",
-            None,
-        )
-    joint = solved.joint or 0
-    message = (
-        f"{which}the pose needs {_beyond(robot, joint, solved.excess)}, in the configuration that needs least"
-    )
-    return "Y0502", message, origin.span, _range(robot, joint), None
-
-
-def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Message:
-    """DMOVEJ to a joint position beyond the limits."""
-    limits = robot.limits
-    excess = np.maximum(end - limits.upper, limits.lower - end) / robot.axis_units
-    joint = int(np.argmax(excess))
-    over = end[joint] - limits.upper[joint]
-    amount = float(over if over > 0 else end[joint] - limits.lower[joint])
-    message = f"the increments take {_beyond(robot, joint, amount)}"
-    return "Y0502", message, origin.span, _range(robot, joint), None
-
-
-def half_turn(origin: Origin, where: str = "") -> Message:
-    """A motion that turns by half a revolution; `where` says at which of its way-points."""
-    message = f"{where}the orientation turns by half a revolution: there is no short way"
-    return "Y0409", message, origin.span, "give a via pose that says which way round", None
-
-
-def no_arc(arc: NoArc, origin: Origin) -> Message:
-    """Three points that give no circle."""
-    if arc.kind == "half turn":
-        return half_turn(origin)
-    if arc.kind == "coincident":
-        message = f"{arc.points} are {_length(arc.apart)} apart: they give no circle"
-        help_ = "a full circle is two arcs of MOVEC; a motion without a way is a MOVEL"
-    else:
-        message = (
-            f"start, via and end lie on a line (they bend by {arc.bend / DEG:.2g} deg): they give no circle"
-        )
-        help_ = "MOVEL goes straight; for an arc, move via off the line"
-    return "Y0420", message, origin.span, help_, None
-
-
-def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianMove) -> Message:
-    """A motion of the moving frame that can't be followed to its end."""
-    origin = step.origin
-    what = {LineMove: "straight line", ArcMove: "arc", PoseSplineMove: "curve"}[type(step)]
-    point = np.round(frame.poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
-    where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
-    joint = broken.joint
-    if broken.kind == "reach":
-        message = f"the {what} leaves the workspace {where}: it is out of reach by up to {_miss(broken.amount, broken.angle)}"
-        return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
-    if broken.kind == "limits" and joint is not None:
-        message = (
-            f"the {what} takes {_beyond(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"
-        )
-        return "Y0504", message, origin.span, f"{_range(robot, joint)}; {_BY_JOINTS}", None
-    if broken.kind == "configuration":
-        why = (
-            f": {_beyond(robot, joint, broken.amount)} otherwise"
-            if joint is not None and broken.amount
-            else ""
-        )
-        message = f"the {what} needs another configuration {where}{why}"
-        return "Y0801", message, origin.span, _BY_JOINTS, None
-    name = robot.joint_names[joint] if joint is not None else "a joint"
-    message = f"the {what} meets a singularity {where}: {name} would have to jump by {_amount(robot, joint or 0, abs(broken.amount))}"
-    return "Y0701", message, origin.span, _BY_JOINTS, None
-
-
-def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, origin: Origin) -> Message:
-    """A spline that takes a joint beyond its limits."""
-    name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
-    message = f"the curve takes {name} out of its limits by {excess:.4g} {unit} at {s * 100:.3g} % of the way"
-    return (
-        "Y0504",
-        message,
-        origin.span,
-        f"{_range(robot, joint)}; a way-point between holds the curve back",
-        None,
-    )
-
-
-def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: Origin) -> Message:
-    """A spline that leaves the range of its way-points by much."""
-    name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
-    message = (
-        f"the curve swings {swing:.3g} {unit} beyond its way-points in {name}, at {s * 100:.3g} % of the way"
-    )
-    return "Y0505", message, origin.span, "a way-point between holds it back", None
-
-
-def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Message:
-    """A curve of the moving frame that leaves the box round its way-points by much."""
-    message = f"the curve swings {_length(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} % of the way"
-    return "Y0505", message, origin.span, "a way-point between holds it back", None
-
-
-def ways_part(robot: Robot, one: Array, other: Array, origin: Origin) -> Message:
-    """A WHEN whose ways end at different joint positions."""
-    off = np.abs(one - other) / robot.axis_units
-    joint = int(np.argmax(off))
-    message = (
-        f"the ways of this WHEN end apart: {robot.joint_names[joint]} by {off[joint]:.4g} "
-        f"{robot.axis_unit_names[joint]}"
-    )
-    return (
-        "Y1002",
-        message,
-        origin.span,
-        "end both at the same joint positions, with MOVEJ to a JOINTS name",
-        None,
-    )
+from yarclang.units import DEG, MM, MS, UNITS
 
 
 def no_motion(origin: Origin) -> Message:
@@ -221,7 +62,7 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
         zone = demand.watch.zone
         limit = (zone.speed or 0.0) / MM
         return (
-            f"{demand.watch.item.name} would go at {limit * used_share:,.4g} mm/s in the zone {zone.name}, {_percent(used_share - 1)} above "
+            f"{demand.watch.item.name} would go at {limit * used_share:,.4g} mm/s in the zone {zone.name}, {percent_text(used_share - 1)} above "
             f"the {limit:,.4g} mm/s that it allows"
         )
     if demand.kind == "motor speed":
@@ -239,7 +80,7 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
     limit *= share
     reduced = f" (ACC {share * 100:.4g}%)" if share != 1.0 else ""
     return (
-        f"the {what} of {whose} would be {limit * used_share:,.4g} {unit}, {_percent(used_share - 1)} above "
+        f"the {what} of {whose} would be {limit * used_share:,.4g} {unit}, {percent_text(used_share - 1)} above "
         f"its limit of {limit:,.4g} {unit}{reduced}"
     )
 
@@ -330,124 +171,6 @@ def no_cruise(step: Motion) -> Message:
     return "Y0407", message, origin.time_span or origin.span, "take _LSPB, the default, or _SCURVE", None
 
 
-def blend_without_unit(kind: str, what: str, origin: Origin) -> Message:
-    """BLEND without the unit that it needs."""
-    message = f"BLEND {what} needs {kind} unit"
-    return "Y0304", message, origin.span, "for example (mm,deg,s)", None
-
-
-def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
-    """BLEND before something that isn't a motion, or that doesn't move."""
-    if following is None or isinstance(following, Stop):
-        what = "the program ends here"
-    elif isinstance(following, Motion):
-        what = "there is no way on one side of the corner"
-    elif isinstance(following, EndWhen | Else | When):
-        what = "the ways of a WHEN part or meet here"
-    else:
-        name = "a command with errors" if isinstance(following, Gap) else following.origin.name
-        what = f"{name} follows, which the robot stands for"
-    return "Y1010", f"no BLEND is done: {what}", origin.span, "the motion ends in an exact stop", None
-
-
-def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion) -> Message:
-    """BLEND beyond half of a motion."""
-    origin = step.origin
-    amount = _length(largest) if kind == "length" else f"{largest / DEG:.4g} deg"
-    whose = "the next motion" if by_the_next else "this motion"
-    message = f"the blend is more than half of {whose}"
-    return "Y0606", message, origin.span, f"the largest one here is {amount}", None
-
-
-def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
-    """BLEND 0 at a corner."""
-    if off is None:
-        why = "one is a path of joints, the other one of a frame"
-    elif off[0] > off[1]:
-        why = f"they meet at {off[0] / DEG:.3g} deg"
-    else:
-        why = f"the frame turns differently before and behind, by {off[1] / DEG * MM:.3g} deg/mm"
-    message = f"BLEND 0 needs two paths that are tangent: {why}"
-    return "Y0607", message, origin.span, "give the distance by which the corner may be cut, as BLEND 5", None
-
-
-def stops_at_corner(origin: Origin) -> Message:
-    """A blend that the limits leave no room for."""
-    message = "the robot stops at this corner: in these times the limits leave no room to flow through it"
-    return "Y0608", message, origin.span, "more time, a larger blend or a gentler corner make room", None
-
-
-def time_off_the_grid(duration: float, curve: Curve, origin: Origin) -> Message:
-    """A time that isn't a whole number of segments in a chain."""
-    message = (
-        f"the motion takes {curve.duration:.6g} s instead of {duration:.6g} s: motions without a stop between have one "
-        f"segment time, {curve.segment / MS:.6g} ms, and theirs have none in common"
-    )
-    return (
-        "Y0609",
-        message,
-        origin.time_span or origin.span,
-        "times with a common part, as 1.2 and 0.8, are met exactly",
-        None,
-    )
-
-
-def another_configuration(
-    robot: Robot,
-    step: Motion,
-    taken: Array,
-    nearest: Array | None,
-    later: Step,
-    reasons: tuple[Diagnostic, ...],
-) -> Message:
-    """A target whose nearest solution would break a later motion."""
-    origin = step.origin
-    why = next((reason for reason in reasons if reason.is_error), None)
-    blamed = ""
-    if why is not None:
-        named = "" if isinstance(later, Gap) else later.origin.label
-        label = named or (f"line {why.span.line}" if why.span is not None else "")
-        blamed = f": with that, in {label}, {why.message}" if label else f": with that, {why.message}"
-    message = f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}{blamed}"
-    help_ = "NEAR with a joint position in this configuration says that it is meant"
-    return "Y0802", message, origin.span, help_, near_fix(robot, origin, taken)
-
-
-def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
-    """In which joints a solution differs from the nearest, in brackets."""
-    if nearest is None:
-        return ""
-    # no negative zeros
-    shown = [np.round(one / robot.axis_units, 1) + 0.0 for one in (taken, nearest)]
-    apart = np.abs(taken - nearest) / robot.axis_units
-    joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
-    told = (
-        f"{robot.joint_names[joint]} {shown[0][joint]:.1f} instead of {shown[1][joint]:.1f} "
-        f"{robot.axis_unit_names[joint]}"
-        for joint in sorted(joints)
-    )
-    return f" ({', '.join(told)})"
-
-
-def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
-    """A fix that names the joint position and takes it by NEAR; None where one command has many places."""
-    if not origin.index or ">" in origin.place or "(" in origin.place or origin.end_span is None:
-        return None
-    name = f"{origin.index}_NEAR"
-    units = sorted(
-        {"mm" if unit == "mm" else "deg" for unit in robot.axis_unit_names}, key=("mm", "deg").index
-    )
-    values = " ".join(
-        f"{value:.3f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, 3) + 0.0
-    )
-    declaration = f"JOINTS {name} {values} ({','.join(units)})\n"
-    line = Span.on_line(origin.span.line, 1, 1)
-    return Fix(
-        f"declare {name} and write NEAR {name}",
-        (Edit(line, declaration), Edit(origin.end_span, f" NEAR {name}")),
-    )
-
-
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
     """A motion of more segments than are planned."""
     message = f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the most that are planned"
@@ -463,7 +186,7 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
     """A path that the controller's segments can't follow."""
     message = (
-        f"with segments of {fitted.segment / MS:.4g} ms the path is missed by {_length(fitted.position)} and "
+        f"with segments of {fitted.segment / MS:.4g} ms the path is missed by {length_text(fitted.position)} and "
         f"{fitted.angle / DEG:.2g} deg, and the controller takes none shorter than {smallest / MS:.4g} ms"
     )
     return "Y0602", message, origin.span, "give the motion more time, or allow more (--tolerance)", None
@@ -473,35 +196,3 @@ def _not_below(value: float) -> float:
     """The value rounded up to six digits behind its first."""
     step = 10.0 ** (math.floor(math.log10(value)) - 6)
     return math.ceil(value / step - 1e-6) * step
-
-
-def _percent(share: float) -> str:
-    return f"{share * 100:.3g} %" if share < 10.0 else f"{share * 100:,.0f} %"
-
-
-def _miss(distance: float, angle: float) -> str:
-    """A distance [m], an angle [rad] or both: what isn't rounding."""
-    if angle <= _ANGLE_NOISE:
-        return _length(distance)
-    turn = f"{angle / DEG:.3g} deg"
-    return turn if distance < _DISTANCE_NOISE else f"{_length(distance)} and {turn}"
-
-
-def _length(metres: float) -> str:
-    return f"{metres / MM:.3g} mm" if abs(metres) < 1.0 else f"{metres / MM:,.0f} mm"
-
-
-def _amount(robot: Robot, joint: int, value: float) -> str:
-    return f"{value / robot.axis_units[joint]:.4g} {robot.axis_unit_names[joint]}"
-
-
-def _beyond(robot: Robot, joint: int, excess: float) -> str:
-    side = "above its upper" if excess > 0 else "below its lower"
-    return f"{robot.joint_names[joint]} {_amount(robot, joint, abs(excess))} {side} limit"
-
-
-def _range(robot: Robot, joint: int) -> str:
-    lower, upper = (
-        limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
-    )
-    return f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {robot.axis_unit_names[joint]}"

@@ -14,6 +14,7 @@ from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.chain import linked
 from yarclang.motion.chains.corners import chained
 from yarclang.motion.chains.links import Link, Piece
+from yarclang.motion.chains.messages import stops_at_corner, time_off_the_grid
 from yarclang.motion.cruise import CruiseBroken, at_speed
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
@@ -217,9 +218,9 @@ class _Planner:
         if piece.kept < 1.0 - _SPEED_KEPT:
             findings.add(*messages.speed_not_reached(piece.kept, step))
         if flows and not piece.overlap:
-            findings.add(*messages.stops_at_corner(step.origin))
+            findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
-            findings.add(*messages.time_off_the_grid(link.duration, piece.curve, step.origin))
+            findings.add(*time_off_the_grid(link.duration, piece.curve, step.origin))
 
 
 NO_WAY = 1e-9

@@ -34,7 +34,7 @@ from yarclang.hir import (
 )
 from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Memory
-from yarclang.motion import messages
+from yarclang.motion.leading import messages
 from yarclang.motion.leading.frame_motions import frame_motion, frame_way
 from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion
 from yarclang.motion.leading.led import FrameWay, Led

@@ -11,7 +11,8 @@ from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, AvoidMove, Motion, Origin
 from yarclang.motion.avoid.room import JOINTS, Obstruction
 from yarclang.motion.avoid.way import SAMPLES, NoWay, Way
-from yarclang.motion.messages import Message, differs, near_fix
+from yarclang.motion.leading.messages import differs, near_fix
+from yarclang.motion.wording import Message
 from yarclang.robot.model import Robot
 from yarclang.source import Span
 from yarclang.units import MM

@@ -24,8 +24,8 @@ from yarclang.hir import (
     SplineMove,
     Step,
 )
-from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chains import messages
 from yarclang.motion.chains.blend import Corner, way_length
 from yarclang.motion.chains.links import Link
 from yarclang.motion.leading.frame_motions import moving_frame

@@ -6,8 +6,8 @@ import numpy as np
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import ArcMove, Array, LineMove, PoseDelta, PoseGoal, PoseSplineMove
-from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath, FramePath, along
+from yarclang.motion.leading import messages
 from yarclang.motion.leading.led import NOWHERE, FrameWay, Led
 from yarclang.motion.leading.solving import Solver
 from yarclang.motion.paths.arc import NoArc, arc_through

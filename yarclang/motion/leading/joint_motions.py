@@ -6,9 +6,9 @@ import numpy as np
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, AvoidMove, JointDelta, JointGoal, JointMove, PoseGoal, SplineMove
-from yarclang.motion import messages
 from yarclang.motion.avoid.messages import configuration_without_way, no_way, way_round
 from yarclang.motion.avoid.way import NoWay, Way, find_way
+from yarclang.motion.leading import messages
 from yarclang.motion.leading.led import NOWHERE, Led
 from yarclang.motion.leading.solving import Solver, is_free
 from yarclang.motion.paths.joint import JointPath

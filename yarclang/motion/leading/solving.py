@@ -9,9 +9,9 @@ import numpy as np
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, Motion, PoseGoal
-from yarclang.motion import messages
 from yarclang.motion.avoid.messages import configuration_blocked, every_configuration_blocked
 from yarclang.motion.avoid.room import Obstruction, Room, room_of
+from yarclang.motion.leading import messages
 from yarclang.motion.zones import moving_of
 from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
 from yarclang.robot.model import Robot

@@ -1,0 +1,70 @@
+"""What is said of motions that flow into each other: as in `yarclang.motion.messages`."""
+
+from __future__ import annotations
+
+from yarclang.hir import Else, EndWhen, Gap, Motion, Origin, Step, Stop, When
+from yarclang.motion.curve import Curve
+from yarclang.motion.wording import Message, length_text
+from yarclang.units import DEG, MM, MS, Kind
+
+
+def blend_without_unit(kind: str, what: str, origin: Origin) -> Message:
+    """BLEND without the unit that it needs."""
+    message = f"BLEND {what} needs {kind} unit"
+    return "Y0304", message, origin.span, "for example (mm,deg,s)", None
+
+
+def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
+    """BLEND before something that isn't a motion, or that doesn't move."""
+    if following is None or isinstance(following, Stop):
+        what = "the program ends here"
+    elif isinstance(following, Motion):
+        what = "there is no way on one side of the corner"
+    elif isinstance(following, EndWhen | Else | When):
+        what = "the ways of a WHEN part or meet here"
+    else:
+        assert not isinstance(following, Gap)  # it is told itself
+        what = f"{following.origin.name} follows, which the robot stands for"
+    return "Y1010", f"no BLEND is done: {what}", origin.span, "the motion ends in an exact stop", None
+
+
+def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion) -> Message:
+    """BLEND beyond half of a motion."""
+    origin = step.origin
+    amount = length_text(largest) if kind == "length" else f"{largest / DEG:.4g} deg"
+    whose = "the next motion" if by_the_next else "this motion"
+    message = f"the blend is more than half of {whose}"
+    return "Y0606", message, origin.span, f"the largest one here is {amount}", None
+
+
+def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
+    """BLEND 0 at a corner."""
+    if off is None:
+        why = "one is a path of joints, the other one of a frame"
+    elif off[0] > off[1]:
+        why = f"they meet at {off[0] / DEG:.3g} deg"
+    else:
+        why = f"the frame turns differently before and behind, by {off[1] / DEG * MM:.3g} deg/mm"
+    message = f"BLEND 0 needs two paths that are tangent: {why}"
+    return "Y0607", message, origin.span, "give the distance by which the corner may be cut, as BLEND 5", None
+
+
+def stops_at_corner(origin: Origin) -> Message:
+    """A blend that the limits leave no room for."""
+    message = "the robot stops at this corner: in these times the limits leave no room to flow through it"
+    return "Y0608", message, origin.span, "more time, a larger blend or a gentler corner make room", None
+
+
+def time_off_the_grid(duration: float, curve: Curve, origin: Origin) -> Message:
+    """A time that isn't a whole number of segments in a chain."""
+    message = (
+        f"the motion takes {curve.duration:.6g} s instead of {duration:.6g} s: motions without a stop between have one "
+        f"segment time, {curve.segment / MS:.6g} ms, and theirs have none in common"
+    )
+    return (
+        "Y0609",
+        message,
+        origin.time_span or origin.span,
+        "times with a common part, as 1.2 and 0.8, are met exactly",
+        None,
+    )

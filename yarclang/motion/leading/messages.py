@@ -1,0 +1,201 @@
+"""What is said of where motions lead, and of the configurations in which they do: as in `yarclang.motion.messages`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.hir import ArcMove, Array, Gap, LineMove, Motion, Origin, PoseSplineMove, Step
+from yarclang.motion.cartesian import FramePath
+from yarclang.motion.paths.arc import NoArc
+from yarclang.motion.wording import Message, amount_text, beyond_text, length_text, miss_text, range_text
+from yarclang.robot.kinematics.nearest import Unreachable
+from yarclang.robot.kinematics.track import Broken
+from yarclang.robot.model import Robot
+from yarclang.source import Span
+from yarclang.units import DEG, MM
+
+CartesianMove = LineMove | ArcMove | PoseSplineMove
+
+MUCH_SWING = 1.0
+"""A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
+
+MUCH_OF_BOX = 0.1
+"""... or, of a curve of the moving frame, by more than this share of the diagonal of the box round them."""
+
+_BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a via pose beside it"
+
+
+def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
+    """A pose without a joint position."""
+    if solved.kind == "reach":
+        message = f"{which}out of reach by {miss_text(solved.miss, solved.miss_angle)}"
+        return (
+            "Y0501",
+            message,
+            origin.span,
+            "check the pose, its units and its frames; or move the robot nearer",
+            None,
+        )
+    joint = solved.joint or 0
+    message = f"{which}the pose needs {beyond_text(robot, joint, solved.excess)}, in the configuration that needs least"
+    return "Y0502", message, origin.span, range_text(robot, joint), None
+
+
+def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Message:
+    """DMOVEJ to a joint position beyond the limits."""
+    limits = robot.limits
+    excess = np.maximum(end - limits.upper, limits.lower - end) / robot.axis_units
+    joint = int(np.argmax(excess))
+    over = end[joint] - limits.upper[joint]
+    amount = float(over if over > 0 else end[joint] - limits.lower[joint])
+    message = f"the increments take {beyond_text(robot, joint, amount)}"
+    return "Y0502", message, origin.span, range_text(robot, joint), None
+
+
+def half_turn(origin: Origin, where: str = "") -> Message:
+    """A motion that turns by half a revolution; `where` says at which of its way-points."""
+    message = f"{where}the orientation turns by half a revolution: there is no short way"
+    return "Y0409", message, origin.span, "give a via pose that says which way round", None
+
+
+def no_arc(arc: NoArc, origin: Origin) -> Message:
+    """Three points that give no circle."""
+    if arc.kind == "half turn":
+        return half_turn(origin)
+    if arc.kind == "coincident":
+        message = f"{arc.points} are {length_text(arc.apart)} apart: they give no circle"
+        help_ = "a full circle is two arcs of MOVEC; a motion without a way is a MOVEL"
+    else:
+        message = (
+            f"start, via and end lie on a line (they bend by {arc.bend / DEG:.2g} deg): they give no circle"
+        )
+        help_ = "MOVEL goes straight; for an arc, move via off the line"
+    return "Y0420", message, origin.span, help_, None
+
+
+def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianMove) -> Message:
+    """A motion of the moving frame that can't be followed to its end."""
+    origin = step.origin
+    what = {LineMove: "straight line", ArcMove: "arc", PoseSplineMove: "curve"}[type(step)]
+    point = np.round(frame.poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
+    where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
+    joint = broken.joint
+    if broken.kind == "reach":
+        message = f"the {what} leaves the workspace {where}: it is out of reach by up to {miss_text(broken.amount, broken.angle)}"
+        return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
+    if broken.kind == "limits" and joint is not None:
+        message = f"the {what} takes {beyond_text(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"
+        return "Y0504", message, origin.span, f"{range_text(robot, joint)}; {_BY_JOINTS}", None
+    if broken.kind == "configuration":
+        why = (
+            f": {beyond_text(robot, joint, broken.amount)} otherwise"
+            if joint is not None and broken.amount
+            else ""
+        )
+        message = f"the {what} needs another configuration {where}{why}"
+        return "Y0801", message, origin.span, _BY_JOINTS, None
+    name = robot.joint_names[joint] if joint is not None else "a joint"
+    message = f"the {what} meets a singularity {where}: {name} would have to jump by {amount_text(robot, joint or 0, abs(broken.amount))}"
+    return "Y0701", message, origin.span, _BY_JOINTS, None
+
+
+def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, origin: Origin) -> Message:
+    """A spline that takes a joint beyond its limits."""
+    name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
+    message = f"the curve takes {name} out of its limits by {excess:.4g} {unit} at {s * 100:.3g} % of the way"
+    return (
+        "Y0504",
+        message,
+        origin.span,
+        f"{range_text(robot, joint)}; a way-point between holds the curve back",
+        None,
+    )
+
+
+def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: Origin) -> Message:
+    """A spline that leaves the range of its way-points by much."""
+    name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
+    message = (
+        f"the curve swings {swing:.3g} {unit} beyond its way-points in {name}, at {s * 100:.3g} % of the way"
+    )
+    return "Y0505", message, origin.span, "a way-point between holds it back", None
+
+
+def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Message:
+    """A curve of the moving frame that leaves the box round its way-points by much."""
+    message = f"the curve swings {length_text(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} % of the way"
+    return "Y0505", message, origin.span, "a way-point between holds it back", None
+
+
+def ways_part(robot: Robot, one: Array, other: Array, origin: Origin) -> Message:
+    """A WHEN whose ways end at different joint positions."""
+    off = np.abs(one - other) / robot.axis_units
+    joint = int(np.argmax(off))
+    message = (
+        f"the ways of this WHEN end apart: {robot.joint_names[joint]} by {off[joint]:.4g} "
+        f"{robot.axis_unit_names[joint]}"
+    )
+    return (
+        "Y1002",
+        message,
+        origin.span,
+        "end both at the same joint positions, with MOVEJ to a JOINTS name",
+        None,
+    )
+
+
+def another_configuration(
+    robot: Robot,
+    step: Motion,
+    taken: Array,
+    nearest: Array | None,
+    later: Step,
+    reasons: tuple[Diagnostic, ...],
+) -> Message:
+    """A target whose nearest solution would break a later motion."""
+    origin = step.origin
+    why = next((reason for reason in reasons if reason.is_error), None)
+    blamed = ""
+    if why is not None:
+        named = "" if isinstance(later, Gap) else later.origin.label
+        label = named or (f"line {why.span.line}" if why.span is not None else "")
+        blamed = f": with that, in {label}, {why.message}" if label else f": with that, {why.message}"
+    message = f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}{blamed}"
+    help_ = "NEAR with a joint position in this configuration says that it is meant"
+    return "Y0802", message, origin.span, help_, near_fix(robot, origin, taken)
+
+
+def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
+    """In which joints a solution differs from the nearest, in brackets."""
+    if nearest is None:
+        return ""
+    # no negative zeros
+    shown = [np.round(one / robot.axis_units, 1) + 0.0 for one in (taken, nearest)]
+    apart = np.abs(taken - nearest) / robot.axis_units
+    joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
+    told = (
+        f"{robot.joint_names[joint]} {shown[0][joint]:.1f} instead of {shown[1][joint]:.1f} "
+        f"{robot.axis_unit_names[joint]}"
+        for joint in sorted(joints)
+    )
+    return f" ({', '.join(told)})"
+
+
+def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
+    """A fix that names the joint position and takes it by NEAR; None where one command has many places."""
+    if not origin.index or ">" in origin.place or "(" in origin.place or origin.end_span is None:
+        return None
+    name = f"{origin.index}_NEAR"
+    units = sorted(
+        {"mm" if unit == "mm" else "deg" for unit in robot.axis_unit_names}, key=("mm", "deg").index
+    )
+    values = " ".join(
+        f"{value:.3f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, 3) + 0.0
+    )
+    declaration = f"JOINTS {name} {values} ({','.join(units)})\n"
+    line = Span.on_line(origin.span.line, 1, 1)
+    return Fix(
+        f"declare {name} and write NEAR {name}",
+        (Edit(line, declaration), Edit(origin.end_span, f" NEAR {name}")),
+    )

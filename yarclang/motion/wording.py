@@ -1,0 +1,54 @@
+"""What messages about motions are made of: amounts in words."""
+
+from __future__ import annotations
+
+from yarclang.diagnostics import Fix
+from yarclang.robot.model import Robot
+from yarclang.source import Span
+from yarclang.units import DEG, MM
+
+Message = tuple[str, str, Span, str, Fix | None]
+"""A finding's code, its sentence, its place, the help and the fix."""
+
+_ANGLE_NOISE = 1e-3
+"""A smaller angle [rad] that is left beside a distance comes from the search for the distance."""
+
+_DISTANCE_NOISE = 1e-6
+"""A smaller distance [m] that is left beside an angle comes from the search for both."""
+
+
+def percent_text(share: float) -> str:
+    """A share in percent."""
+    return f"{share * 100:.3g} %" if share < 10.0 else f"{share * 100:,.0f} %"
+
+
+def miss_text(distance: float, angle: float) -> str:
+    """A distance [m], an angle [rad] or both: what isn't rounding."""
+    if angle <= _ANGLE_NOISE:
+        return length_text(distance)
+    turn = f"{angle / DEG:.3g} deg"
+    return turn if distance < _DISTANCE_NOISE else f"{length_text(distance)} and {turn}"
+
+
+def length_text(metres: float) -> str:
+    """A length [m] in mm."""
+    return f"{metres / MM:.3g} mm" if abs(metres) < 1.0 else f"{metres / MM:,.0f} mm"
+
+
+def amount_text(robot: Robot, joint: int, value: float) -> str:
+    """A way of a joint [rad or m] in its unit."""
+    return f"{value / robot.axis_units[joint]:.4g} {robot.axis_unit_names[joint]}"
+
+
+def beyond_text(robot: Robot, joint: int, excess: float) -> str:
+    """By how much a joint is beyond its limits [rad or m], above the upper one or, if negative, below the lower one."""
+    side = "above its upper" if excess > 0 else "below its lower"
+    return f"{robot.joint_names[joint]} {amount_text(robot, joint, abs(excess))} {side} limit"
+
+
+def range_text(robot: Robot, joint: int) -> str:
+    """The limits of a joint."""
+    lower, upper = (
+        limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
+    )
+    return f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {robot.axis_unit_names[joint]}"

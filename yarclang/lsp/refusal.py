@@ -16,7 +16,11 @@ class Refusal(JsonRpcException):
 
 
 def keep_quiet_about_refusals() -> None:
-    """The library logs whatever is raised, with its whole way; a refusal is no fault."""
-    logging.getLogger("pygls.protocol.json_rpc").addFilter(
-        lambda record: not (record.exc_info and isinstance(record.exc_info[1], Refusal))
-    )
+    """The library logs what is no fault: refusals, with their whole way, and that an editor gave up a question while its answer was on the way."""
+    logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_fault)
+
+
+def _is_fault(record: logging.LogRecord) -> bool:
+    if str(record.msg).startswith("Cancel notification for unknown message"):
+        return False
+    return not (record.exc_info and isinstance(record.exc_info[1], Refusal))

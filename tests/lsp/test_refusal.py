@@ -1,0 +1,30 @@
+"""What the server writes into an editor's log: faults only."""
+
+import logging
+
+import pytest
+from pygls.protocol.json_rpc import JsonRPCProtocol
+
+from yarclang.lsp.refusal import Refusal, keep_quiet_about_refusals
+
+LOG = logging.getLogger("pygls.protocol.json_rpc")
+
+
+@pytest.fixture
+def quiet():
+    before = list(LOG.filters)
+    keep_quiet_about_refusals()
+    yield
+    LOG.filters[:] = before
+
+
+def test_only_faults_are_logged(quiet, caplog):
+    protocol = JsonRPCProtocol.__new__(JsonRPCProtocol)
+    protocol._request_futures = {}
+    protocol._handle_cancel_notification(7)  # answered before the editor gave it up
+    for error in (Refusal("not this name"), ValueError("a fault")):
+        try:
+            raise error
+        except Exception:
+            LOG.exception("failed")
+    assert [one.exc_info[1].args for one in caplog.records] == [("a fault",)]

@@ -20,6 +20,8 @@ const { fitting } = require("./snippets");
 
 let client;
 let channel;
+/** What the server and the client say of themselves, which only helps where they fail. */
+let serverChannel;
 let watcher;
 /** Where yarc was found; nothing while it isn't there. */
 let found = "";
@@ -33,9 +35,11 @@ const panels = new Map();
 /** Start `yarc lsp`, and offer the commands. */
 async function activate(context) {
   channel = window.createOutputChannel("YARC");
+  serverChannel = window.createOutputChannel("YARC language server");
   watcher = workspace.createFileSystemWatcher("**/*.{yarc,toml,urdf}");
   context.subscriptions.push(
     channel,
+    serverChannel,
     watcher,
     commands.registerCommand("yarc.compileProgram", () => onProgram(compile)),
     commands.registerCommand("yarc.plotProgram", () => onProgram(plot)),
@@ -82,7 +86,7 @@ async function start() {
         { scheme: "untitled", language: "yarc" },
         { scheme: "file", pattern: "**/{robot,cell}.toml" },
       ],
-      outputChannel: channel,
+      outputChannel: serverChannel,
       middleware: { window: { showDocument } },
       synchronize: { fileEvents: watcher },
     },
@@ -91,7 +95,7 @@ async function start() {
     await starting.start();
     client = starting;
   } catch (error) {
-    channel.appendLine(String(error?.message ?? error)); // the client has said that it failed, with a way to this channel
+    serverChannel.appendLine(String(error?.message ?? error)); // the client has said that it failed, with a way to this channel
   }
 }
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.certify.cursor import Cursor, Refusal, shown
 from yarclang.certify.text import TM_STEPS_PER_MS, Barred, Dwelt, Put, Run, Stood, Target
@@ -105,12 +107,16 @@ class _Course:
             return
         if not self._blocks:
             raise Refusal(self._tm_line, "is a TM without move lines", "Y1151")
-        lines = np.concatenate([np.arange(line, line + len(block)) for line, block in self._blocks])
-        points = np.concatenate([block for _, block in self._blocks])
-        self.items.append(Run(self._ms, self._tm_line, points, lines, tuple(self.puts)))
+        lines = [np.arange(line, line + len(block)) for line, block in self._blocks]
+        points = [block for _, block in self._blocks]
+        self.items.append(Run(self._ms, self._tm_line, _joined(points), _joined(lines), tuple(self.puts)))
         self._ms = None
         self._blocks.clear()
         self.puts.clear()
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _read_stand(cursor: Cursor, line: int) -> Stood:

@@ -82,6 +82,8 @@ class Cursor:
             self._place += length
             self.line += len(points)
             self.decimals = max(self.decimals, decimals)
+        if len(pieces) == 1:
+            return pieces[0]
         return np.concatenate(pieces) if pieces else None
 
     def _piece_end(self) -> int:
@@ -99,6 +101,7 @@ class Cursor:
         while re.search(rf"\.[0-9]{{{decimals + 1}}}", block):
             decimals += 1
         points = np.fromstring(block.translate(self._blank), sep=" ").reshape(-1, len(self._axes))
+        points.setflags(write=False)  # it is remembered
         return points, found.end() - place, decimals
 
     def move_follows(self) -> bool:

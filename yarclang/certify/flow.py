@@ -121,6 +121,8 @@ def _behind(run: Run, put: Put, entry: Entry) -> int:
 def _not_in_the_middle(text: ControllerText) -> Iterator[Fault]:
     """An output that is set in step with a move, elsewhere than in the middle of a blend."""
     for run in text.runs:
+        if not run.puts:
+            continue
         blended = [
             entry
             for entry in text.entries

@@ -101,31 +101,33 @@ def lay_out(
     if problem := _compare(text.entries, program):
         return problem
     moving = [entry for entry in text.entries if entry.first is not None]
-    control, at, time, ends, lines = [], [], [], [0], []
-    stand, base, total = start, 0, 0
+    control: list[Array] = []
+    runs: list[Run] = []
+    stand = start
     ways: list[Array] = []
     for run in text.course:
         if not isinstance(run, Run):
             stand = _flow(run, stand, ways, axis_units)
             continue
-        points = run.points * axis_units
-        sequence = np.concatenate([np.tile(stand, (3, 1)), points, np.tile(points[-1], (2, 1))])
-        count = len(points) + 2
+        sequence = np.empty((3 + len(run.points) + 2, len(stand)))
+        sequence[:3] = stand
+        np.multiply(run.points, axis_units, out=sequence[3:-2])
+        sequence[-2:] = stand = sequence[-3]
         control.append(sequence)
-        at.append(base + np.arange(count))
-        time.append(np.full(count, run.segment_ms * MS))
-        lines.append(run.lines)
-        stand, base, total = points[-1], base + len(sequence), total + count
-        ends.append(total)
+        runs.append(run)
+    lines = [run.lines for run in runs]
+    sizes = np.array([len(sequence) - 3 for sequence in control], dtype=np.int64)
     spans = _spans(moving, lines)
     if isinstance(spans, tuple):
         return spans
     if problem := _blends(moving, spans, lines, program):
         return problem
+    # each sequence has three points more than segments
+    at = np.arange(sizes.sum()) + np.repeat(3 * np.arange(len(sizes)), sizes)
     everything = Layout(
         np.concatenate(control) if control else np.empty((0, len(start))),
-        np.concatenate(at) if at else np.empty(0, dtype=np.int64),
-        np.concatenate(time) if time else np.empty(0),
+        at,
+        np.repeat(np.array([run.segment_ms * MS for run in runs]), sizes),
         (),
         np.empty((0, len(start))),
         np.empty((0, len(start))),

@@ -189,7 +189,7 @@ class _Fitter:
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
             # what other numbers need is known without their control points, so many can be compared
             numbers = self._likeliest(range(segments, segments + max(MORE_SEGMENTS, segments // 4) + 1))
-        trials = [self.trials.fastest(number) for number in numbers]
+        trials = self.trials.fastest_of(numbers)
 
         def duration(trial: Trial) -> tuple[bool, float]:
             segment = self.quick.not_below(trial.demand.segment)

@@ -7,6 +7,7 @@ which they keep all limits is a closed form.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -51,19 +52,30 @@ class Trials:
 
     def trial(self, segments: int, form: Form) -> Trial:
         """The control points for a number of segments and a form."""
-        known = self._made.get((segments, form))
-        if known is not None:
-            return known
-        control = self.law.control(segments, form)
+        return self.trials([(segments, form)])[0]
+
+    def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
+        """The same for many at once: their joint positions are solved together."""
+        missing = [one for one in dict.fromkeys(wanted) if one not in self._made]
+        controls = [self.law.control(segments, form) for segments, form in missing]
+        for (segments, form), control, points in zip(missing, controls, self._points(controls), strict=True):
+            self._made[segments, form] = Trial(segments, form, control, points, self.bounds.demands(points))
+        return [self._made[one] for one in wanted]
+
+    def _points(self, controls: list[Array]) -> list[Array]:
+        """The control points of the joints for control values of the share of the way."""
         start, end = self.path.start, self.path.end
+        if not controls:
+            return []
         if self.path.is_straight_in_joints:
-            points = start + control[:, None] * (end - start)
-            points[-3:] = end
-        else:
-            points = through_knots(self.path.joints(knot_values(control)[2:-2]), start, end)
-        made = Trial(segments, form, control, points, self.bounds.demands(points))
-        self._made[segments, form] = made
-        return made
+            straight = [start + control[:, None] * (end - start) for control in controls]
+            for points in straight:
+                points[-3:] = end
+            return straight
+        knots = [knot_values(control)[2:-2] for control in controls]
+        q = self.path.joints(np.concatenate(knots))
+        stops = np.cumsum([len(one) for one in knots])[:-1]
+        return [through_knots(part, start, end) for part in np.split(q, stops)]
 
     def within(self, segments: int, segment: float) -> Trial:
         """The trial with the first form that keeps the limits at a segment time, or the fastest one."""
@@ -85,14 +97,32 @@ class Trials:
 
     def fastest(self, segments: int) -> Trial:
         """The trial with the form that needs the shortest segments."""
-        forms = self.law.forms(segments)
-        likely = forms[int(np.argmin(self._from_slope(segments, forms)))] if len(forms) > 1 else forms[0]
-        best = self.trial(segments, _form(likely))
-        for _ in range(3 if len(forms) > 1 else 0):
-            better = self.trial(segments, _form(forms[int(np.argmin(self._foreseen(best, forms)))]))
-            if better.demand.segment >= best.demand.segment:
-                break
-            best = better
+        return self.fastest_of([segments])[0]
+
+    def fastest_of(self, numbers: Sequence[int]) -> list[Trial]:
+        """The same for each number of segments."""
+        forms = [self.law.forms(number) for number in numbers]
+        likely = [
+            each[int(np.argmin(self._from_slope(number, each)))] if len(each) > 1 else each[0]
+            for number, each in zip(numbers, forms, strict=True)
+        ]
+        best = self.trials([(number, _form(row)) for number, row in zip(numbers, likely, strict=True)])
+        improving = [place for place, each in enumerate(forms) if len(each) > 1]
+        for _ in range(3):
+            nearer = [
+                forms[place][int(np.argmin(self._foreseen(best[place], forms[place])))] for place in improving
+            ]
+            better = self.trials(
+                [(numbers[place], _form(row)) for place, row in zip(improving, nearer, strict=True)]
+            )
+            quicker = {
+                place: one
+                for place, one in zip(improving, better, strict=True)
+                if one.demand.segment < best[place].demand.segment
+            }
+            for place, one in quicker.items():
+                best[place] = one
+            improving = list(quicker)
         return best
 
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:

@@ -16,8 +16,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.findings import CATALOGUE
-from yarclang.findings.y13_robot import FINDINGS
+from yarclang.findings import CATALOGUE, y13_chain, y13_joints, y13_robot, y13_urdf
 from yarclang.robot.description import list_robots, load_robot, stdlib_folder
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians, tool_poses
 from yarclang.robot.model import Robot
@@ -576,7 +575,8 @@ def test_a_fixed_joint_needs_no_axis(tmp_path: Path) -> None:
 def test_every_finding_of_the_family_is_tested() -> None:
     tested = {row[0] for row in (*IN_TOML, *IN_URDF)}
     tested |= {"Y1301", "Y1314", "Y1318", "Y1358", "Y1359", "Y1360"}
-    assert {finding.code for finding in FINDINGS} == tested
+    families = (y13_robot, y13_joints, y13_urdf, y13_chain)
+    assert {finding.code for family in families for finding in family.FINDINGS} == tested
 
 
 def test_a_mesh_is_found_beside_the_urdf(tmp_path: Path) -> None:

@@ -1,0 +1,131 @@
+"""Family 13: what a robot's URDF describes: its chain of joints, and the shapes of its links."""
+
+from __future__ import annotations
+
+from yarclang.findings.finding import Finding
+
+FINDINGS: tuple[Finding, ...] = (
+    Finding(
+        "Y1347",
+        "unknown-link",
+        "error",
+        "there is no link of this name",
+        "Joints, and base and flange of robot.toml, name links of the URDF, in its upper and lower case.",
+        '<child link="Link_2"/>',
+        '<child link="link_2"/>',
+    ),
+    Finding(
+        "Y1348",
+        "two-parents",
+        "error",
+        "a link hangs on two joints",
+        "An arm is a tree: each link has one joint that moves it.",
+    ),
+    Finding(
+        "Y1349",
+        "two-roots",
+        "error",
+        "the URDF falls into several trees",
+        "A link without a joint above it is a root; of a second one nobody knows where it stands.",
+    ),
+    Finding(
+        "Y1350",
+        "joint-circle",
+        "error",
+        "joints go round in a circle",
+        "No link of the circle hangs on the base, so its place isn't known.",
+    ),
+    Finding(
+        "Y1351",
+        "bad-joint-type",
+        "error",
+        "an arm can't have a joint of this type",
+        "Each joint has one axis and a motor: revolute, continuous or prismatic; fixed joins two links. A "
+        "joint that "
+        "mimics another has no position of its own.",
+        '<joint name="J1" type="Revolute">',
+        '<joint name="J1" type="revolute">',
+    ),
+    Finding(
+        "Y1352",
+        "zero-axis",
+        "error",
+        "the axis of a joint has no direction",
+        "An axis of length 0 can't be turned about; Pinocchio takes it without a word.",
+        '<axis xyz="0 0 0"/>',
+        '<axis xyz="0 0 1"/>',
+    ),
+    Finding(
+        "Y1353",
+        "no-chain",
+        "error",
+        "no moving chain leads from the base to the flange",
+        "The robot is the chain of joints from the link base to the link flange; the base must be above "
+        "the flange.",
+        'base = "flange"\nflange = "base_link"',
+        'base = "base_link"\nflange = "flange"',
+    ),
+    Finding(
+        "Y1354",
+        "stray-joint",
+        "error",
+        "a moving joint isn't in the chain",
+        "No motor of this robot moves it, so nobody knows where it stands, and the collision check would "
+        "be of no use.",
+        'flange = "tool0"',
+        'flange = "tool0"\nignored_joints = ["finger"]',
+    ),
+    Finding(
+        "Y1355",
+        "narrower-in-urdf",
+        "warning",
+        "the URDF's limit is narrower than robot.toml's",
+        "The limits of robot.toml count. If those of the URDF are the arm's real ones, it would run into "
+        "its end stops.",
+    ),
+    Finding(
+        "Y1356",
+        "unknown-shape",
+        "error",
+        "a body has no shape that can be read",
+        "The body would lose its shape in silence, and the collision check would look through it.",
+        '<geometry><cone radius="0.1"/></geometry>',
+        '<geometry><cylinder radius="0.1" length="0.2"/></geometry>',
+    ),
+    Finding(
+        "Y1357",
+        "missing-mesh",
+        "error",
+        "the file of a mesh isn't there",
+        "Mesh names are seen from the folder of the URDF; package:// is looked for there and in the "
+        "folders above.",
+    ),
+    Finding(
+        "Y1358",
+        "capsule-version",
+        "error",
+        "a capsule needs URDF 1.1",
+        "In a URDF of version 1.0, which holds where none is said, a <capsule> is dropped in silence: the "
+        "link would "
+        "have no shape.",
+        '<robot name="arm">',
+        '<robot name="arm" version="1.1">',
+    ),
+    Finding(
+        "Y1359",
+        "no-collision-shape",
+        "warning",
+        "a moving link has no collision shape",
+        "The collision check can't see the link, and lets it pass through everything.",
+    ),
+    Finding(
+        "Y1362",
+        "not-ignorable",
+        "error",
+        "a joint can't be ignored",
+        "ignored_joints names moving joints of the URDF that aren't between the base and the flange, such as "
+        "the fingers of a gripper: no motor of this robot moves them, and they count as standing at 0.",
+        'ignored_joints = ["fingr"]',
+        'ignored_joints = ["finger"]',
+    ),
+)

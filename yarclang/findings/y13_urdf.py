@@ -1,0 +1,88 @@
+"""Family 13: a robot's URDF, the text and its elements."""
+
+from __future__ import annotations
+
+from yarclang.findings.finding import Finding
+
+FINDINGS: tuple[Finding, ...] = (
+    Finding(
+        "Y1340",
+        "not-xml",
+        "error",
+        "the URDF isn't XML",
+        "The text breaks a rule of XML, so that nothing of the file can be relied on.",
+        '<link name="a">',
+        '<link name="a"/>',
+    ),
+    Finding(
+        "Y1341",
+        "not-urdf",
+        "error",
+        "the file isn't a URDF that can be used",
+        "It has another root than <robot>, a version other than 1.0 to 1.2, xacro, a DOCTYPE, or far too "
+        "much in it.",
+        '<robot name="arm" version="2.0">',
+        '<robot name="arm" version="1.1">',
+    ),
+    Finding(
+        "Y1342",
+        "missing-part",
+        "error",
+        "an element lacks a part",
+        "Readers of URDF refuse the file without it, or take a default that moves the arm wrongly (an "
+        "<axis> without xyz).",
+        "<axis/>",
+        '<axis xyz="0 0 1"/>',
+    ),
+    Finding(
+        "Y1343",
+        "urdf-name",
+        "error",
+        "the name of a link or joint has letters that can't be used",
+        "Such names become keys of robot.toml and words of messages: ASCII letters, digits, and . _ - are "
+        "safe everywhere.",
+        '<joint name="axis 1" type="revolute">',
+        '<joint name="axis_1" type="revolute">',
+    ),
+    Finding(
+        "Y1344",
+        "urdf-name-twice",
+        "error",
+        "two links, joints or materials have one name",
+        "Links and joints are found by name, so one of the two would be lost.",
+    ),
+    Finding(
+        "Y1345",
+        "bad-number",
+        "error",
+        "a number of the URDF can't be read",
+        "Numbers are finite, and lists of them have blanks between, not commas or tabs.",
+        '<origin xyz="0, 0.2, 0.449"/>',
+        '<origin xyz="0 0.2 0.449"/>',
+    ),
+    Finding(
+        "Y1346",
+        "bad-size",
+        "error",
+        "a size isn't above zero",
+        "A shape without extent collides with nothing; a negative mass or speed has no meaning.",
+        '<sphere radius="0"/>',
+        '<sphere radius="0.1"/>',
+    ),
+    Finding(
+        "Y1360",
+        "pinocchio-refuses",
+        "error",
+        "pinocchio can't read the URDF",
+        "The checks here found nothing, and the library that builds the model still refuses the file.",
+    ),
+    Finding(
+        "Y1361",
+        "element-twice",
+        "error",
+        "an element is there twice",
+        "Readers of URDF take the first of two and say nothing about the second.",
+        '<origin xyz="0 0 1"/>\n<origin xyz="0 0 2"/>',
+        '<origin xyz="0 0 1"/>',
+    ),
+)

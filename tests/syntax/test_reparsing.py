@@ -23,10 +23,15 @@ class Counted:
 @pytest.fixture
 def counted(monkeypatch):
     counted = Counted()
-    parsing.parse_statement.cache_clear()
+    forget()
     monkeypatch.setattr(parsing, "plain_statement", counted)
     yield counted
+    forget()
+
+
+def forget():
     parsing.parse_statement.cache_clear()
+    parsing._placed.cache_clear()
 
 
 def program():
@@ -60,6 +65,7 @@ def test_an_edit_parses_its_own_line_anew(counted):
     lines[2500] = "P02500 MOVEJ 1 2 3 4 5 6 [7] (deg,s)"
     edited = parsed(lines)
     assert counted.texts == [lines[2500]]
+    assert sum(one is not other for one, other in zip(edited.statements, first.statements, strict=True)) == 1
     assert edited.statements[:2000] == first.statements[:2000]
     assert edited.statements != first.statements
 

@@ -11,11 +11,12 @@ from yarclang.syntax.ast import (
     ComputedPercent,
     FrameName,
     Module,
+    Number,
     Statement,
     Word,
 )
 from yarclang.syntax.expressions import Expression, Name, parts_of
-from yarclang.syntax.words import DECLARATIONS
+from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
 
 _FRAMES = ("FRAME", "FRAME_QUAT")
 _NAMED = ("LET", "JOINTS", "INPUT", "OUTPUT", "SUB", "USE")
@@ -57,7 +58,7 @@ def names_of(module: Module) -> Names:
     depth, sub_depth = 0, 0
     for statement in module.statements:
         word = statement.name.name
-        if word in {"SUB", "REPEAT", "IF", "WHEN"}:
+        if word in BLOCK_HEADS:
             depth += 1
             sub_depth = sub_depth or (depth if word == "SUB" else 0)
         elif word == "END":
@@ -65,14 +66,13 @@ def names_of(module: Module) -> Names:
             depth -= 1
         if word not in DECLARATIONS and not sub_depth:
             found.is_program = True
-        _read(statement, found)
+        _read(statement, word, found)
     if module.unreadable_lines:
         found.is_program = False
     return found
 
 
-def _read(statement: Statement, found: Names) -> None:
-    word = statement.name.name
+def _read(statement: Statement, word: str, found: Names) -> None:
     own: object = None
     if word in _FRAMES and statement.moving is not None:
         own = statement.moving
@@ -89,10 +89,12 @@ def _read(statement: Statement, found: Names) -> None:
         _expression(statement.expression, found)
     for waypoint in statement.waypoints:
         for value in waypoint.values:
-            if value is not own:
+            if type(value) is not Number and value is not own:  # most are numbers
                 _speak_of(value, found)
-    for item in statement.time.items if statement.time else ():
-        _speak_of(item, found)
+    if statement.time is not None:
+        for item in statement.time.items:
+            if type(item) is not Number:
+                _speak_of(item, found)
     for option in statement.options:
         _speak_of(option.argument, found)
 

@@ -6,14 +6,13 @@ from yarclang.diagnostics import Collector, suggest
 from yarclang.hir import Dwell, Hold, Origin, Output, SetOutput, Signal, Step, WaitInput, When
 from yarclang.semantics.amounts import AmountError
 from yarclang.semantics.context import Defaults
+from yarclang.semantics.files import values_of
 from yarclang.semantics.naming import state_value
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.scope import KINDS, Input, Scope
 from yarclang.semantics.to_hir import origin_of
 from yarclang.semantics.units import amount, missing_unit, resolve_units
 from yarclang.syntax.ast import Computed, Number, Statement, Text, Value, Word
-
-ACTIONS = ("WAIT", "SET", "HOLD")
 
 LONGEST_WAIT = 3600.0
 """The controller's timer counts no further by far [s]."""
@@ -37,7 +36,7 @@ def read_action(statement: Statement, scope: Scope, defaults: Defaults, findings
 def read_when(statement: Statement, scope: Scope, findings: Collector) -> When | None:
     """The head of a WHEN."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = _values(statement)
+    values = values_of(statement)
     if len(values) != 2:
         message = "WHEN wants an input and what it is"
         findings.add("Y0401", message, statement.whole_span, "for example WHEN DOOR OFF")
@@ -53,7 +52,7 @@ def _wait(
     statement: Statement, origin: Origin, scope: Scope, defaults: Defaults, findings: Collector
 ) -> Step | None:
     refuse_parts(statement, ("a moving frame", "a base frame", "options"), findings)
-    values = _values(statement)
+    values = values_of(statement)
     if values and len(values) != 2:
         message = "WAIT wants a time, or an input and what it shall be"
         findings.add(
@@ -111,7 +110,7 @@ def _seconds(statement: Statement, scope: Scope, defaults: Defaults, findings: C
 
 def _set(statement: Statement, origin: Origin, scope: Scope, findings: Collector) -> Step | None:
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = _values(statement)
+    values = values_of(statement)
     if len(values) != 2:
         message = "SET wants an output and its value"
         findings.add("Y0401", message, statement.whole_span, "for example SET GRIP ON")
@@ -123,7 +122,7 @@ def _set(statement: Statement, origin: Origin, scope: Scope, findings: Collector
 
 def _hold(statement: Statement, origin: Origin, findings: Collector) -> Step:
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = _values(statement)
+    values = values_of(statement)
     if len(values) > 1 or (values and not isinstance(values[0], Text)):
         findings.add(
             "Y0401", "HOLD takes a text in quotes, or nothing", statement.whole_span, 'HOLD "shut the door"'
@@ -167,7 +166,3 @@ def _wrong(
         f"there are {', '.join(known)}" if known else f"declare it: {example}"
     )
     findings.add("Y0210", f"no {what} is named {value.text}", span, help_)
-
-
-def _values(statement: Statement) -> list[Value]:
-    return [value for waypoint in statement.waypoints for value in waypoint.values]

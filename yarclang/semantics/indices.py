@@ -27,8 +27,9 @@ def check_indices(commands: list[Statement], findings: Collector) -> None:
             help_ = "write P0010 (any number that isn't taken) before the name"
             findings.add("Y0105", f"{statement.name.text} has no index", span, help_)
             continue
-        number, span = int(statement.index.text[1:]), statement.span(statement.index.place)
+        number = int(statement.index.text[1:])
         if number in lines:
+            span = statement.span(statement.index.place)
             message = f"the index P{number:04d} stands in line {lines[number]} already"
             findings.add("Y0201", message, span, f"P{max(lines) + 1:04d} is free")
             continue

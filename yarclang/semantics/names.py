@@ -9,11 +9,15 @@ from functools import lru_cache
 from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
-from yarclang.syntax.ast import Statement
-from yarclang.syntax.words import AVOID
+from yarclang.syntax.ast import Block, Node, Statement
+from yarclang.syntax.words import AVOID, DECLARATIONS
 
 DEFAULT_PROFILE = "LSPB"
 TARGETS = ("RPY", "QUAT")
+ACTIONS = ("WAIT", "SET", "HOLD")
+"""Commands that move nothing and have one name each (actions.py)."""
+
+_NOT_TAKEN_APART = frozenset([*ACTIONS, "CALL"])
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +31,40 @@ class ResolvedName:
     """Today's name in full, as the program says it."""
     avoids: bool = False
     """Whether it goes round obstacles."""
+
+
+class CommandNames:
+    """Takes the names of commands apart: each once, however often it stands in the text and is unrolled; what is wrong with one is told once a statement."""
+
+    def __init__(self, profiles: tuple[str, ...]) -> None:
+        self._profiles = profiles
+        self._sound: dict[str, ResolvedName] = {}
+        self._told: dict[tuple[Collector, int], ResolvedName | None] = {}
+
+    def resolved(self, statement: Statement, findings: Collector) -> ResolvedName | None:
+        """As `resolve_name`; `findings` are those of the statement's file."""
+        if (sound := self._sound.get(statement.name.text)) is not None:
+            return sound
+        key = findings, statement.line
+        if key in self._told:
+            return self._told[key]
+        before = len(findings.found)
+        found = resolve_name(statement, self._profiles, findings)
+        if found is not None and len(findings.found) == before:
+            self._sound[statement.name.text] = found
+        else:
+            self._told[key] = found
+        return found
+
+    def look_up(self, nodes: Iterable[Node], findings: Collector) -> None:
+        """The names of all commands of a file, also of those that nothing leads to."""
+        for node in nodes:
+            if isinstance(node, Block):
+                self.look_up((*node.body, *(node.otherwise or ())), findings)
+            elif node.name.text not in self._sound:
+                word = node.name.name
+                if (node.index is not None or word not in DECLARATIONS) and word not in _NOT_TAKEN_APART:
+                    self.resolved(node, findings)
 
 
 def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collector) -> ResolvedName | None:

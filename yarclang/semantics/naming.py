@@ -16,6 +16,7 @@ from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.evaluate import EvaluationError, evaluate
+from yarclang.semantics.files import values_of
 from yarclang.semantics.frames import base_axes
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.poses import check_limits, rotation_of
@@ -111,7 +112,7 @@ def declare_frame(
     if not frame_may_be_declared(statement, statement.moving, scope, findings):
         return
     values = Values.POSE_QUAT if statement.name.name == "FRAME_QUAT" else Values.POSE_RPY
-    numbers = _numbers(statement, values, tuple(_values(statement)), scope, defaults, robot, findings)
+    numbers = _numbers(statement, values, tuple(values_of(statement)), scope, defaults, robot, findings)
     base = _base(statement, scope, defaults, findings)
     # whatever is wrong with it, the name is known: what uses it isn't wrong as well
     transform, on_flange, link = np.eye(4), False, None
@@ -141,7 +142,7 @@ def declare_joints(
 ) -> None:
     """JOINTS HOME 0 0 0 0 0 0 (deg)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
-    values = _values(statement)
+    values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
         help_ = "for example JOINTS PARK 0 0 0 0 0 0 (deg)"
         findings.add("Y0401", "JOINTS wants a name and joint values", statement.whole_span, help_)
@@ -170,7 +171,7 @@ def joint_values(
 def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
     """LET PITCH = 60 (mm)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    (word,) = _values(statement)
+    (word,) = values_of(statement)
     assert isinstance(word, Word)
     assert statement.expression is not None
     allowed = may_be_declared(statement, word, scope, robot, findings)
@@ -189,7 +190,7 @@ def declare_signal(
     """INPUT DOOR M11, OUTPUT GLUE M1 OFF; an output is given back."""
     kind = statement.name.name
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = _values(statement)
+    values = values_of(statement)
     most = 3 if kind == "OUTPUT" else 2
     words = values[:2]
     if not 2 <= len(values) <= most or not all(isinstance(value, Word) for value in words):
@@ -236,10 +237,6 @@ def state_value(value: Value, scope: Scope, statement: Statement, findings: Coll
     except AmountError as error:
         findings.add(error.code, error.message, span, error.help)
         return None
-
-
-def _values(statement: Statement) -> list[Value]:
-    return [value for waypoint in statement.waypoints for value in waypoint.values]
 
 
 def _numbers(

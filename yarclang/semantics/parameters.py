@@ -9,6 +9,7 @@ from yarclang.hir import Output
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
 from yarclang.semantics.arguments import Given
+from yarclang.semantics.files import values_of
 from yarclang.semantics.frames import known_frame
 from yarclang.semantics.naming import frame_may_be_declared, may_be_declared
 from yarclang.semantics.scope import KINDS, Frame, Input, JointPosition, Named, Scope, Where
@@ -50,11 +51,11 @@ def bind(
     Returns:
         Whether all arguments fit.
     """
-    wanted, given = parameters_of(head), _values(statement)[1:]
+    wanted, given = parameters_of(head), values_of(statement)[1:]
     if len(given) != len(wanted):
         listed = " ".join(value.text for value in wanted) or "nothing"
         message = (
-            f"{_values(head)[0].text} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), "
+            f"{values_of(head)[0].text} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), "
             f"{len(given)} given"
         )
         findings.add("Y0411", message, statement.whole_span)
@@ -127,7 +128,7 @@ def _bind_one(
 def given_by(statement: Statement, caller: SourceFile, head: Statement, source: SourceFile) -> Given:
     """What a CALL in the file `caller` gives for each parameter, as findings in the SUB's file, `source`, speak of it."""
     told: dict[str, str] = {}
-    for parameter, value in zip(parameters_of(head), _values(statement)[1:], strict=True):
+    for parameter, value in zip(parameters_of(head), values_of(statement)[1:], strict=True):
         word = _word(parameter)
         if word is not None:
             line = Where(caller, statement.span(value.place)).seen_from(source)
@@ -137,7 +138,7 @@ def given_by(statement: Statement, caller: SourceFile, head: Statement, source: 
 
 def parameters_of(head: Statement) -> list[Value]:
     """What stands behind the name in the first line of a SUB."""
-    return _values(head)[1:]
+    return values_of(head)[1:]
 
 
 def _word(parameter: Value) -> Word | None:
@@ -150,7 +151,3 @@ def _unit_of(parameter: Value) -> Unit | None:
     if not isinstance(parameter, Parameter) or parameter.unit is None:
         return None
     return UNITS.get(parameter.unit.text.lower())
-
-
-def _values(statement: Statement) -> list[Value]:
-    return [value for waypoint in statement.waypoints for value in waypoint.values]

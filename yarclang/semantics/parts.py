@@ -7,6 +7,9 @@ from collections.abc import Container
 from yarclang.diagnostics import Collector
 from yarclang.syntax.ast import Place, Statement
 
+NOT_FOR_BLOCKS = ("a moving frame", "a motion time", "units", "a base frame", "options")
+"""What the heads of blocks and CALL don't take."""
+
 ALL_PARTS = ("a moving frame", "values", "a motion time", "units", "a base frame", "options")
 
 

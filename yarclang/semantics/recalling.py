@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, fields, replace
 from operator import attrgetter
+from typing import Any
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import FrameLink, Gap, Origin, Step
-from yarclang.memory import Memory
+from yarclang.memory import Memory, recall
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount
 from yarclang.semantics.context import Defaults
@@ -61,18 +62,22 @@ class _Watched(Scope):
 
 
 _Asked = tuple[tuple[bool, str, Hashable], ...]
+_Links = tuple[tuple[int, str] | None, tuple[int, str] | None]
 
 
 @dataclass(frozen=True, slots=True)
 class _Kept:
     """A step without its place in the text: what it asked of its scope and of that of DEFAULT, and which frames it names."""
 
-    step: Step
-    line: int
-    asked: tuple[_Asked, _Asked]
-    links: tuple[tuple[int, str] | None, tuple[int, str] | None]
+    made: Callable[..., Step]
+    """The step's type."""
+    origin: tuple[object, ...]
+    """What its origin is made of."""
     parts: tuple[object, ...]
     """What the step is made of behind its origin."""
+    line: int
+    asked: tuple[_Asked, _Asked]
+    links: _Links
 
 
 def step_before(
@@ -107,8 +112,8 @@ def step_before(
         defaults.has_bad_time,
     )
     kept: _Kept | None = memory.get(key)
-    if kept is not None and _is_as_it_was(kept, defaults, scope):
-        return _placed(kept, statement.line, source, (scope, defaults.scope))
+    if kept is not None and (frames := _frames_as_they_were(kept, defaults, scope)) is not None:
+        return _placed(kept, statement.line, source, frames)
     watched = _Watched(scope), _Watched(defaults.scope)
     before = len(findings.found)
     step = make(replace(defaults, scope=watched[1]), watched[0])
@@ -119,9 +124,10 @@ def step_before(
         return step
     origin = replace(step.origin, source=_NO_TEXT, moving=None, base=None)  # no text is kept
     asked = tuple(tuple((*which, _meaning(found)) for which, found in one.asked.items()) for one in watched)
-    bare = replace(step, origin=origin)
-    parts = tuple(getattr(bare, name) for name in list(bare.__dataclass_fields__)[1:])
-    memory.keep(key, _Kept(bare, statement.line, asked, links, parts))  # type: ignore[arg-type]
+    # most commands ask the same: then it is looked at once for all of them
+    shared = recall(memory, ("asked", asked), lambda: asked)
+    parts = tuple(getattr(step, name) for name in list(step.__dataclass_fields__)[1:])
+    memory.keep(key, _Kept(type(step), _PARTS(origin), parts, statement.line, shared, links))  # type: ignore[arg-type]
     return step
 
 
@@ -147,12 +153,26 @@ def _meaning_of_link(link: FrameLink | None) -> Hashable:
     )
 
 
-def _is_as_it_was(kept: _Kept, defaults: Defaults, scope: Scope) -> bool:
-    return all(
-        _meaning(one.frame(name) if is_frame else one.name(name)) == meaning
-        for one, asked in zip((scope, defaults.scope), kept.asked, strict=True)
-        for is_frame, name, meaning in asked
-    )
+def _frames_as_they_were(
+    kept: _Kept, defaults: Defaults, scope: Scope
+) -> tuple[FrameLink | None, ...] | None:
+    """What the frames are called now that a command names; None where something that it asked for means something else.
+
+    The scope remembers it up to its next declaration, with what was asked, so that nothing else can take its id.
+    """
+    key = id(kept.asked), kept.links
+    seen: tuple[object, tuple[FrameLink | None, ...]] | None = scope.seen.get(key)
+    if seen is not None:
+        return seen[1]
+    scopes = scope, defaults.scope
+    for one, asked in zip(scopes, kept.asked, strict=True):
+        for is_frame, name, meaning in asked:
+            if _meaning(one.frame(name) if is_frame else one.name(name)) != meaning:
+                return None
+    frames = [None if one is None else scopes[one[0]].frame(one[1]) for one in kept.links]
+    links = tuple([None if one is None else one.link for one in frames])
+    scope.seen[key] = kept.asked, links
+    return links
 
 
 _LOST = (-1, "")
@@ -175,17 +195,14 @@ _SPANS = tuple(place for place, entry in enumerate(fields(Origin)) if "Span" in 
 _SOURCE, _MOVING, _BASE = (_NAMES.index(name) for name in ("source", "moving", "base"))
 
 
-def _placed(kept: _Kept, line: int, source: SourceFile, scopes: tuple[Scope, Scope]) -> Step:
+def _placed(kept: _Kept, line: int, source: SourceFile, frames: tuple[FrameLink | None, ...]) -> Step:
     """The step where its command stands now."""
-    assert not isinstance(kept.step, Gap)
-    origin, down = kept.step.origin, line - kept.line
-    frames = [None if one is None else scopes[one[0]].frame(one[1]) for one in kept.links]
-    moving, base = (None if one is None else one.link for one in frames)
     # twice as quick as `replace`: of a program that is edited, this is done for nearly every command
-    values = list(_PARTS(origin))
-    values[_SOURCE], values[_MOVING], values[_BASE] = source, moving, base
-    if down:
+    values: list[Any] = list(kept.origin)
+    values[_SOURCE] = source
+    values[_MOVING], values[_BASE] = frames
+    if down := line - kept.line:
         for place in _SPANS:
             if (span := values[place]) is not None:
                 values[place] = Span(span.line + down, span.column, span.end_line + down, span.end_column)
-    return type(kept.step)(Origin(*values), *kept.parts)  # type: ignore[arg-type]
+    return kept.made(Origin(*values), *kept.parts)

@@ -6,8 +6,9 @@ names of their own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class Input:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Routine:
-    """A SUB: `sub` is what semantics/unroll.py makes of it."""
+    """A SUB: `sub` is what semantics/declaring.py makes of it."""
 
     sub: object
 
@@ -88,13 +89,15 @@ KINDS: dict[type, str] = {
 class Scope:
     """The names of a block, and those of the blocks around it."""
 
-    __slots__ = ("_frames", "_names", "_outer", "_places")
+    __slots__ = ("_frames", "_names", "_outer", "_places", "seen")
 
     def __init__(self, outer: Scope | None = None) -> None:
         self._outer = outer
         self._names: dict[str, Named] = {}
         self._frames: dict[str, Frame] = {}
         self._places: dict[str, Where] = {}
+        self.seen: dict[Hashable, Any] = {}
+        """What was looked up since the last declaration, for whoever looks up the same for each command (recalling.py)."""
 
     @classmethod
     def of_robot(cls, robot: Robot) -> Scope:
@@ -136,6 +139,7 @@ class Scope:
 
     def declare(self, name: str, meaning: Named, where: Where | None = None) -> None:
         """Give a name a meaning from here on."""
+        self.seen.clear()
         self._names[name] = meaning
         if where is not None:
             self._places[name] = where
@@ -157,6 +161,7 @@ class Scope:
 
     def declare_frame(self, name: str, frame: Frame) -> None:
         """Give a frame's name a meaning from here on."""
+        self.seen.clear()
         self._frames[name] = frame
 
     def names(self, *kinds: type) -> Iterator[str]:

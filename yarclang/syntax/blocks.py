@@ -29,9 +29,11 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
         read, or beyond the deepest block. Where a block holds what it can't hold, that stays there.
     """
     lines = [(one.line, one.name.name, one) for one in module.statements]
-    unread = [(line, _word(module.source.line(line)), None) for line in module.unreadable_lines]
     arrangement = _Arrangement(module.source)
-    both = sorted([*lines, *unread], key=lambda entry: entry[0])
+    both: list[tuple[int, str, Statement | None]] = [*lines]
+    if module.unreadable_lines:
+        both += [(line, _word(module.source.line(line)), None) for line in module.unreadable_lines]
+        both.sort(key=lambda entry: entry[0])
     arrangement.missing = sum((word in BLOCK_HEADS) - (word == "END") for _, word, _ in both)
     for line, word, statement in both:
         arrangement.add(line, word, statement)
@@ -88,7 +90,7 @@ class _Arrangement:
 
     def add(self, line: int, word: str, statement: Statement | None) -> None:
         """The next line; `statement` is None where it couldn't be read."""
-        if statement is not None and statement.index is not None and word in DECLARATIONS:
+        if word in DECLARATIONS and statement is not None and statement.index is not None:
             span = statement.span(statement.index.place)
             self.findings.add("Y0117", f"{word} is no command and has no index", span, "take the index away")
         if word in _TOP_LEVEL and self.open and not self.too_deep and statement is not None:

@@ -46,14 +46,12 @@ def parse(source: SourceFile) -> Result[Module]:
             diagnostics.append(_too_long(source, line, text))
             unreadable.append(line)
             continue
-        code = code_of(text)
-        if not code.strip():
-            if text.strip():
-                comment_lines.append((line, text.strip()))
-            continue
-        parsed = parse_statement(text)
+        parsed = _placed(text, line)
         if isinstance(parsed, Statement):
-            statements.append(parsed.at_line(line))
+            statements.append(parsed)
+        elif parsed is None:
+            if text and (comment := text.strip()):
+                comment_lines.append((line, comment))
         else:
             place = parsed.place
             span = Span.on_line(line + place.row, place.start, place.end)
@@ -61,6 +59,15 @@ def parse(source: SourceFile) -> Result[Module]:
             unreadable.append(line)
     module = Module(source, tuple(statements), tuple(unreadable), tuple(comment_lines))
     return Result(module, tuple(diagnostics))
+
+
+@lru_cache(maxsize=1 << 15)
+def _placed(text: str, line: int) -> Statement | Fault | None:
+    """The statement of a text in its line; None where it has nothing but a comment. While a program is edited, most lines stay where they are."""
+    if not code_of(text).strip():
+        return None
+    parsed = parse_statement(text)
+    return parsed.at_line(line) if isinstance(parsed, Statement) else parsed
 
 
 def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
@@ -71,9 +78,11 @@ def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
     at = 0
     while at < len(lines):
         end = at + 1
-        if len(lines[at]) <= LONGEST_LINE and code_of(lines[at]).rstrip().endswith(";"):
+        text = lines[at]
+        if ";" in text and len(text) <= LONGEST_LINE and code_of(text).rstrip().endswith(";"):
             end = _end_of_list(lines, at)
-        yield at + 1, "\n".join(lines[at:end])
+            text = "\n".join(lines[at:end])
+        yield at + 1, text
         at = end
 
 

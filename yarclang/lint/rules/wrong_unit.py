@@ -48,7 +48,7 @@ def _place(step: Motion, arm: float) -> tuple[str, str] | None:
     if step.origin.base is not None and step.origin.base.name != "B":
         return None
     for point in _points(step):
-        away = math.hypot(*point)
+        away = math.hypot(*point.tolist())
         if 0.0 < away < _NEAR * arm:
             meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
             return (

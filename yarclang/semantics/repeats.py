@@ -1,0 +1,36 @@
+"""How often a REPEAT repeats."""
+
+from __future__ import annotations
+
+from yarclang.diagnostics import Collector
+from yarclang.semantics.scope import Scope
+from yarclang.semantics.units import amount, number_fault
+from yarclang.syntax.ast import Computed, Number, Statement, Value
+
+MOST_COMMANDS = 1_000_000
+"""Unrolled commands of a program."""
+
+
+def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:
+    """The number behind REPEAT and its name, `values`; None with a finding where there is none."""
+    example = "for example REPEAT I 4, or REPEAT $ROWS"
+    if len(values) != 1 or not isinstance(values[0], Number | Computed):
+        findings.add("Y0401", "REPEAT wants a name and a number, or a number", head.whole_span, example)
+        return None
+    span = head.span(values[0].place)
+    if (fault := number_fault(values[0])) is not None:
+        findings.add(fault[0], fault[1], span, fault[2])
+        return None
+    found = amount(values[0], scope, head, findings)
+    if found is None:
+        return None
+    whole = round(found.value)
+    # 3 * 0.1 * 10 is meant as 3
+    if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
+        findings.add("Y0414", f"REPEAT {found}: a whole number, 0 or more, is wanted", span, example)
+        return None
+    if whole > MOST_COMMANDS:
+        message = f"REPEAT {whole:,}: a program has at most {MOST_COMMANDS:,} commands"
+        findings.add("Y1004", message, span, "make the loop shorter")
+        return None
+    return whole

@@ -24,6 +24,9 @@ MORE_SEGMENTS = 4
 MOST_MORE = 3 * MORE_SEGMENTS
 """How many are tried in a given time: so many that each shortest time is found again."""
 
+FEW_SEGMENTS = 100
+"""Up to so many, solving the joint positions of several trials together takes hardly longer than those of one."""
+
 MOST_SEGMENTS = 100_000
 """A motion of more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no bound."""
 
@@ -155,11 +158,14 @@ class _Fitter:
 
     def _search(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
         segments = 24
+        needed = self.needed(self.trials.fastest(segments))
         for _ in range(8):
-            needed = self.needed(self.trials.fastest(segments))
             if needed == segments or needed > MOST_SEGMENTS:
                 break
             segments = needed
+            if segments <= FEW_SEGMENTS and not self.trials.path.is_straight_in_joints:
+                self.trials.fastest_of(self.compared(segments))  # which costs little more than the first alone
+            needed = self.needed(self.trials.fastest(segments))
         while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)
             if self.quick.not_below(best.demand.segment) > self.grid.largest:
@@ -183,9 +189,7 @@ class _Fitter:
         """The fastest of a few numbers of segments from `segments` on, if possible one with segments that
         aren't too long.
         """
-        # without blends and ramps there is nothing to round
-        more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
-        numbers = range(segments, segments + more + 1)
+        numbers = self.compared(segments)
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
             # what other numbers need is known without their control points, so many can be compared
             numbers = self._likeliest(range(segments, segments + max(MORE_SEGMENTS, segments // 4) + 1))
@@ -196,6 +200,11 @@ class _Fitter:
             return segment > self.grid.largest, trial.segments * segment
 
         return min(trials, key=duration)
+
+    def compared(self, segments: int) -> range:
+        """The numbers of segments from `segments` on that are compared; without blends and ramps there is nothing to round."""
+        more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
+        return range(segments, segments + more + 1)
 
     def _likeliest(self, numbers: range) -> range:
         """The one of `numbers` of segments with the shortest duration, of a straight line in joint space."""

@@ -49,6 +49,7 @@ class Trials:
     bounds: Bounds
     tolerance: Tolerance
     _made: dict[tuple[int, Form], Trial] = field(default_factory=dict)
+    _fastest: dict[int, Trial] = field(default_factory=dict)
 
     def trial(self, segments: int, form: Form) -> Trial:
         """The control points for a number of segments and a form."""
@@ -101,6 +102,11 @@ class Trials:
 
     def fastest_of(self, numbers: Sequence[int]) -> list[Trial]:
         """The same for each number of segments."""
+        missing = [number for number in numbers if number not in self._fastest]
+        self._fastest.update(zip(missing, self._looked_for(missing), strict=True))
+        return [self._fastest[number] for number in numbers]
+
+    def _looked_for(self, numbers: list[int]) -> list[Trial]:
         forms = [self.law.forms(number) for number in numbers]
         likely = [
             each[int(np.argmin(self._from_slope(number, each)))] if len(each) > 1 else each[0]

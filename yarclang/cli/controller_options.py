@@ -55,6 +55,12 @@ def run_options(function: F) -> F:
             is_flag=True,
             help="Move slowly to the program's start first, if the robot isn't there.",
         ),
+        click.option(
+            "--cell",
+            type=click.Path(dir_okay=False),
+            metavar="FILE.toml",
+            help="Of a .pmc: what is around while the robot approaches (default: the cell of its program, if that is found beside it).",
+        ),
         controller_option,
         file_argument("file", metavar="FILE.yarc|FILE.pmc"),
     ):

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import click
+
+from yarclang.cell.model import Cell
 from yarclang.certify.judge import certify_text
 from yarclang.cli.outputs import STANDARD
 from yarclang.cli.work import Progress, options_from
 from yarclang.coordinator.programs import Loaded, load_program
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.checking import check_program_file
 from yarclang.pipeline.jobs import Papers, job_of_text
-from yarclang.pipeline.origins import origins_of_text
+from yarclang.pipeline.origins import Origins, origins_of_text
 from yarclang.pipeline.sources import read_source
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
@@ -45,12 +50,17 @@ def load(file: str, first: str | None, options: dict[str, Any]) -> tuple[Loaded 
 
     Returns:
         None where an error forbids to run it; all findings.
+
+    Raises:
+        click.UsageError: an option doesn't go with the file.
     """
-    result = _compiled_before(file, options["robot"]) if is_compiled(file) else _compile(file, first, options)
+    if options.get("cell") is not None and not is_compiled(file):
+        raise click.UsageError("--cell: only with a .pmc; a program names its cell itself, in a CELL line")
+    result = _compiled_before(file, options) if is_compiled(file) else _compile(file, first, options)
     return (None if has_errors(result.diagnostics) else result.value), in_order(result.diagnostics)
 
 
-def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
+def _compiled_before(file: str, options: dict[str, Any]) -> Result[Loaded]:
     """A .pmc file; its header names the robot, but not where a robot of somebody's own is."""
     read = read_source(file)
     if read.value is None:
@@ -67,7 +77,7 @@ def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
                 ),
             ),
         )
-    robot = robot_of_text(source, robot_name)
+    robot = robot_of_text(source, options["robot"])
     if robot.value is None:
         return Result(None, robot.diagnostics)
     name = Path(file).name
@@ -83,9 +93,28 @@ def _compiled_before(file: str, robot_name: str | None) -> Result[Loaded]:
     papers = Papers("", json.dumps(judged.value.to_json()))
     job = job_of_text(source.text, robot.value, name, papers).value
     assert job is not None  # it was one without papers
-    known = robot.value
-    origins = partial(origins_of_text, source.text, Path(file).parent, known)
-    return Result(Loaded(job, job, origins=origins), diagnostics)
+    origins = cache(partial(origins_of_text, source.text, Path(file).parent, robot.value))
+    around = _around(source, robot.value, origins, options)
+    diagnostics = (*diagnostics, *around.diagnostics)
+    if has_errors(diagnostics):
+        return Result(None, diagnostics)
+    return Result(Loaded(job, job, origins=origins, cell=around.value), diagnostics)
+
+
+def _around(
+    source: SourceFile, robot: Robot, origins: Callable[[], Origins], options: dict[str, Any]
+) -> Result[Cell]:
+    """The cell that an approach to the start of a controller text is planned in: that of --cell, else its program's."""
+    if options.get("cell") is not None:
+        return cell_loader(Path(), robot)(options["cell"], None)
+    if not options.get("approach"):
+        return Result(None)
+    found = origins()
+    if found.program is not None:
+        return Result(found.program.cell)
+    message = f"the approach is planned without a cell: {found.missing}"
+    help_ = "look that the straight way is free; or --cell FILE.toml says what is around"
+    return Result(None, (Diagnostic("Y0927", message, source, help=help_),))
 
 
 def robot_of_text(source: SourceFile, name: str | None) -> Result[Robot]:

@@ -171,8 +171,9 @@ class _Run:
             show_findings(found.findings)
             self._wrong(text, "there is no slow joint motion to the start: jog the robot there")
             return 1
+        how = "round what is in the way" if "SPLINE" in way.commands[0].name else "all joints straight"
         self.screen.say(
-            f"{text}\nan approach takes {way.duration:.1f} s, all joints straight to {described(self.robot, way.end)}"
+            f"{text}\nan approach takes {way.duration:.1f} s, {how} to {described(self.robot, way.end)}"
         )
         if options["dry_run"]:
             return None

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
@@ -33,6 +34,7 @@ class Loaded:
         plan: of the program, if the program itself is known and not only its text.
         begins_within: whether a command was named to begin with.
         origins: looks where its commands come from.
+        cell: what is around on the way to its start, of a program of which only the text is known.
     """
 
     program: Job
@@ -41,6 +43,7 @@ class Loaded:
     plan: MotionPlan | None = None
     begins_within: bool = False
     origins: Callable[[], Origins] = lambda: Origins(None, "its source isn't known")
+    cell: Cell | None = None
 
     @property
     def name(self) -> str:
@@ -130,7 +133,7 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array) -> Way:
         return Way("")
     if loaded.begins_within and job.commands:
         text = text.replace(f"where {job.name} starts", f"where {job.commands[0].title} starts")
-    cell = loaded.plan.program.cell if loaded.plan is not None else None
+    cell = loaded.plan.program.cell if loaded.plan is not None else loaded.cell
     made = approach(robot, joints, job.start, cell)
     if made.value is None:
         return Way(text, None, made.diagnostics)

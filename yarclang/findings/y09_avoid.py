@@ -70,4 +70,14 @@ FINDINGS = (
         "$ yarc run program.yarc      # the arm was left between two shelves",
         "$ yarc repl      # jog it into the open first",
     ),
+    Finding(
+        "Y0927",
+        "approach-unchecked",
+        "warning",
+        "the way to where a controller text starts is planned without a cell",
+        "A .pmc says what the robot does, and not what is around it: that stands in its program's cell. Where the program isn't found beside it, and --cell names none, "
+        "an approach keeps to the limits and off the robot itself, and knows of nothing else that it may run into.",
+        "$ yarc run program.pmc --approach",
+        "$ yarc run program.pmc --approach --cell cell.toml",
+    ),
 )

@@ -77,11 +77,11 @@ function programOf(document) {
   return "";
 }
 
-/** A page with an SVG (base64) and nothing else: no script, nothing from elsewhere. */
+/** A page with an SVG (base64) and nothing else: no script, nothing from elsewhere. In a narrow panel it is wider than the panel: its words stay readable. */
 function pictureHtml(data) {
   const policy = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
   return `<!DOCTYPE html><html><head><meta http-equiv="Content-Security-Policy" content="${policy}"></head>
-<body style="background: white"><img style="width: max(100%, 1100px)" src="data:image/svg+xml;base64,${data}"></body></html>`;
+<body style="background: white"><img style="width: max(100%, 1000px); max-width: none; max-height: none" src="data:image/svg+xml;base64,${data}"></body></html>`;
 }
 
 module.exports = {

@@ -1,5 +1,6 @@
 """What the tests share: robots, the numbers worked out independently, and the flag that rewrites goldens."""
 
+import gc
 import json
 import os
 import shutil
@@ -17,6 +18,13 @@ EXAMPLES = HERE.parent / "examples"
 
 def pytest_addoption(parser):
     parser.addoption("--rewrite-golden", action="store_true", help="write the golden files anew")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish():
+    """What is there for the whole session isn't looked through for garbage again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True, optionalhook=True)

@@ -294,19 +294,23 @@ def test_a_program_without_motion(tmp_path: Path) -> None:
     assert draw(still, "png").startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("format_", ["png", "svg", "pdf"])
-def test_the_same_bytes_in_another_process(two: MotionPlan, program: Path, format_: str) -> None:
-    code = "from yarclang.cli.yarc import main; main()"
-    call = [sys.executable, "-c", code, "plot", str(program), "-o"]
-    files = [program.with_name(f"{number}.{format_}") for number in range(2)]
-    for file in files:
-        # a user's own settings must not matter
-        settings = f"font.size: {10 + 2 * files.index(file)}\nbackend: TkAgg\n"
-        (program.parent / "matplotlibrc").write_text(settings)
-        subprocess.run([*call, str(file)], check=True, capture_output=True, cwd=program.parent)
-    first, second = (file.read_bytes() for file in files)
-    assert first == second
-    assert str(program.parent).encode() not in first
+def test_the_same_bytes_in_another_process(two: MotionPlan, program: Path) -> None:
+    code = "import sys; from yarclang.cli.yarc import main\nfor file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"
+    formats = ("png", "svg", "pdf")
+    # a user's own settings must not matter, nor what was drawn before
+    for number, order in enumerate((formats, formats[::-1])):
+        (program.parent / "matplotlibrc").write_text(f"font.size: {10 + 2 * number}\nbackend: TkAgg\n")
+        files = [str(program.with_name(f"{number}.{format_}")) for format_ in order]
+        subprocess.run(
+            [sys.executable, "-c", code, str(program), *files],
+            check=True,
+            capture_output=True,
+            cwd=program.parent,
+        )
+    for format_ in formats:
+        first, second = (program.with_name(f"{number}.{format_}").read_bytes() for number in range(2))
+        assert first == second, format_
+        assert str(program.parent).encode() not in first
 
 
 def test_the_commands_list_needs_no_matplotlib() -> None:

@@ -2,9 +2,10 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from syntax.writing import bare, motion, parsed, statement
+from syntax.writing import bare, motion, parsed, statement, statements
 
 from yarclang.syntax.ast import Place
+from yarclang.syntax.lines import end_of
 from yarclang.syntax.parse import LONGEST_LINE
 from yarclang.syntax.print import print_module
 
@@ -51,6 +52,13 @@ def test_a_broken_line_costs_one_finding_and_nothing_else(statements, where):
     result = parsed("\n".join(broken))
     assert [one.code for one in result.diagnostics] == ["Y0102"]
     assert len(result.value.statements) == len(statements)
+
+
+@given(statement)
+def test_a_statement_ends_where_its_code_does(text):
+    (one,) = statements(text)
+    end = end_of(text)
+    assert (one.whole_span.end_line - one.line, one.whole_span.end_column) == (end.row, end.start)
 
 
 def test_crlf_and_lone_returns_are_line_ends():

@@ -125,7 +125,7 @@ def _goal(
     flange_from_moving, axes = frames[0].transform, frames[1]
     if values.is_delta:
         turned = np.abs(numbers[3:]).max() if not values.is_quaternion else 0.0
-        cosine = (np.trace(rotation) - 1.0) / 2.0
+        cosine = (rotation.trace() - 1.0) / 2.0
         if turned >= np.pi - 1e-9 or cosine <= -1.0 + 1e-12:
             message = "an increment of half a turn or more has no short way"
             findings.add("Y0409", message, span, "make two commands of it")

@@ -92,8 +92,8 @@ def origin_of(
 def _values(statement: Statement) -> Span | None:
     if not statement.waypoints:
         return None
-    span = statement.span(statement.waypoints[0].place)
-    return Span.on_line(span.line, span.column, span.column)
+    first = statement.waypoints[0].values[0].place
+    return Span.on_line(statement.line + first.row, first.start, first.start)
 
 
 def _end(statement: Statement) -> Span:

@@ -69,8 +69,9 @@ class WayPoint:
     @property
     def place(self) -> Place:
         """From the first value to the last of the same row."""
-        first = self.values[0].place
-        last = [value.place for value in self.values if value.place.row == first.row][-1]
+        first, last = self.values[0].place, self.values[-1].place
+        if last.row != first.row:
+            last = [value.place for value in self.values if value.place.row == first.row][-1]
         return Place(first.row, first.start, last.end)
 
 
@@ -160,13 +161,20 @@ class Statement:
     def whole_span(self) -> Span:
         """From the first part to the end of the last."""
         start = self.index.place.start if self.index else self.name.place.start
-        parts = (self.moving, self.expression, self.time, self.units, self.base)
-        places = [self.name.place, *(part.place for part in parts if part)]
-        # of many of a kind the last is the farthest
-        places += [waypoint.values[-1].place for waypoint in self.waypoints[-1:] if waypoint.values]
-        places += [(option.argument or option.word).place for option in self.options[-1:]]
-        row, end = max((place.row, place.end) for place in places)
-        return Span(self.line, start, self.line + row, end)
+        last = self._last_place
+        return Span(self.line, start, self.line + last.row, last.end)
+
+    @property
+    def _last_place(self) -> Place:
+        """The place of the last part: they stand in one order."""
+        if self.options:
+            return (self.options[-1].argument or self.options[-1].word).place
+        for part in (self.base, self.units, self.time, self.expression):
+            if part is not None:
+                return part.place
+        if self.waypoints and self.waypoints[-1].values:
+            return self.waypoints[-1].values[-1].place
+        return (self.moving or self.name).place
 
 
 @dataclass(frozen=True, slots=True)

@@ -146,10 +146,11 @@ def test_lenses_are_asked_for_again_when_motions_are_planned(tmp_path: Path):
     async def work(one: Editor) -> None:
         planned = asyncio.Event()
         one.client.protocol.fm.features[types.WORKSPACE_CODE_LENS_REFRESH] = lambda _: planned.set()
-        document = one.open(tmp_path / "a.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [2] (s)\n")
+        program = "ROBOT INDUSTRIAL6\nP0010 WAIT [1] (s)\nP0020 MOVEJ HOME [2] (s)\nP0030 MOVEJ HOME [2] (s)\n\nP0040 STOP\n"
+        document = one.open(tmp_path / "a.yarc", program)
         await planned.wait()
         lenses = await one.client.text_document_code_lens_async(types.CodeLensParams(document))
-        assert lenses[0].command.title == "plot 1 motion, 2.000 s"
+        assert [one.command.title for one in lenses] == ["plot 2 motions, 4.000 s", "inspect P0020"]
 
     chosen = capabilities(pull=True, refresh=False)
     chosen.workspace.code_lens = types.CodeLensWorkspaceClientCapabilities(refresh_support=True)

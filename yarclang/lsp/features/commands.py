@@ -47,14 +47,15 @@ def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens
 
 
 def _heads(view: View) -> list[int]:
-    """The lines of motions with which a paragraph begins: a lens above each line would hide the program."""
-    found, follows = [], False
+    """The lines of the first motion of each paragraph: a lens above each line would hide the program."""
+    found, has_lens = [], False
     for one in view.sketch.module.statements:
         above = view.sketch.source.line(one.line - 1).strip()
-        is_motion = first_motion(view, view.steps_in(one.line)) is not None
-        if is_motion and not (follows and above):
+        if one.index is None or not above:
+            has_lens = False
+        if not has_lens and first_motion(view, view.steps_in(one.line)) is not None:
             found.append(one.line)
-        follows = one.index is not None
+            has_lens = True
     return found
 
 

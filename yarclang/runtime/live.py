@@ -32,8 +32,8 @@ MADE_ON_THE_WAY = "live motion: its lines were made on the way"
 _LATE = 1
 """Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
 
-_LOOK = 0.008
-"""Time between two looks at the buffer [s]."""
+_LOOK, _SEGMENTS = 0.008, 1.5
+"""Time between two looks at the buffer: so much [s], or so many segments up to twice of it. A reply costs this host as much as two lines do."""
 
 
 class Source(Protocol):
@@ -85,7 +85,7 @@ class LiveStream:
         self._sent = 0
         self._moves = 0
         self._ahead = 0
-        self._asked = 0.0
+        self._look = min(max(_LOOK, _SEGMENTS * self.job.segment), 2.0 * _LOOK)
         self._lines_due = self._status_due = self._positions_due = 0.0
 
     @property
@@ -149,7 +149,7 @@ class LiveStream:
         """One look; whether all is executed."""
         operation, now = self.operation, self.operation.now
         if now >= self._lines_due:
-            self._lines_due = now + _LOOK
+            self._lines_due = now + self._look
             yield from self._ask_lines()
             if self._source.ended:
                 return self._ahead == 0

@@ -19,8 +19,8 @@ WATCHDOG = 0.2
 STRIDE = 3
 """Points that are proved together while the robot moves: what is wanted is looked at as often."""
 
-_FIRST_STRIDE = 12
-"""The same where many are wanted at once, before the motion begins."""
+_FIRST_STRIDE = 36
+"""The same at most where many are wanted at once, before the motion begins: what is wanted is looked at as often all the same."""
 
 _SAME_WAY = 0.7
 """The cosine between two ways that are about the same."""
@@ -117,8 +117,8 @@ class Generator:
         lines: list[str] = []
         target = None if self._ending or self.expired(now) else self._target
         while len(lines) < count and not self.ended:
-            left = count - len(lines)
-            lines += self._stride(target, _FIRST_STRIDE if left >= _FIRST_STRIDE else STRIDE)
+            strides = -(-(count - len(lines)) // STRIDE)
+            lines += self._stride(target, min(strides * STRIDE, _FIRST_STRIDE))
             if self._ending and self._state.rests:
                 self.ended = True
         return tuple(lines)
@@ -145,7 +145,7 @@ class Generator:
             self.why = steered.held_back
             return self._taken(lines, state, rest)
         if size > STRIDE:
-            return self._stride(target, STRIDE)  # some of it can be done
+            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # some of it can be done
         # whoever goes on wanting it would creep up to a border
         self.why, self._refused = objection, steered.velocity
         return self._towards_rest()

@@ -26,6 +26,7 @@ from yarclang.collision.zones.proof import kept
 from yarclang.collision.zones.speed import fastest_inside
 from yarclang.collision.zones.watched import Moving
 from yarclang.collision.zones.workspace import Watch, watches_of
+from yarclang.coordinator.live.room import Room, is_free
 from yarclang.diagnostics import Result
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.kinematics.fk import poses_and_jacobians
@@ -39,6 +40,12 @@ _START_SHARE = 0.05
 
 _BEYOND = 1.0
 """Bodies of a tool are at most so far beyond its origin [m], where it is told how far they move beside what was proved."""
+
+_AHEAD, _AROUND = 1.5, 1e-3
+"""Room is looked for as far around the end of a text as this share of how far it goes, and so much more [rad or m]."""
+
+_CROWDED = 8
+"""Where there was no room, none is looked for in so many texts."""
 
 _PIECES = (1, 8, 64)
 """Into so many pieces a segment is cut, one after the other, to tell the tool's speed."""
@@ -90,6 +97,8 @@ class Judge:
         self._beside = float(arms @ self.slack)
         self._behind = np.tile(start, (3, 1))
         self._starts = 3
+        self._room: Room | None = None
+        self._crowded = 0
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
         """Why lines can't be admitted; empty: they can.
@@ -204,7 +213,7 @@ class Judge:
             return ""
         course = Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())
         spans = np.array([[0, len(cubics.h)]])
-        if len(scene.first):
+        if len(scene.first) and not self._has_room(scene, cubics):
             found = clearances(scene, course, spans)
             if found.meetings:
                 one, other = scene.names(found.meetings[0].pair)
@@ -219,6 +228,22 @@ class Judge:
             if fastest + faster > allowed * (1.0 + KEPT):
                 return f"in the zone {watch.zone.name} it would be faster than {allowed / MM:g} mm/s"
         return ""
+
+    def _has_room(self, scene: Scene, cubics: Cubics) -> bool:
+        """Whether bodies are so far apart around all of it that nobody has to look at the way itself."""
+        ranges = cubics.position_range()
+        lower, upper = ranges[0].min(axis=0), ranges[1].max(axis=0)
+        if self._room is not None and self._room.has(lower, upper):
+            return True
+        if self._crowded:
+            self._crowded -= 1
+            return False
+        # around its end, so that the next ones are in there as well
+        end = cubics.take(np.array([-1])).at(np.array([self._segment]))[0][0]
+        room = Room(end, _AHEAD * np.maximum(upper - end, end - lower) + _AROUND)
+        self._room = room if is_free(scene, room) else None
+        self._crowded = _CROWDED if self._room is None else 0
+        return self._room is not None
 
 
 def surroundings_of(

@@ -1,0 +1,72 @@
+"""Room around joint positions: what is in it is free, whoever looks."""
+
+import numpy as np
+from hypothesis import Phase, assume, given, settings
+from hypothesis import strategies as st
+
+from yarclang.certify.bounds import Cubics
+from yarclang.collision.course import Course
+from yarclang.collision.free import free_space
+from yarclang.collision.proof import clearances
+from yarclang.collision.scene import scene_of
+from yarclang.coordinator.live.generator import Generator, rates_of
+from yarclang.coordinator.live.proof import Judge
+from yarclang.coordinator.live.room import Room, is_free
+from yarclang.coordinator.live.steering import JointVelocity, Steering
+from yarclang.robot.description import load_robot
+
+ROBOT = load_robot("INDUSTRIAL6").value
+SCENE = scene_of(ROBOT, None).value
+SPACE = free_space(SCENE)
+UNIT = st.floats(-1.0, 1.0)
+SIX = st.lists(UNIT, min_size=6, max_size=6).map(np.array)
+
+
+def posture(shares):
+    """Joint positions, of shares of the limits."""
+    limits = ROBOT.limits
+    return (limits.upper + limits.lower) / 2.0 + shares * (limits.upper - limits.lower) / 2.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(SIX, SIX, st.sampled_from([0.01, 0.05, 0.2]), st.lists(SIX, min_size=10, max_size=20))
+def test_what_has_room_is_free(shares, reach, size, within):
+    room = Room(posture(shares), np.abs(reach) * size)
+    assume(is_free(SCENE, room))
+    corners = [np.sign(one) for one in within]
+    assert all(SPACE.has(room.middle + one * room.reach) for one in (*within, *corners))
+
+
+def test_there_is_none_where_bodies_are_near():
+    bent = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert is_free(SCENE, Room(bent, np.full(6, 0.01)))
+    assert not is_free(SCENE, Room(bent, np.full(6, 3.0)))
+    room = Room(bent, np.full(6, 0.01))
+    assert room.has(bent - 0.01, bent + 0.01)
+    assert not room.has(bent - 0.01, bent + 0.02)
+
+
+@settings(max_examples=12, deadline=None, phases=(Phase.explicit, Phase.reuse, Phase.generate))
+@given(SIX, st.lists(SIX, min_size=1, max_size=4))
+def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(shares, wanted):
+    """Links come near to each other, so that there is room now and then."""
+    start, h, tool = posture(shares), 0.02, ROBOT.flange_from_frame["TCP"]
+    assume(SPACE.has(start))
+    judge, rates = Judge(ROBOT, start, h, 0.5, tool, SCENE), rates_of(ROBOT)
+    stands = "".join(
+        f"{axis}{value:.7f}" for axis, value in zip("XYZABC", start / ROBOT.axis_units, strict=True)
+    )
+    assume(not judge.objection((stands,) * 3, ()))
+    made = Generator(ROBOT, start, 7, h, Steering(ROBOT, tool, rates, 0.5), judge, rates)
+    points = [np.tile(start, (3, 1))]
+    for number, one in enumerate(wanted):
+        made.want(JointVelocity(one), float(number))
+        points.append(judge._read(made.more(float(number), 36)))
+    made.finish()
+    while not made.ended:
+        points.append(judge._read(made.more(float(len(wanted)), 3)))
+    control = np.concatenate(points)
+    count = len(control) - 3
+    curve = Cubics.of_spline(control, np.arange(count), np.full(count, h))
+    course = Course.of(curve.x, curve.v, curve.a, curve.j, curve.h, curve.velocity_peaks())
+    assert not clearances(SCENE, course, np.array([[0, count]])).meetings

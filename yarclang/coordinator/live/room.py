@@ -1,0 +1,46 @@
+"""Room around a joint position: boxes of joint positions in which all bodies stay apart, proved once for all ways within.
+
+A jog's text is proved again each 30 ms, mostly where nothing is near: then one look tells it of many texts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.collision.placing import box_gaps, distances, place, relative, sphere_gaps
+from yarclang.collision.proof import SLACK
+from yarclang.collision.scene import Scene
+from yarclang.collision.travel import travel
+from yarclang.robot.model import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Room:
+    """A box of joint positions: at most `reach` (n,) from `middle` (n,) [rad or m]."""
+
+    middle: Array
+    reach: Array
+
+    def has(self, lower: Array, upper: Array) -> bool:
+        """Whether all joint positions from `lower` to `upper` (n,) are in it."""
+        inside = (lower >= self.middle - self.reach) & (upper <= self.middle + self.reach)
+        return bool(inside.all())
+
+
+def is_free(scene: Scene, room: Room) -> bool:
+    """Whether all pairs of bodies are surely farther apart than their margins, and `SLACK` more, wherever in a room the joints are.
+
+    What two bodies are apart in the middle, less what they can move against each other from there (`collision.travel`, whose bound holds for each posture of the box): the spheres
+    around them tell it of most pairs, then their boxes, then their shapes.
+    """
+    placed = place(scene, room.middle[None])
+    moves = travel(placed, room.reach[None])
+    wanted = moves[scene.joint[scene.first], scene.second, 0] + scene.margin + SLACK
+    pair = np.arange(len(wanted))
+    pair = pair[sphere_gaps(placed, np.zeros_like(pair), pair) < wanted]
+    seen = relative(placed, np.zeros_like(pair), pair)
+    (left,) = np.nonzero(box_gaps(scene, pair, seen) < wanted[pair])
+    pair, seen = pair[left], seen.take(left)
+    return bool((distances(scene, pair, seen, deep=False) >= wanted[pair]).all())

@@ -7,16 +7,12 @@ the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FL
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable
-from dataclasses import dataclass, field, is_dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
-from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.source import SourceFile, Span
 
 Array = NDArray[np.float64]
@@ -340,62 +336,3 @@ class Program:
     steps: tuple[Step, ...]
     outputs: tuple[Output, ...] = ()
     cell: Cell | None = None
-
-
-def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
-    """A hash of what the program does, among which obstacles and zones: layout, comments, the file's name and how a command is spelled don't enter.
-
-    `memory` keeps what of a motion is hashed.
-
-    Returns:
-        The SHA-256 as 64 hex digits.
-    """
-    digest = hashlib.sha256()
-    _feed(digest.update, program.start)
-    _feed(digest.update, program.outputs)
-    for step in program.steps:
-        if isinstance(step, Motion) and not step.origin.place and not isinstance(memory, Forgetful):
-            digest.update(_fed(step, memory))
-        else:
-            _feed(digest.update, step)
-    if program.cell is not None:
-        # its names are in the steps, as far as they are used
-        _feed(digest.update, program.cell.obstacles)
-        _feed(digest.update, program.cell.zones)
-    return digest.hexdigest()
-
-
-def _fed(step: Motion, memory: Memory) -> bytes:
-    """What of a motion is hashed. A step that was recalled has the very parts that it had, in no loop and no SUB (semantics/recalling.py)."""
-    label = step.origin.label
-    _, *parts = (getattr(step, name) for name in step.__dataclass_fields__)
-    # what is kept holds the parts, so that no others can take their ids
-    key = ("hashed", type(step), label, *map(id, parts))
-    kept: tuple[bytes, list[object]] | None = memory.get(key)
-    if kept is None:
-        fed = bytearray()
-        _feed(fed.extend, step)
-        kept = bytes(fed), parts
-        memory.keep(key, kept)
-    return kept[0]
-
-
-def _feed(feed: Callable[[bytes], object], value: object) -> None:
-    if value is None or type(value) is float:  # most of all
-        feed(f"{value!r};".encode())
-    elif isinstance(value, Origin):
-        feed(f"{value.label};".encode())
-    elif isinstance(value, Path):
-        pass  # where a mesh's file stands; its bytes have a digest of their own
-    elif isinstance(value, np.ndarray):
-        feed(str(value.shape).encode() + (value + 0.0).tobytes())
-    elif isinstance(value, tuple):
-        for item in value:
-            _feed(feed, item)
-    elif is_dataclass(value):
-        feed(type(value).__name__.encode() + b"(")
-        for name in value.__dataclass_fields__:
-            _feed(feed, getattr(value, name))
-        feed(b")")
-    else:
-        feed(f"{value!r};".encode())

@@ -60,7 +60,7 @@ def test_a_program_with_a_cell_is_the_one_with_its_declarations(tmp_path):
         "FRAME {FIXTURE} 0 620 560 0 0 0\nFRAME {GRIPPER} 0 150 0 90 0 0 {FLANGE}\nJOINTS READY 0 -15 -25 0 -50 0\n"
         "INPUT DOOR M11\nOUTPUT GRIP M1 OFF\n"
     )
-    from yarclang.hir import fingerprint
+    from yarclang.identity import fingerprint
 
     one, found = program(tmp_path, f'{DEFAULT}CELL "cell.toml"\n{rest}')
     other, _ = program(tmp_path, f"{DEFAULT}{lines}{rest}")
@@ -96,7 +96,7 @@ watch = ["tool", "elbow"]
 
 def test_another_cell_is_another_program(tmp_path):
     """Obstacles, margins and zones are in the hash; comments, and where the files stand, aren't."""
-    from yarclang.hir import fingerprint
+    from yarclang.identity import fingerprint
 
     def print_of(name, cell=CELL + BODIES, press=b"solid a\nendsolid a\n"):
         folder = tmp_path / name

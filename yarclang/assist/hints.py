@@ -8,7 +8,8 @@ from typing import Any
 
 from yarclang.assist.motions import first_motion, most_used, pace_in
 from yarclang.assist.view import View
-from yarclang.hir import Motion, Origin, fingerprint
+from yarclang.hir import Motion, Origin
+from yarclang.identity import fingerprint
 from yarclang.source import SourceFile, Span
 
 _KEPT = 4096

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
-from yarclang.hir import Gap, Origin, Program, fingerprint
+from yarclang.hir import Gap, Origin, Program
+from yarclang.identity import fingerprint
 from yarclang.pipeline.checking import Checked
 from yarclang.source import SourceFile, Span
 

@@ -7,7 +7,7 @@ What is remembered, and by what:
 - a robot and a cell are read by their files (kept.py);
 - a command becomes a step by its statement and by what its names mean (semantics/recalling.py);
 - where a motion leads, and its curve, by its values in SI, the joint position before it, robot, cell, grid and tolerance (motion/recalling.py);
-- what of a motion is hashed, and at what angle two paths meet, by what the recalled step and paths are made of (hir.py, lint/);
+- what of a motion is hashed, and at what angle two paths meet, by what the recalled step and paths are made of (identity.py, lint/);
 - a printed move by its control points; what move lines say, by their very text (certify/cursor.py); and what the certificate proves of a stretch
   from rest to rest, by the numbers in the text and what they shall be (certify/stretches.py).
 

@@ -10,7 +10,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from yarclang.hir import Gap, Origin, Program, fingerprint
+from yarclang.hir import Gap, Origin, Program
+from yarclang.identity import fingerprint
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.line_map import Listed, map_lines
 from yarclang.pipeline.stages import check_program

@@ -17,7 +17,8 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import Array, AvoidMove, Motion, Program, Reading, fingerprint
+from yarclang.hir import Array, AvoidMove, Motion, Program, Reading
+from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan, plan_in_part

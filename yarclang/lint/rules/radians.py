@@ -14,6 +14,8 @@ from yarclang.units import DEG
 _STEP = np.pi / 12.0
 """People turn by multiples of 15 degrees [rad]."""
 
+_TO_ONE = (JointMove, AvoidMove)
+
 _EXACT = 6e-5
 """So near [rad] is a multiple that was written with four digits."""
 
@@ -22,7 +24,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
     turning = ~around.robot.chain.is_prismatic
     for step in program.steps:
         goals: tuple[object, ...] = ()
-        if isinstance(step, JointMove | AvoidMove):
+        if isinstance(step, _TO_ONE):
             goals = (step.goal,)
         elif isinstance(step, SplineMove):
             goals = step.waypoints

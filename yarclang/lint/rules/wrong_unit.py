@@ -8,18 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import (
-    ArcMove,
-    Array,
-    AvoidMove,
-    JointMove,
-    LineMove,
-    Motion,
-    PoseGoal,
-    PoseSplineMove,
-    Program,
-    SplineMove,
-)
+from yarclang.hir import Array, Motion, PoseGoal, PoseSplineMove, Program, SplineMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.units import DEG, MM
@@ -63,17 +52,13 @@ def _place(step: Motion, arm: float) -> tuple[str, str] | None:
     return None
 
 
-def _points(step: Motion) -> Iterator[Array]:
-    match step:
-        case (
-            JointMove(goal=PoseGoal() as goal)
-            | AvoidMove(goal=PoseGoal() as goal)
-            | LineMove(goal=PoseGoal() as goal)
-            | ArcMove(goal=goal)
-        ):
-            yield goal.base_from_moving[:3, 3]
-        case PoseSplineMove(waypoints=waypoints) | SplineMove(waypoints=waypoints):
-            yield from (one.base_from_moving[:3, 3] for one in waypoints if isinstance(one, PoseGoal))
+def _points(step: Motion) -> list[Array]:
+    """The positions of its poses."""
+    goals = step.waypoints if isinstance(step, _THROUGH_MANY) else (step.goal,)
+    return [one.base_from_moving[:3, 3] for one in goals if isinstance(one, PoseGoal)]
+
+
+_THROUGH_MANY = (SplineMove, PoseSplineMove)
 
 
 def _speed(step: Motion) -> tuple[str, str] | None:

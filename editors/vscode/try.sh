@@ -26,6 +26,8 @@ if [ ! -e "$folder/installed" ]; then
     npm install --omit=dev --ignore-scripts --no-audit --no-fund
     npm rebuild --foreground-scripts @vscode/spdlog native-watchdog
     npm rebuild --foreground-scripts node-pty || echo "VS Code will have no terminal"
+    mkdir -p node_modules/@vscode/ripgrep/bin
+    if rg=$(command -v rg); then ln -sfn "$rg" node_modules/@vscode/ripgrep/bin/rg; else echo "without ripgrep, VS Code finds no files by name"; fi
     ln -sfn node_modules node_modules.asar
     ln -sfn code-linux.sh bin/remote-cli/code-server
     ln -sfn browser-linux.sh bin/helpers/browser.sh
@@ -37,10 +39,10 @@ fi
 (cd "$here" && npm run package)
 cp "$here"/../../examples/* work/
 
-yarc=$(command -v yarc) || yarc=
-mkdir -p data/Machine
-printf '{ "yarc.path": "%s", "security.workspace.trust.enabled": false }\n' "$yarc" > data/Machine/settings.json
+yarc=$(command -v yarc) || yarc= # then the extension says what to do
+mkdir -p data/User
+printf '{ "yarc.path": "%s", "workbench.startupEditor": "none", "files.autoSave": "off" }\n' "$yarc" > data/User/settings.json
 options=(--config "$folder/config.yaml" --user-data-dir "$folder/data" --extensions-dir "$folder/extensions")
 node "$server/out/node/entry.js" "${options[@]}" --force --install-extension "$here/yarc.vsix"
 exec node "$server/out/node/entry.js" "${options[@]}" --auth none --bind-addr "127.0.0.1:$port" \
-  --disable-telemetry --disable-update-check "$folder/work"
+  --disable-telemetry --disable-update-check --disable-workspace-trust "$folder/work"

@@ -26,6 +26,7 @@ from yarclang.coordinator.opened import opened
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.subscription import Subscription
 from yarclang.diagnostics import Diagnostic
+from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.session import REPLY_TIME
@@ -86,7 +87,7 @@ class Lines:
 
 def findings_line(found: tuple[Diagnostic, ...]) -> dict[str, Any]:
     """The event of a program's findings."""
-    return {"event": "findings", "findings": [events.finding_json(one) for one in found]}
+    return {"event": "findings", "findings": [finding_json(one) for one in found]}
 
 
 def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:

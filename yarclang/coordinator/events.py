@@ -141,6 +141,8 @@ def event_json(event: Event, robot: Robot, since: float = 0.0) -> dict[str, Any]
                 "line": event.line,
             }
         case Found():
+            from yarclang.report.finding import finding_json  # brings in click
+
             content |= {"client": event.client, "findings": [finding_json(one) for one in event.findings]}
         case Message():
             content |= {"text": event.text, "warning": event.warning}
@@ -153,20 +155,6 @@ def event_json(event: Event, robot: Robot, since: float = 0.0) -> dict[str, Any]
         case Missed():
             content |= {"count": event.count}
     return content
-
-
-def finding_json(one: Diagnostic) -> dict[str, Any]:
-    """A finding as plain data."""
-    span = one.span
-    return {
-        "code": one.code,
-        "severity": one.severity,
-        "message": one.message,
-        "help": one.help or None,
-        "file": one.source.name if one.source else None,
-        "line": span.line if span else None,
-        "column": span.column if span else None,
-    }
 
 
 def ended_json(ended: Ended, robot: Robot) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from yarclang.simulator.commissioning import stand
 QUICK = (Phase.explicit, Phase.reuse, Phase.generate)
 """To shrink a session takes longer than to read it."""
 
-SOON = 0.03
+SOON = 0.02
 """From a key to the first motion, where replies take 0.5 ms at most and planning takes no time [s]."""
 
 
@@ -153,6 +153,29 @@ def test_it_begins_only_where_it_was_proved_from(moved, begins):
                 assert "the robot doesn't stand where jog starts: J1" in ended.what
                 assert ended.remedy == "begin again"
                 assert "R" not in [line for _, _, line in world.lines]
+
+    run(session())
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_stands_at_a_limit_may_leave_it(side):
+    """To a step of the registers it is past the limit, perhaps."""
+
+    async def session():
+        at = np.array([170.0 * side, *START[1:]])
+        async with coordinating(joints=at) as (world, _, client):
+            motor = world.machine.motors[1]
+            for beside in (-2e-4, 0.0, 2e-4, 1e-3):
+                motor.stand = to_counts(world.robot, at * world.robot.axis_units)[0] + beside
+                world.machine.changed([motor])
+                drive = (await client.drive(turning(5.0 * side))).value
+                await keep(drive, turning(5.0 * side), 0.2)
+                assert drive.why == "J1 would go past its limit"
+                assert abs(world.stands()[0] - at[0]) < 1e-6
+                await keep(drive, turning(-5.0 * side), 1.0)
+                assert abs(world.stands()[0] - at[0]) > 1.0
+                drive.stop()
+                await drive.ended()
 
     run(session())
 

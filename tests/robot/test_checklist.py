@@ -59,6 +59,7 @@ POINTS = [
     ([("a0 = [0, 0, 0, 0, 0, 0]  # counts", "a0 = [0, 0, 0, 0, 0, 0]  # guess: none")], "guess", "to do", "none"),
     ([("velocity = 60  ", 'velocity = "60"')], "Y1306", "to do", "text"),
     ([("velocity = [1540, ", "velocity = [")], "Y1309", "to do", "5"),
+    ([("speed = 250 ", "speed = 400 ")], "jogs", "note", "up to 400 mm/s"),
     ([("jerk = 2000  ", "jerk = 2000\nstop_acceleration = 100  ")], "stops", "note", "J1"),
 ]  # fmt: skip
 

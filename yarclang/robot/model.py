@@ -18,6 +18,9 @@ from yarclang.shapes import Shape
 from yarclang.units import DEG, MM
 
 Array = NDArray[np.float64]
+
+REDUCED_SPEED = 250.0 * MM
+"""The largest speed of a tool where people are within reach [m/s] (ISO 10218-1)."""
 JointKind = Literal["revolute", "prismatic", "continuous"]
 
 
@@ -206,7 +209,7 @@ class Robot:
     allowed: frozenset[tuple[str, str]] = frozenset()
     tools: tuple[Tool, ...] = ()
     dynamics: Dynamics | None = None
-    jog_speed: float = 250.0 * MM
+    jog_speed: float = REDUCED_SPEED
 
     @property
     def size(self) -> int:

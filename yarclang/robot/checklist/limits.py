@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.robot.checklist.item import Item, listed
-from yarclang.robot.model import Array, Robot
+from yarclang.robot.model import REDUCED_SPEED, Array, Robot
+from yarclang.units import MM
 
 USUAL_SPEED = {"deg": (1.0, 1500.0), "mm": (1.0, 5000.0)}
 """Velocity limits of arms [deg/s, mm/s]."""
@@ -39,6 +40,9 @@ def limit_items(robot: Robot) -> Iterator[Item]:
     if slow.any():
         found = f"{listed(_names(robot, slow))} may stop no faster than in a motion, or slower"
         yield Item("stops", "note", found, "give stop_acceleration, what the brakes and gears stand")
+    if robot.jog_speed > REDUCED_SPEED * (1.0 + 1e-9):
+        found = f"the tool goes at up to {robot.jog_speed / MM:g} mm/s, faster than the reduced speed of ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
+        yield Item("jogs", "note", found, "give [jog] a speed of 250, if somebody stands within reach")
     endless = [
         name for name, kind in zip(robot.joint_names, robot.joint_kinds, strict=True) if kind == "continuous"
     ]

@@ -118,7 +118,14 @@ class Judge:
         cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))
         # a segment has four control points: these may be off
         off = np.where(np.arange(count) < self._starts, 1.0, 0.0)
-        return self._limits(cubics, off[:, None] * self.slack) or self._speeds(cubics, off * self._beside)
+        beside = off * self._beside
+        # of a point's velocity J(q) w, w is off by at most beside / h, and J by what it is beside
+        faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
+        return (
+            self._limits(cubics, off[:, None] * self.slack)
+            or self._tool_speed(cubics, faster)
+            or self._surroundings(cubics, control, float(faster.max()))
+        )
 
     def admit(self, lines: tuple[str, ...]) -> None:
         """These are streamed; `objection` had none."""
@@ -163,12 +170,6 @@ class Judge:
             return f"motor {robot.controller.motors[motor]} would have {motors[motor]:.1%} of its speed limit"
         return ""
 
-    def _speeds(self, cubics: Cubics, beside: Array) -> str:
-        """The tool's, and all that is around it; points of the arm may be `beside` (N,) [m] where they would be on each segment."""
-        # of their velocity J(q) w, w is off by at most beside / h, and J by what they are beside
-        faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
-        return self._tool_speed(cubics, faster) or self._surroundings(cubics, float(faster.max()))
-
     def _tool_speed(self, cubics: Cubics, faster: Array) -> str:
         """Segments are cut into pieces until the bound says enough of them; on each it may be `faster` (N,) [m/s]."""
         worst = 0.0
@@ -207,13 +208,16 @@ class Judge:
         bounds: Array = speed.reshape(count, pieces).max(axis=1) + half * bend
         return bounds
 
-    def _surroundings(self, cubics: Cubics, faster: float) -> str:
+    def _surroundings(self, cubics: Cubics, control: Array, faster: float) -> str:
         scene = self._scene
         if scene is None:
             return ""
+        apart = not len(scene.first) or self._has_room(scene, control)
+        if apart and not (self._watches or self._slow):
+            return ""
         course = Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())
         spans = np.array([[0, len(cubics.h)]])
-        if len(scene.first) and not self._has_room(scene, cubics):
+        if not apart:
             found = clearances(scene, course, spans)
             if found.meetings:
                 one, other = scene.names(found.meetings[0].pair)
@@ -229,17 +233,15 @@ class Judge:
                 return f"in the zone {watch.zone.name} it would be faster than {allowed / MM:g} mm/s"
         return ""
 
-    def _has_room(self, scene: Scene, cubics: Cubics) -> bool:
-        """Whether bodies are so far apart around all of it that nobody has to look at the way itself."""
-        ranges = cubics.position_range()
-        lower, upper = ranges[0].min(axis=0), ranges[1].max(axis=0)
+    def _has_room(self, scene: Scene, control: Array) -> bool:
+        """Whether bodies are so far apart around all of it that nobody has to look at the way itself: it lies in the hull of its control points."""
+        lower, upper, end = control.min(axis=0), control.max(axis=0), control[-1]
         if self._room is not None and self._room.has(lower, upper):
             return True
         if self._crowded:
             self._crowded -= 1
             return False
         # around its end, so that the next ones are in there as well
-        end = cubics.take(np.array([-1])).at(np.array([self._segment]))[0][0]
         room = Room(end, _AHEAD * np.maximum(upper - end, end - lower) + _AROUND)
         self._room = room if is_free(scene, room) else None
         self._crowded = _CROWDED if self._room is None else 0

@@ -1,5 +1,6 @@
 """Each example compiles to just the bytes and the plan that stand in tests/golden; --rewrite-golden writes them anew."""
 
+import functools
 import re
 from pathlib import Path
 
@@ -23,6 +24,10 @@ def make(path, target="rotary"):
     # versions of libraries stand in the header: the rest doesn't depend on them
     text = re.sub(r"; made with .*", "; made with ...", compiled.value.text)
     return re.sub(r"; yarcc \S+:", "; yarcc ...:", text), compiled.value
+
+
+first = functools.cache(make)
+"""What was made of a program the first time: two tests ask for it."""
 
 
 def summary(compiled):
@@ -50,7 +55,7 @@ def compare(path, content, rewrite):
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
 def test_example(program, rewrite_golden):
-    text, compiled = make(program)
+    text, compiled = first(program)
     compare(GOLDEN / program.stem / "out.pmc", text, rewrite_golden)
     compare(GOLDEN / program.stem / "plan.txt", summary(compiled), rewrite_golden)
 
@@ -62,7 +67,7 @@ def test_listing4_as_a_program_buffer(rewrite_golden):
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
 def test_the_same_input_gives_the_same_bytes(program):
-    assert make(program)[0] == make(program)[0]
+    assert first(program)[0] == make(program)[0]
 
 
 def test_there_is_no_golden_without_its_example():

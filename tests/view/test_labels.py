@@ -1,10 +1,11 @@
 """Which labels are written."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from yarclang.view.labels import labelled, spots
+from yarclang.view.labels import Label, labelled, raised, spots
 from yarclang.view.stage import Mark
 
 
@@ -36,3 +37,52 @@ def test_of_many_findings_the_command_at_hand_comes_first():
     marks = [mark(piece) for piece in (0, 1) for _ in range(40)]
     assert labelled(marks, 1) == set(range(40, 64))
     assert labelled([], 3) == frozenset()
+
+
+EYE, MIDDLE = np.array([4.0, 3.0, 2.0]), np.zeros(3)
+
+
+def boxes(labels, heights):
+    """What labels cover on a screen 800 pixels high, by a pinhole of our own: the camera's axes, then similar triangles."""
+    z = (EYE - MIDDLE) / np.linalg.norm(EYE - MIDDLE)
+    x = np.cross([0.0, 0.0, 1.0], z) / np.linalg.norm(np.cross([0.0, 0.0, 1.0], z))
+    y = np.cross(z, x)
+    found = []
+    for label, height in zip(labels, heights, strict=True):
+        seen = np.array([x, y, z]) @ (label.place + np.array([0.0, 0.0, height]) - EYE)
+        u, v = 400.0 / np.tan(np.radians(37.5)) * seen[:2] / -seen[2]
+        wide, high = 8.0 * label.scale * len(label.text), 14.0 * label.scale
+        left = u - wide / 2.0 if label.anchor == "bottom-center" else u
+        low = v - high if label.anchor == "top-left" else v
+        found.append((left, low, left + wide, low + high))
+    return found
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.tuples(*[st.floats(-0.5, 0.5)] * 3),
+            st.sampled_from(["{B}", "{FIXTURE}", "Y0901, Y0501"]),
+            st.sampled_from(["bottom-center", "bottom-left", "top-left"]),
+        ),
+        max_size=12,
+    )
+)
+def test_no_label_lies_on_another_in_the_first_view(drawn):
+    labels = [Label(text, np.array(place), 0.8, anchor) for place, text, anchor in drawn]
+    heights = raised(labels, EYE, MIDDLE)
+    assert heights[:1] == pytest.approx([0.0] * len(heights[:1]), abs=1e-12)
+    assert min(heights, default=0.0) >= 0.0
+    seen = boxes(labels, heights)
+    for number, one in enumerate(seen):
+        for other in seen[:number]:
+            gap = max(one[0] - other[2], other[0] - one[2], one[1] - other[3], other[1] - one[3])
+            assert gap > -1e-6, (one, other)
+
+
+def test_labels_that_are_apart_stay_where_they_are():
+    labels = [Label("{A}", np.array([0.0, 0.0, height]), 0.7, "top-left") for height in (0.0, 1.0)]
+    assert raised(labels, EYE, MIDDLE) == pytest.approx([0.0, 0.0])
+    # and one behind the eye is on none
+    labels.append(Label("{A}", 3.0 * EYE, 0.7, "top-left"))
+    assert raised(labels, EYE, MIDDLE)[2] == 0.0

@@ -9,8 +9,9 @@ import numpy as np
 from yarclang.robot.model import Array
 from yarclang.view import colours
 from yarclang.view.camera import first_view, shown_box
-from yarclang.view.labels import SHARE, labelled, spots
-from yarclang.view.stage import Item, Mark, Stage, Way, moved_by
+from yarclang.view.labels import SHARE, Label, spots
+from yarclang.view.lettering import Lettering, short
+from yarclang.view.stage import Item, Stage, Way, moved_by
 
 if TYPE_CHECKING:
     import viser
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 _AXES_LENGTH = 0.12
 _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
 """Widths of lines [pixels]: of the path, of the planned path beside it, of the chosen command."""
-_TITLE = 60
-"""Characters of a finding's label."""
 
 GROUPS = {
     "robot": "robot",
@@ -44,9 +43,9 @@ class Picture:
         self._touching: frozenset[str] = frozenset()
         self._chosen: Any = None
         self._written: Any = None
-        self._labels: list[tuple[list[int], Any]] = []
-        self._marks_shown = True
+        self._lettering = Lettering(server.scene, stage.marks)
         self._groups: dict[str, list[Any]] = {name: [] for name in GROUPS}
+        self._view = first_view(stage)
         low, high = shown_box(stage, whole=True)
         self._size = float(np.linalg.norm(high - low)) / 2.0
         self._joints = [
@@ -65,6 +64,7 @@ class Picture:
             if ghost_way is not None:
                 ghost_way.colors = np.array(colours.PLANNED_WAY, dtype=np.uint8)
         self._draw_marks()
+        self._lettering.write(*self._view)
 
     @property
     def groups(self) -> dict[str, str]:
@@ -76,8 +76,7 @@ class Picture:
         for node in self._groups[name]:
             node.visible = is_shown
         if name == "marks":
-            self._marks_shown = is_shown
-            self._label_marks()
+            self._lettering.show_marks(is_shown)
 
     def move_to(self, time: float) -> None:
         """Move what the joints move to where it is at a time."""
@@ -104,9 +103,8 @@ class Picture:
 
     def choose_piece(self, number: int) -> None:
         """Make the piece of the path stand out that belongs to a command; -1 for none."""
-        if number != self._piece:
-            self._piece = number
-            self._label_marks()
+        self._piece = number
+        self._lettering.follow(number)
         if self._chosen is not None:
             self._chosen.remove()
             self._chosen = None
@@ -128,7 +126,7 @@ class Picture:
         mark = self._stage.marks[number] if number >= 0 else None
         if mark is not None and mark.place is not None:
             self._written = self._scene.add_label(
-                "/written", _short(mark), position=mark.place, font_screen_scale=1.0, anchor="top-left"
+                "/written", short(mark), position=mark.place, font_screen_scale=1.0, anchor="top-left"
             )
 
     def _draw_surroundings(self) -> None:
@@ -146,7 +144,7 @@ class Picture:
             shadow_opacity=0.0,
         )
         self._groups["grid"].append(grid)
-        eye, middle = first_view(self._stage)
+        eye, middle = self._view
         camera = self._server.initial_camera
         camera.look_at = middle
         camera.position = eye
@@ -159,14 +157,7 @@ class Picture:
         if item.kind in {"zone", "obstacle"}:
             top = (item.base_from_item[:3, :3] @ item.solid.vertices.T).T + item.base_from_item[:3, 3]
             where = top[int(np.argmax(top[:, 2] + 1e-3 * top[:, 0]))]
-            label = self._scene.add_label(
-                f"/label_{number}",
-                item.name,
-                position=tuple(where),
-                font_screen_scale=0.8,
-                anchor="bottom-center",
-            )
-            self._groups[item.kind].append(label)
+            self._lettering.give(Label(item.name, where, 0.8, "bottom-center"), self._groups[item.kind])
 
     def _add_mesh(self, name: str, item: Item, colour: tuple[int, int, int], opacity: float) -> Any:
         position, wxyz = _pose(item.base_from_item)
@@ -214,15 +205,19 @@ class Picture:
             alike = [number for number, one in enumerate(axes) if (one.joint, one.of_program) == kind]
             places = np.array([axes[number].base_from_frame[:3, 3] for number in alike])
             for spot in spots(places, SHARE * self._size):
-                first = alike[spot[0]]
+                group = self._groups["program_axes" if kind[1] else "axes"]
+                text = " ".join(f"{{{axes[alike[one]].name}}}" for one in spot)
+                if kind[0] == 0:
+                    self._lettering.give(Label(text, places[spot[0]], 0.7, "top-left"), group)
+                    continue
                 label = self._scene.add_label(
-                    f"/joint_{kind[0]}/axes_{first}/name",
-                    " ".join(f"{{{axes[alike[one]].name}}}" for one in spot),
+                    f"/joint_{kind[0]}/axes_{alike[spot[0]]}/name",
+                    text,
                     font_screen_scale=0.7,
                     # a frame that the robot brings to another one has its name on the other side
-                    anchor="top-right" if kind[0] else "top-left",
+                    anchor="top-right",
                 )
-                self._groups["program_axes" if kind[1] else "axes"].append(label)
+                group.append(label)
 
     def _draw_way(self, name: str, way: Way, width: float) -> Any:
         first = _lines(way)
@@ -249,28 +244,7 @@ class Picture:
             )
             self._groups["marks"].append(ball)
         for spot in spots(places, SHARE * self._size):
-            here = [placed[one] for one in spot]
-            label = self._scene.add_label(
-                f"/marks/{here[0]}/text", "", font_screen_scale=0.8, anchor="bottom-left", visible=False
-            )
-            self._labels.append((here, label))
-        self._label_marks()
-
-    def _label_marks(self) -> None:
-        """Write what is found at the command at hand and beside it, if findings are shown."""
-        marks, wanted = self._stage.marks, labelled(self._stage.marks, self._piece)
-        for numbers, label in self._labels:
-            texts = [marks[number].code or _short(marks[number]) for number in numbers if number in wanted]
-            is_shown = self._marks_shown and bool(texts)
-            if is_shown:
-                label.text = ", ".join(dict.fromkeys(texts))
-            label.visible = is_shown
-
-
-def _short(mark: Mark) -> str:
-    """A finding in a few words."""
-    text = mark.text if len(mark.text) <= _TITLE else f"{mark.text[: _TITLE - 1]}…"
-    return f"{mark.code} {text}".strip()
+            self._lettering.give_marks([placed[one] for one in spot], places[spot[0]])
 
 
 def _lines(way: Way) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import CellFrame, Mount
 from yarclang.cell.schema import FrameTable
+from yarclang.toml.circles import circles
 from yarclang.toml.draft import spoken
 from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import Path
@@ -44,7 +45,7 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
             parents[name.upper()] = parent
             if pose is not None:
                 local[name.upper()] = pose
-    for circle in _circles(parents):
+    for circle in circles(parents):
         message = f"The frames {', '.join(circle)} hang on each other in a circle."
         if len(circle) == 1:
             message = f"The frame {circle[0]} hangs on itself."
@@ -79,17 +80,3 @@ def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlF
 def mount_of(name: str, frames: Mapping[str, CellFrame]) -> Mount:
     """Where a frame sits that is a root, or among `frames`."""
     return ROOTS[name] if name in ROOTS else frames[name].mount
-
-
-def _circles(parents: Mapping[str, str]) -> Iterator[list[str]]:
-    """The circles of frames, each once."""
-    seen: set[str] = set()
-    for start in parents:
-        path: list[str] = []
-        here = start
-        while here in parents and here not in seen and here not in path:
-            path.append(here)
-            here = parents[here]
-        if here in path:
-            yield path[path.index(here) :]
-        seen.update(path)

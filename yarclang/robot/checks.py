@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from yarclang.robot.drive_checks import check_drives
 from yarclang.robot.urdf import Joint, Urdf
+from yarclang.toml.circles import circles
 from yarclang.toml.file import TomlFile, did_you_mean, right_length
 from yarclang.toml.places import Path
 from yarclang.units import DEG, MM
@@ -185,21 +186,12 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
             message = f"The parent of frame {name} is {frame.parent[:40]}, which isn't a frame on the flange."
             remedy = did_you_mean(parent, {"FLANGE", *upper} - {name.upper()})
             file.say("Y1329", ("frames", name, "parent"), message, remedy)
-    seen: set[str] = set()
-    for start in parents:
-        path: list[str] = []
-        here = start
-        while here in parents and here not in seen and here not in path:
-            path.append(here)
-            here = parents[here]
-        if here in path:
-            circle = path[path.index(here) :]
-            message = f"The frames {', '.join(circle)} hang on each other in a circle."
-            if len(circle) == 1:
-                message = f"The frame {circle[0]} hangs on itself."
-            remedy = 'Give one of them parent = "FLANGE".'
-            file.say("Y1330", ("frames", upper[circle[0]], "parent"), message, remedy)
-        seen.update(path)
+    for circle in circles(parents):
+        message = f"The frames {', '.join(circle)} hang on each other in a circle."
+        if len(circle) == 1:
+            message = f"The frame {circle[0]} hangs on itself."
+        remedy = 'Give one of them parent = "FLANGE".'
+        file.say("Y1330", ("frames", upper[circle[0]], "parent"), message, remedy)
 
 
 def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:

@@ -1,0 +1,19 @@
+"""Things that hang on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+
+def circles(parents: Mapping[str, str]) -> Iterator[list[str]]:
+    """The circles of what hangs on each other, by what each hangs on: each once."""
+    seen: set[str] = set()
+    for start in parents:
+        path: list[str] = []
+        here = start
+        while here in parents and here not in seen and here not in path:
+            path.append(here)
+            here = parents[here]
+        if here in path:
+            yield path[path.index(here) :]
+        seen.update(path)

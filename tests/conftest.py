@@ -20,6 +20,11 @@ def pytest_addoption(parser):
     parser.addoption("--rewrite-golden", action="store_true", help="write the golden files anew")
 
 
+def pytest_collection_modifyitems(items):
+    """The browser's tests come first: they are slow, and at the end only one of the workers would be busy with them."""
+    items.sort(key=lambda item: item.path.name != "test_browser.py")
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish():
     """What is there for the whole session isn't looked through for garbage again and again."""

@@ -32,8 +32,10 @@ MADE_ON_THE_WAY = "live motion: its lines were made on the way"
 _LATE = 1
 """Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
 
-_LOOK, _SEGMENTS = 0.008, 1.5
-"""Time between two looks at the buffer: so much [s], or so many segments up to twice of it. A reply costs this host as much as two lines do."""
+_SHORTEST, _SEGMENTS, _LONGEST = 0.008, 1.5, 0.016
+"""Time between two looks at the buffer: so many segments, within these bounds [s]. Each time that this process wakes up costs it more than the replies do: what is
+due within half of that time is asked as well.
+"""
 
 
 class Source(Protocol):
@@ -85,7 +87,7 @@ class LiveStream:
         self._sent = 0
         self._moves = 0
         self._ahead = 0
-        self._look = min(max(_LOOK, _SEGMENTS * self.job.segment), 2.0 * _LOOK)
+        self._look = min(max(_SHORTEST, _SEGMENTS * self.job.segment), _LONGEST)
         self._lines_due = self._status_due = self._positions_due = 0.0
 
     @property
@@ -162,11 +164,11 @@ class LiveStream:
                 operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
                 raise Stopped(abort=False)
             yield from self._fill(self._live.lead)
-        elif now >= self._status_due:
+        elif now >= self._status_due - self._look / 2.0:
             self._status_due = now + STATUS_EACH
             yield from look_at_motors(operation, self.job.robot)
-        elif now >= self._positions_due:
-            self._positions_due = now + operation.positions_each
+        elif now >= self._positions_due - self._look / 2.0:
+            self._positions_due = max(self._positions_due + operation.positions_each, now)
             operation.notices.append((yield from sample(operation, self.job.robot, self.done)))
         else:
             yield Wait(min(self._lines_due, self._status_due, self._positions_due))

@@ -44,8 +44,10 @@ class Arm:
         whole = pinocchio.neutral(self.model)
         for q in q_deg * self.si:
             whole[self.places] = q
-            pinocchio.framesForwardKinematics(self.model, self.workspace, whole)
-            pose = self.workspace.oMf[self.base].actInv(self.workspace.oMf[self.flange]) * self.tcp
+            pinocchio.forwardKinematics(self.model, self.workspace, whole)
+            base = pinocchio.updateFramePlacement(self.model, self.workspace, self.base)
+            flange = pinocchio.updateFramePlacement(self.model, self.workspace, self.flange)
+            pose = base.actInv(flange) * self.tcp
             points.append(pose.translation * 1e3)
             rotations.append(pose.rotation)
         return np.array(points), Rotation.from_matrix(np.array(rotations))

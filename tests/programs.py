@@ -1,5 +1,7 @@
 """Programs in tests: the pipeline with its usual settings, and a short way to say what was found."""
 
+import functools
+
 from yarclang.pipeline.stages import Request, check_program, compile_module, plan_module
 from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
@@ -10,21 +12,31 @@ def source(text, name="test.yarc"):
     return SourceFile(name, text)
 
 
+def robot_of(name):
+    """A robot by its name or path; those of the library are read once."""
+    return _of_library(name) if name.isidentifier() else load_robot(name).value
+
+
+@functools.cache
+def _of_library(name):
+    return load_robot(name).value
+
+
 def checked(text, robot="INDUSTRIAL6", **request):
     parsed = parse(source(text))
-    result = check_program(parsed.value, Request(load_robot(robot).value, **request))
+    result = check_program(parsed.value, Request(robot_of(robot), **request))
     return result.value, (*parsed.diagnostics, *result.diagnostics)
 
 
 def planned(text, robot="INDUSTRIAL6", **request):
     parsed = parse(source(text))
-    result = plan_module(parsed.value, Request(load_robot(robot).value, **request))
+    result = plan_module(parsed.value, Request(robot_of(robot), **request))
     return result.value, (*parsed.diagnostics, *result.diagnostics)
 
 
 def compiled(text, robot="INDUSTRIAL6", **request):
     parsed = parse(source(text))
-    result = compile_module(parsed.value, Request(load_robot(robot).value, **request))
+    result = compile_module(parsed.value, Request(robot_of(robot), **request))
     return result.value, (*parsed.diagnostics, *result.diagnostics)
 
 

@@ -28,6 +28,8 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
         An END or ELSE without a block is left out, and so is what stands in a block whose first line couldn't be
         read, or beyond the deepest block. Where a block holds what it can't hold, that stays there.
     """
+    if not module.unreadable_lines and not any(map(_needs_arranging, module.statements)):
+        return Result(module.statements)
     lines = [(one.line, one.name.name, one) for one in module.statements]
     arrangement = _Arrangement(module.source)
     both: list[tuple[int, str, Statement | None]] = [*lines]
@@ -38,6 +40,16 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
     for line, word, statement in both:
         arrangement.add(line, word, statement)
     return arrangement.finish()
+
+
+def _needs_arranging(statement: Statement) -> bool:
+    """Whether a statement belongs to a block, or is a declaration that has an index: of a long program's lines hardly any."""
+    word = statement.name.name
+    return word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)
+
+
+_OF_BLOCKS = BLOCK_HEADS | {"END", "ELSE"}
+_ARRANGED = DECLARATIONS | _OF_BLOCKS
 
 
 def _word(line: str) -> str:

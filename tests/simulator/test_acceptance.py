@@ -105,7 +105,7 @@ def over_tcp(name, target, rate):
 
 
 @BOTH
-@pytest.mark.parametrize(("target", "rate"), [("prog", None), ("rotary", 10.0)])
+@pytest.mark.parametrize(("target", "rate"), [("prog", None), ("rotary", 5.0)])
 def test_examples_through_tcp_end_where_the_plan_ends(name, target, rate):
     robot, machine, joints, commanded, actual = over_tcp(name, target, rate)
     compiled = example(name, target)

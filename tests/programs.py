@@ -12,9 +12,11 @@ def source(text, name="test.yarc"):
     return SourceFile(name, text)
 
 
-def robot_of(name):
-    """A robot by its name or path; those of the library are read once."""
-    return _of_library(name) if name.isidentifier() else load_robot(name).value
+def robot_of(robot):
+    """A robot itself, or by its name or path; those of the library are read once."""
+    if not isinstance(robot, str):
+        return robot
+    return _of_library(robot) if robot.isidentifier() else load_robot(robot).value
 
 
 @functools.cache

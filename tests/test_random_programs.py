@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from programs import compiled, planned
+from programs import compiled, planned, robot_of
 from random_programs import drawn, faults, told_by_step
 from scipy.spatial.transform import Rotation
 
@@ -133,7 +133,8 @@ def folder(tmp_path_factory):
                     pytest.skip("example-robot-data isn't installed")
                 made(DATA / file, made_here / name, *arguments)
                 where = str(made_here / name)
-            known[name] = where, independent.Arm(load_robot(where).value.folder)
+            robot = robot_of(where)
+            known[name] = robot, independent.Arm(robot.folder)
         return known[name]
 
     return find
@@ -150,7 +151,7 @@ def test_what_is_planned_keeps_limits_paths_and_times_and_is_certified(name, blo
         if plan is None:
             assert any(one.is_error for one in diagnostics)
             continue
-        request = Request(load_robot(robot).value)
+        request = Request(robot)
         judged = certified(plan, request)
         refused = [one.message for one in judged.diagnostics if one.is_error and one.code.startswith("Y11")]
         text = emit(lower(plan, request.target, request.robot.tolerance)).text(())

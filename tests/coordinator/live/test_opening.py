@@ -180,6 +180,23 @@ def test_who_stands_at_a_limit_may_leave_it(side):
     run(session())
 
 
+def test_where_a_command_has_ended_nearly_is_not_where_a_jog_begins():
+    """A command begins where the one before was planned to end, if it stands there to a count; a jog where it stands."""
+
+    async def session():
+        async with coordinating(joints=START) as (world, _, client):
+            await done(client, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
+            motor = world.machine.motors[1]
+            motor.stand = float(motor.place(world.machine.now)[0]) + 0.8
+            world.machine.changed([motor])
+            took, drive = await first_motion(world, client, 5.0)
+            assert took < SOON
+            drive.stop()
+            await drive.ended()
+
+    run(session())
+
+
 def jerking(share):
     """Points from rest to rest: J1 with some share of its jerk limit, and no rounding to speak of."""
     robot, _ = judge_at()

@@ -28,13 +28,13 @@ def posture(shares):
     return (limits.upper + limits.lower) / 2.0 + shares * (limits.upper - limits.lower) / 2.0
 
 
-@settings(max_examples=60, deadline=None)
-@given(SIX, SIX, st.sampled_from([0.01, 0.05, 0.2]), st.lists(SIX, min_size=10, max_size=20))
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(SIX, SIX, st.sampled_from([0.02, 0.1, 0.4, 1.0]), st.lists(SIX, min_size=10, max_size=20))
 def test_what_has_room_is_free(shares, reach, size, within):
     room = Room(posture(shares), np.abs(reach) * size)
-    assume(is_free(SCENE, room))
     corners = [np.sign(one) for one in within]
-    assert all(SPACE.has(room.middle + one * room.reach) for one in (*within, *corners))
+    if is_free(SCENE, room):
+        assert all(SPACE.has(room.middle + one * room.reach) for one in (*within, *corners))
 
 
 def test_there_is_none_where_bodies_are_near():

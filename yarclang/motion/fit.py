@@ -164,7 +164,9 @@ class _Fitter:
                 break
             segments = needed
             if segments <= FEW_SEGMENTS and not self.trials.path.is_straight_in_joints:
-                self.trials.fastest_of(self.compared(segments))  # which costs little more than the first alone
+                self.trials.fastest_of(
+                    self.compared(segments)
+                )  # which costs little more than the first alone
             needed = self.needed(self.trials.fastest(segments))
         while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)

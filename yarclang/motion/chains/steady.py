@@ -6,23 +6,20 @@ the change of one velocity to another over the whole of the overlap. Only laws w
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chains.between import STEEPNESS, Between, Turn, law_of
 from yarclang.motion.chains.blend import Part
 from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.chains.overlaps import SPEED_KEPT, Overlaps
 from yarclang.motion.framespeed import finer_for_speed
 from yarclang.motion.path import Path
-from yarclang.motion.profile import NO_FORM, Law
-from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_rest
-from yarclang.motion.trials import Trial, Trials
+from yarclang.motion.trapezoid import FEWEST_IN_BLEND
+from yarclang.motion.trials import Trials
 from yarclang.robot.model import Chain
 
 _SLOWER = 1.08
@@ -33,9 +30,6 @@ _MOST_ROUNDS = 40
 
 _TOO_SLOW = 3.0
 """A motion that would take so many times as long as by itself is better done with stops."""
-
-_STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
-"""The shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
 
 _OUTER = (1 / 3, 0.45, 0.6)
 """The shares of a given time that speeding up from rest, or slowing down to it, may take."""
@@ -64,19 +58,10 @@ def steady(
     if not all(link.profile.has_cruise for link in links):
         return None
     maker = _Maker(links, Overlaps(chain, links, segment), segment, middles)
-    return next((made for outer in _OUTER if (made := maker.made(outer)) is not None), None)
-
-
-@dataclass(frozen=True, slots=True)
-class _Turn:
-    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap of `overlap` segments.
-    With motions slower by `asked` the limits would just be kept.
-    """
-
-    width: int
-    rise: int
-    overlap: int
-    asked: float
+    # only given times know a share of theirs
+    given = any(link.full is None and middle is not None for link, middle in zip(links, middles, strict=True))
+    shares = _OUTER if given else _OUTER[:1]
+    return next((made for outer in shares if (made := maker.made(outer)) is not None), None)
 
 
 class _Maker:
@@ -147,7 +132,7 @@ class _Maker:
             self._keep_together(cruises)
         return cruises
 
-    def _slow_corners(self, parts: list[Part | None], turns: list[_Turn]) -> dict[int, float]:
+    def _slow_corners(self, parts: list[Part | None], turns: list[Turn]) -> dict[int, float]:
         """The motions on both sides of the corners that ask too much, and how much slower they should be."""
         slow: dict[int, float] = {}
         for place, turn in enumerate(turns):
@@ -164,9 +149,9 @@ class _Maker:
                     slow[side] = max(slow.get(side, 1.0), more)
         return slow
 
-    def _finished(self, parts: list[Part], turns: list[_Turn], cruises: list[float]) -> list[Piece] | float:
+    def _finished(self, parts: list[Part], turns: list[Turn], cruises: list[float]) -> list[Piece] | float:
         for link, part in zip(self.links, parts, strict=True):
-            own = Trials(link.path, _law(part.trial.control), link.own_bounds, link.tolerance)
+            own = Trials(link.path, law_of(part.trial.control), link.own_bounds, link.tolerance)
             more = own.segments_for_tolerance(part.trial)
             if more is not None:
                 return self.segment * part.segments / more
@@ -228,7 +213,7 @@ class _Maker:
             found.append(float(back[k - 1] + (back[k] - back[k - 1]) * share))
         return found[0], found[1]
 
-    def _turn(self, place: int, cruises: list[float]) -> _Turn | None:
+    def _turn(self, place: int, cruises: list[float]) -> Turn | None:
         """The widest overlap that has room at these speeds, with the ramps that suit the limits best."""
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
@@ -246,93 +231,22 @@ class _Maker:
         # slower motions have wider overlaps, too
         asked = {
             share: max((bend / (1.0 - share)) ** (1 / 2), (snap / ((1.0 - share) * share)) ** (1 / 3))
-            for share in _STEEPNESS
+            for share in STEEPNESS
         }
-        steep = min(_STEEPNESS, key=asked.__getitem__)
-        return _Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
+        steep = min(STEEPNESS, key=asked.__getitem__)
+        return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
-    def _parts(self, cruises: list[float], turns: list[_Turn]) -> list[Part | None]:
+    def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | None]:
         """The motions one after the other; None for those that their own limits don't allow."""
         parts: list[Part | None] = []
         phase = 0.0
         for place, cruise in enumerate(cruises):
-            part, phase = self._part(place, cruise, turns, phase)
+            before = turns[place - 1] if place else None
+            behind = turns[place] if place < len(turns) else None
+            motion = Between(self.links[place], before, behind, self.middles[place], self.segment)
+            part, phase = motion.part(cruise, phase)
             parts.append(part)
         return parts
-
-    def _part(self, place: int, cruise: float, turns: list[_Turn], phase: float) -> tuple[Part | None, float]:
-        """A motion between its corners, or between one and rest, and how far behind a knot its last ramp begins.
-
-        `phase` is that of the motion before; the first ramp of this one is its mirror image, so that both add up to one speed.
-        """
-        link, middle = self.links[place], self.middles[place]
-        starts, ends = self._is_outer(place)
-        blends = [0]
-        if starts or ends:
-            blends = [round(2.0 * (middle - cruise))] if middle is not None else self._blends(link, cruise)
-        for blend in blends:
-            for share in _STEEPNESS if starts or ends else (0.0,):
-                rise = max(1, min(round(share * blend), blend // 2))
-                first = (
-                    Ramp(0.0, blend, rise)
-                    if starts
-                    else Ramp(phase, turns[place - 1].width, turns[place - 1].rise)
-                )
-                into = 0 if starts else turns[place - 1].overlap
-                if ends:
-                    segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
-                    if middle is not None:
-                        segments = middle + into // 2
-                    if not self._has_room(segments, first, cruise):
-                        continue
-                    control, out, behind = to_rest(segments, first, cruise, rise), 0, 0.0
-                else:
-                    turn = turns[place]
-                    last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
-                    knot = int(last.start + 1e-9)
-                    if last.start < 0.0 or knot < into:
-                        continue
-                    segments, out, behind = knot + turn.overlap, turn.overlap, last.start - knot
-                    if first.start + first.width + 1 > segments:
-                        continue
-                    control = between_ramps(segments, first, last)
-                trial = self._tried(link, control, into, out)
-                if trial is not None:
-                    return Part(link.path, trial), behind
-        return None, 0.0
-
-    def _has_room(self, segments: int, first: Ramp, cruise: float) -> bool:
-        """Whether a motion that ends at rest has room for both its ramps."""
-        width = 2.0 * (segments - first.middle - cruise)
-        return FEWEST_IN_BLEND <= width <= segments and first.start + first.width + 1 <= segments
-
-    def _blends(self, link: Link, cruise: float) -> list[int]:
-        """Lengths of a ramp from or to rest to try, the shortest that might do first."""
-        rate = (link.path.slope / cruise / link.own_bounds.acceleration).max() / self.segment**2
-        least = max(FEWEST_IN_BLEND, int(rate))
-        most = max(least + 2, int(2.0 * cruise))
-        return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
-
-    def _tried(self, link: Link, control: Array, into: int, out: int) -> Trial | None:
-        """The trial of a law, if it keeps the limits outside of its overlaps of `into` and `out` segments."""
-        segments = len(control) - 3
-        bounds = link.own_bounds
-        # the zones are asked below, and only for what counts
-        trials = Trials(link.path, _law(control), replace(bounds, zones=None), link.tolerance)
-        trial = trials.trial(segments, ())
-        own = trial.points[max(into - 1, 0) : segments + 3 - max(out - 1, 0)]
-        if len(own) < 4:
-            return trial
-        return trial if bounds.are_kept(own, self.segment * (1.0 + 1e-12)) else None
-
-
-def _law(control: Array) -> Law:
-    """A law with nothing left open: these control values."""
-
-    def strain(segments: int, forms: NDArray[np.int64]) -> Array:
-        return np.full((len(forms), 3), 1.0 / segments)
-
-    return Law(lambda u: u, lambda segments, form: control, lambda segments: NO_FORM, strain)  # noqa: ARG005
 
 
 def _slope(path: Path, s: float) -> Array:

@@ -1,0 +1,148 @@
+"""One motion of a chain between its corners, at a cruise that is given: the laws that may serve, and the first of them that keeps the limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, islice, repeat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.chains.blend import Part
+from yarclang.motion.chains.links import Link
+from yarclang.motion.profile import NO_FORM, Law
+from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_rest
+from yarclang.motion.trials import Trial, Trials
+
+STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
+"""The shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
+
+_AT_ONCE = 40
+"""How many laws are tried together, where the first few don't keep the limits: solving many takes hardly longer than a few."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap of `overlap` segments.
+    With motions slower by `asked` the limits would just be kept.
+    """
+
+    width: int
+    rise: int
+    overlap: int
+    asked: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Timed:
+    """A law as control values (segments + 3,), within overlaps of `into` and `out` segments at its ends, and how far `behind` a knot its last ramp begins."""
+
+    control: Array
+    into: int
+    out: int
+    behind: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Between:
+    """A motion, the corners before and behind it (None: it starts from rest, or ends at rest), and the segment time [s].
+
+    `middle` are its segments from middle to middle of its overlaps where its duration is given.
+    """
+
+    link: Link
+    before: Turn | None
+    behind: Turn | None
+    middle: int | None
+    segment: float
+
+    def part(self, cruise: float, phase: float) -> tuple[Part | None, float]:
+        """The motion, None where its own limits don't allow it; and how far behind a knot its last ramp begins.
+
+        Args:
+            cruise: in how many segments the whole way would go at full speed.
+            phase: that of the motion before; the first ramp of this one is its mirror image, so that both add up to one speed.
+        """
+        laws = self._laws(cruise, phase)
+        for count in chain([len(STEEPNESS)], repeat(_AT_ONCE)):
+            tried = list(islice(laws, count))
+            if not tried:
+                break
+            for law, trial in zip(tried, self._tried(tried), strict=True):
+                if self._is_kept(law, trial):
+                    return Part(self.link.path, trial), law.behind
+        return None, 0.0
+
+    def _laws(self, cruise: float, phase: float) -> Iterator[_Timed]:
+        """The laws to try, the likeliest first."""
+        into = self.before.overlap if self.before else 0
+        for blend, share in self._ramps(cruise):
+            rise = max(1, min(round(share * blend), blend // 2))
+            before = self.before
+            first = Ramp(phase, before.width, before.rise) if before else Ramp(0.0, blend, rise)
+            if self.behind is None:
+                segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
+                if self.middle is not None:
+                    segments = self.middle + into // 2
+                if _has_room(segments, first, cruise):
+                    yield _Timed(to_rest(segments, first, cruise, rise), into, 0, 0.0)
+                continue
+            turn = self.behind
+            last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
+            knot = int(last.start + 1e-9)
+            if last.start < 0.0 or knot < into:
+                continue
+            segments = knot + turn.overlap
+            if first.start + first.width + 1 <= segments:
+                yield _Timed(between_ramps(segments, first, last), into, turn.overlap, last.start - knot)
+
+    def _ramps(self, cruise: float) -> Iterator[tuple[int, float]]:
+        """Lengths and steepnesses to try of a ramp from rest or to rest, the shortest that might do first; of none where there is none."""
+        if self.before and self.behind:
+            yield 0, 0.0
+            return
+        lengths = [round(2.0 * (self.middle - cruise))] if self.middle is not None else self._lengths(cruise)
+        for length in lengths:
+            for share in STEEPNESS:
+                yield length, share
+
+    def _lengths(self, cruise: float) -> list[int]:
+        rate = (self.link.path.slope / cruise / self.link.own_bounds.acceleration).max() / self.segment**2
+        least = max(FEWEST_IN_BLEND, int(rate))
+        most = max(least + 2, int(2.0 * cruise))
+        return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
+
+    def _tried(self, laws: Sequence[_Timed]) -> list[Trial]:
+        """The trials of some laws; their joint positions are solved together."""
+        controls, link = [law.control for law in laws], self.link
+        # the zones are asked below, and only for what counts
+        trials = Trials(link.path, law_of(*controls), replace(link.own_bounds, zones=None), link.tolerance)
+        return trials.trials([(len(control) - 3, (number,)) for number, control in enumerate(controls)])
+
+    def _is_kept(self, law: _Timed, trial: Trial) -> bool:
+        """Whether a trial keeps the limits outside of its overlaps."""
+        own = trial.points[max(law.into - 1, 0) : trial.segments + 3 - max(law.out - 1, 0)]
+        return len(own) < 4 or self.link.own_bounds.are_kept(own, self.segment * (1.0 + 1e-12))
+
+
+def _has_room(segments: int, first: Ramp, cruise: float) -> bool:
+    """Whether a motion that ends at rest has room for both its ramps."""
+    width = 2.0 * (segments - first.middle - cruise)
+    return FEWEST_IN_BLEND <= width <= segments and first.start + first.width + 1 <= segments
+
+
+def law_of(*controls: Array) -> Law:
+    """Laws with nothing left open: control values, by the number that is the form."""
+
+    def strain(segments: int, forms: NDArray[np.int64]) -> Array:
+        return np.full((len(forms), 3), 1.0 / segments)
+
+    return Law(
+        lambda u: u,
+        lambda segments, form: controls[form[0] if form else 0],  # noqa: ARG005
+        lambda segments: NO_FORM,  # noqa: ARG005
+        strain,
+    )

@@ -58,10 +58,12 @@ class Recent:
             self.misses += 1
             return None
         self.hits += 1
-        try:
-            self._kept.move_to_end(key)
-        except KeyError:  # another thread has just dropped it
-            self._kept[key] = value
+        # before, nothing is dropped for long, and to keep the order costs more than the look
+        if 2 * len(self._kept) > self._most:
+            try:
+                self._kept.move_to_end(key)
+            except KeyError:  # another thread has just dropped it
+                self._kept[key] = value
         return value
 
     def keep(self, key: Hashable, value: object) -> None:

@@ -87,8 +87,11 @@ class Cursor:
         return np.concatenate(pieces) if pieces else None
 
     def _piece_end(self) -> int:
-        """Up to where lines are remembered together: to a line with a mark that moves with the text when it is edited."""
+        """Up to where lines are remembered together: to the end of a short sequence, else to a line with a mark that moves with the text when it is edited."""
         begin, most = self._place + _PIECE, self._place + _MOST
+        end = self._text.find("\nT", self._place, begin)  # a TM, which is no move line
+        if end >= 0:
+            return end + 1
         mark = self._text.find(_MARK, begin, most)
         return self._text.find("\n", most if mark < 0 else mark) + 1 or len(self._text)
 

@@ -15,7 +15,7 @@ from yarclang.motion.curve import Curve, knot_values
 from yarclang.motion.limits import Bounds, Demand, Grid
 from yarclang.motion.path import Path
 from yarclang.motion.profile import Profile
-from yarclang.motion.trials import Trial, Trials
+from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials
 from yarclang.robot.model import Tolerance
 
 MORE_SEGMENTS = 4
@@ -157,16 +157,15 @@ class _Fitter:
         return self._shortest
 
     def _search(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        segments = 24
-        needed = self.needed(self.trials.fastest(segments))
+        segments = MANY_SEGMENTS
+        needed = self.quick.fewest(max(self.trials.foreseen_shortest(), self.quick.smallest))
         for _ in range(8):
             if needed == segments or needed > MOST_SEGMENTS:
                 break
             segments = needed
             if segments <= FEW_SEGMENTS and not self.trials.path.is_straight_in_joints:
-                self.trials.fastest_of(
-                    self.compared(segments)
-                )  # which costs little more than the first alone
+                # which costs little more than the first of them alone
+                self.trials.fastest_of(self.compared(segments))
             needed = self.needed(self.trials.fastest(segments))
         while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)

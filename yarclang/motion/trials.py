@@ -24,6 +24,10 @@ _SHARE_OF_TOLERANCE = 0.7
 """The deviation is looked at in the middle of each segment; the proof of it comes later."""
 
 
+MANY_SEGMENTS = 24
+"""So many that the form of a law hardly depends on their number any more."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
     """Control points for a number of segments and a form of the law, and what the limits ask of them."""
@@ -134,6 +138,10 @@ class Trials:
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
         """About the shortest segment times [s] of other numbers of segments: exact for straight lines in joint space."""
         return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
+
+    def foreseen_shortest(self) -> float:
+        """About the shortest duration [s], from the steepest slope of the path alone."""
+        return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
     def deviation(self, trial: Trial) -> tuple[float, float]:
         """How far the curve is from the path, in the middle of the segments and at the knots [m], [rad]."""

@@ -10,6 +10,9 @@ from yarclang.lsp.refusal import keep_quiet_about_refusals
 from yarclang.lsp.server import Server
 from yarclang.pipeline.inputs import Options
 
+SELDOM = (50_000, 20, 20)
+"""How many more objects, and how many rounds, Python waits before it looks through them for garbage."""
+
 
 def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
     """Serve one client until it leaves.
@@ -20,9 +23,8 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
     """
     logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(levelname)s: %(message)s")
     keep_quiet_about_refusals()
-    gc.set_threshold(
-        50_000, 20, 20
-    )  # trees of a long program are no garbage, and were looked through again and again
+    # trees of a long program are no garbage, and were looked through again and again
+    gc.set_threshold(*SELDOM)
     sys.setswitchinterval(0.001)  # an answer doesn't wait for a motion that is being planned
     server = Server(Options(robot=robot))
     if address is None:

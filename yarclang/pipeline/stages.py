@@ -17,7 +17,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import Array, AvoidMove, Motion, Program, Reading
+from yarclang.hir import ArcMove, Array, AvoidMove, LineMove, Motion, Program, Reading
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
@@ -234,8 +234,11 @@ def _as_told(planned: MotionPlan) -> Program:
 
 
 def _laws(planned: MotionPlan) -> Mapping[int, Array]:
-    """How far along its path each motion claims to be, over time."""
-    return {motion.step: motion.law for motion in planned.motions}
+    """How far along its path each motion claims to be, over time; nobody asks it of lines and arcs of a frame."""
+    steps, unasked = planned.program.steps, (LineMove, ArcMove)
+    return {
+        motion.step: motion.law for motion in planned.motions if not isinstance(steps[motion.step], unasked)
+    }
 
 
 def _witnesses(planned: MotionPlan) -> Mapping[int, Array]:

@@ -242,6 +242,26 @@ def test_work_that_nobody_waits_for_is_given_up(folder):
     assert whole.motions[number[0]].step == whole.proofs[number[0]].step == number[0]
 
 
+def test_an_edit_costs_the_motion_and_the_one_behind_it(folder):
+    """Where a line ends doesn't depend on the digits of where it began: all others are the very same curves."""
+    head = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0001 MOVEJ 0 -10 -20 0 -60 0\n"
+    lines = [f"P{n:04} MOVEL {n % 10 * 20} 1000 {1050 + n % 7 * 10} -90 0 {n % 3}" for n in range(2, 40)]
+    analyst, before = Analyst(), None
+    for edited_line in (None, *range(5, 35, 4)):
+        if edited_line is not None:
+            lines[edited_line] = lines[edited_line][:-1] + str((int(lines[edited_line][-1]) + 1) % 3)
+        source = SourceFile(str(folder / "lines.yarc"), head + "\n".join(lines))
+        motions = analyst.analyse(source, folder).plan.motions
+        if before is not None:
+            others = [
+                k
+                for k, (one, other) in enumerate(zip(motions, before, strict=True))
+                if one.curve is not other.curve
+            ]
+            assert others == [edited_line + 1, edited_line + 2]  # the first motion leads to the first line
+        before = motions
+
+
 def test_the_memory_is_bounded():
     """What wasn't used for longest goes first."""
     memory = Recent(3)

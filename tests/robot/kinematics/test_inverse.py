@@ -112,6 +112,20 @@ def test_follow_finds_the_solution_next_to_the_seed(arm):
         assert np.median(np.abs(found - q).max(axis=1)) < 1e-8
 
 
+@pytest.mark.parametrize("arm", WRISTED)
+def test_the_digits_of_the_seed_say_nothing(arm):
+    """A seed chooses a branch and a turn; the joint positions are the pose's own, to the last bit."""
+    chain, limits = arm()
+    rng = np.random.default_rng(3)
+    q = rng.uniform(limits.lower, limits.upper, (300, chain.size))
+    q = q[[np.linalg.svd(_jacobian(chain, one))[1][-1] > 1e-2 for one in q]]
+    assert len(q) > 200
+    poses, seeds = flange_poses(chain, q), q + rng.uniform(-0.005, 0.005, q.shape)
+    found = follow(chain, poses, seeds)[0]
+    for size in (1e-15, 1e-9, 1e-4):
+        assert np.array_equal(follow(chain, poses, seeds + rng.uniform(-size, size, q.shape))[0], found)
+
+
 def test_follow_keeps_the_turn_of_the_seed():
     chain, _ = arms.industrial6()
     q = np.array([0.3, 0.2, -0.4, 0.5, 0.6, 0.7])

@@ -13,10 +13,13 @@ from yarclang.motion.rotation import NO_TURN, turn_between, turned
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
     """Poses of the moving frame over s: from `base_from_start` (4, 4) by `shift` (3,) [m], and by
-    `angle` [rad] about the unit vector `axis` (3,), both in the axes of {B}.
+    `angle` [rad] about the unit vector `axis` (3,), both in the axes of {B}, to `base_from_end` (4, 4).
+
+    It ends there to the last bit: what comes behind doesn't depend on the digits of where it began.
     """
 
     base_from_start: Array
+    base_from_end: Array
     shift: Array
     axis: Array
     angle: float
@@ -37,6 +40,7 @@ class Line:
         poses[:, :3, :3] = turned(self.base_from_start[:3, :3], self.axis, s * self.angle)
         poses[:, :3, 3] = self.base_from_start[:3, 3] + s[:, None] * self.shift
         poses[:, 3, 3] = 1.0
+        poses[s == 1.0] = self.base_from_end
         return poses
 
     def tangents(self, s: Array) -> Array:
@@ -49,4 +53,5 @@ def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
         return None
-    return Line(base_from_start, base_from_end[:3, 3] - base_from_start[:3, 3], *turn)
+    shift: Array = base_from_end[:3, 3] - base_from_start[:3, 3]
+    return Line(base_from_start, base_from_end, shift, *turn)

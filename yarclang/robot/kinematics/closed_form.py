@@ -210,6 +210,15 @@ def _held(angle: Array, hold: Array, weight: Array) -> Array:
     return held
 
 
+def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
+    """Angles on the turn next to seeds, and how far they are from these.
+
+    They are what they were but for whole turns, to the last bit: where an arm goes depends on the pose, not on the digits of where it came from.
+    """
+    near = angle - TURN * np.round((angle - seed) * (1.0 / TURN))
+    return near, near - seed
+
+
 def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
     """One solution (6, N) next to seeds (6, N), and where it is proved to be the nearest of all branches (N,).
 
@@ -223,25 +232,21 @@ def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDA
     columns[3] += arm.first_from_base[:3, 3, None]
     q: Array = np.empty((6, count))
     q1, over = _shoulder(arm, columns[3], seed[0])
-    away1 = q1 - seed[0]
-    away1 -= TURN * np.round(away1 * (1.0 / TURN))
+    q1, away1 = next_to(q1, seed[0])
     cost1 = away1 * away1
     second = cost1[1] < cost1[0]
-    q[0] = seed[0] + np.where(second, away1[1], away1[0])
+    q[0] = np.where(second, q1[1], q1[0])
     rival = np.maximum(cost1[0], cost1[1])
     cost = np.minimum(cost1[0], cost1[1])
     sin1, cos1 = np.sin(q[:1]), np.cos(q[:1])
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
     q3 *= arm.elbow_sign
-    away: Array = np.empty((2, 2, count))
-    away[0], away[1] = q2[0] - seed[1], q3[0] - seed[2]
-    away -= TURN * np.round(away * (1.0 / TURN))
+    bends, away = next_to(np.stack((q2[0], q3[0])), seed[1:3, None])
     costs = away[0] * away[0] + away[1] * away[1]
     second = costs[1] < costs[0]
     rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
     cost += np.minimum(costs[0], costs[1])
-    away = np.where(second, away[:, 1], away[:, 0])
-    q[1:3] = seed[1:3] + away
+    q[1:3] = np.where(second, bends[:, 1], bends[:, 0])
     turned: Array = np.empty((3, 3, count))
     rows = columns[:3].transpose(1, 0, 2)
     sin, cos = sin1[0], cos1[0]
@@ -257,13 +262,12 @@ def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDA
     rest[2, :, 0] = turned[2]
     rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 1, count)
     wrist, bendable, _straight = _wrist(arm, rest, seed[3])
-    away = wrist[:, :, 0] - seed[3:, None]
-    away -= TURN * np.round(away * (1.0 / TURN))
+    turns, away = next_to(wrist[:, :, 0], seed[3:, None])
     costs = (away * away).sum(axis=0)
     second = costs[1] < costs[0]
     rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
     cost += np.minimum(costs[0], costs[1])
-    q[3:] = seed[3:] + np.where(second, away[:, 1], away[:, 0])
+    q[3:] = np.where(second, turns[:, 1], turns[:, 0])
     sure = (cost < rival) & over.reached & reached[0] & bendable[0]
     # near a singularity the last bits count: the caller's other way is the reference
     sure &= np.hypot(rest[0, 2, 0], rest[1, 2, 0]) > 1e-5

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form
+from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form, next_to
 from yarclang.robot.kinematics.fk import links_of, walk
 from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
@@ -155,13 +155,11 @@ def _nearest_branch(arm: WristedArm, poses: Array, seed: Array) -> Array:
 def _nearest_of_all(arm: WristedArm, poses: Array, seed: Array) -> Array:
     """The same, by looking at all of them."""
     found = closed_form(arm, poses, seed)
-    away = found.q
-    away -= seed[:, None]
-    away -= TURN * np.round(away * (1.0 / TURN))
+    near, away = next_to(found.q, seed[:, None])
     cost = np.einsum("jbn,jbn->bn", away, away)
     cost[~found.valid] += STRETCHED
     best = np.argmin(cost, axis=0)
-    result: Array = seed + away[:, best, np.arange(len(best))]
+    result: Array = near[:, best, np.arange(len(best))]
     return result
 
 

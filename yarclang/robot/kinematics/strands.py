@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.robot.kinematics.closed_form import TURN, closed_form
+from yarclang.robot.kinematics.closed_form import TURN, closed_form, next_to
 from yarclang.robot.kinematics.geometry import WristedArm
 from yarclang.robot.model import Array
 
@@ -107,7 +107,10 @@ def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, A
             rough = farthest[here:, branch] > NEAR
             run = int(np.argmax(rough)) if rough.any() else len(rough)
             if run:
-                q[here + 1 : here + run + 1] = q[here] + np.cumsum(moves[here : here + run, branch], axis=0)
+                target = q[here] + np.cumsum(moves[here : here + run, branch], axis=0)
+                q[here + 1 : here + run + 1] = next_to(samples.q[here + 1 : here + run + 1, branch], target)[
+                    0
+                ]
                 here += run
                 continue
         # choose among all branches at the next sample
@@ -182,11 +185,10 @@ def _choose(arm: WristedArm, samples: _Samples, index: int, q: Array) -> tuple[i
     if singular.any():
         held = closed_form(arm, samples.poses[index : index + 1], q[:, None])
         found = held.q[:, :, 0].T
-    away = found - q
-    away -= TURN * np.round(away / TURN)
+    near, away = next_to(found, q)
     size = np.where(valid, np.abs(away).max(axis=1), np.inf)
     choice = int(np.argmin(size))
-    return choice, q + away[choice], bool(singular[choice])
+    return choice, near[choice], bool(singular[choice])
 
 
 def _sections(start: float, end: float, pieces: int) -> Array:

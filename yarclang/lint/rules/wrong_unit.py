@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Array, Motion, PoseGoal, PoseSplineMove, Program, SplineMove
+from yarclang.hir import Array, Motion, PoseGoal, PoseSplineMove, Program, Reading, SplineMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.units import DEG, MM
@@ -25,31 +24,45 @@ _BLEND = 0.1
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
     arm = arm_length(around.robot.chain, np.eye(4))
-    for step in program.steps:
+    odd = _oddly_placed(program, arm)
+    for number, step in enumerate(program.steps):
         if not isinstance(step, Motion):
             continue
-        for said in (_place(step, arm), _speed(step), _blend(step)):
-            if said:
-                yield remark_at(step.origin, said[0], said[1])
+        if number in odd:
+            yield remark_at(step.origin, *_placed(odd[number], arm))
+        if step.timing.speed is not None and (said := _speed(step.timing.speed)):
+            yield remark_at(step.origin, *said)
+        if step.blend is not None and (said := _blend(step.blend)):
+            yield remark_at(step.origin, *said)
 
 
-def _place(step: Motion, arm: float) -> tuple[str, str] | None:
-    if step.origin.base is not None and step.origin.base.name != "B":
-        return None
-    for point in _points(step):
-        away = math.hypot(*point.tolist())
-        if 0.0 < away < _NEAR * arm:
-            meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
-            return (
-                f"this pose is {away / MM:.3g} mm from {{B}}, inside of the robot's foot{meant}",
-                "are these metres and not mm?",
-            )
-        if away > _FAR * arm:
-            return (
-                f"this pose is {away:,.0f} m from {{B}}; the arm is {arm:.2g} m long",
-                "are these mm and not metres?",
-            )
-    return None
+def _oddly_placed(program: Program, arm: float) -> dict[int, float]:
+    """How far from {B} the first pose of a motion is that is too near or too far [m], by its number: all poses are looked at together."""
+    owners: list[int] = []
+    points: list[Array] = []
+    for number, step in enumerate(program.steps):
+        if isinstance(step, Motion) and (step.origin.base is None or step.origin.base.name == "B"):
+            of_step = _points(step)
+            points += of_step
+            owners += [number] * len(of_step)
+    if not points:
+        return {}
+    away = np.linalg.norm(np.array(points), axis=1)
+    odd = np.flatnonzero(((away > 0.0) & (away < _NEAR * arm)) | (away > _FAR * arm))
+    return {owners[place]: float(away[place]) for place in odd[::-1].tolist()}
+
+
+def _placed(away: float, arm: float) -> tuple[str, str]:
+    if away > arm:
+        return (
+            f"this pose is {away:,.0f} m from {{B}}; the arm is {arm:.2g} m long",
+            "are these mm and not metres?",
+        )
+    meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
+    return (
+        f"this pose is {away / MM:.3g} mm from {{B}}, inside of the robot's foot{meant}",
+        "are these metres and not mm?",
+    )
 
 
 def _points(step: Motion) -> list[Array]:
@@ -61,9 +74,8 @@ def _points(step: Motion) -> list[Array]:
 _THROUGH_MANY = (SplineMove, PoseSplineMove)
 
 
-def _speed(step: Motion) -> tuple[str, str] | None:
-    speed = step.timing.speed
-    if speed is None or speed.length is None:
+def _speed(speed: Reading) -> tuple[str, str] | None:
+    if speed.length is None:
         return None
     if speed.length < _SLOWEST:
         return f"the tool goes at {speed.length / MM:.3g} mm/s", "is the speed in m and s, and not in mm?"
@@ -72,9 +84,8 @@ def _speed(step: Motion) -> tuple[str, str] | None:
     return None
 
 
-def _blend(step: Motion) -> tuple[str, str] | None:
-    blend = step.blend
-    if blend is None or not blend.length or blend.length >= _BLEND * MM:
+def _blend(blend: Reading) -> tuple[str, str] | None:
+    if not blend.length or blend.length >= _BLEND * MM:
         return None
     if blend.angle is not None and blend.angle >= _BLEND * DEG:
         return None

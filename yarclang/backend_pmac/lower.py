@@ -37,8 +37,12 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    kept = {(motion.curve.segment, _kept_speed(plan, motion)) for motion in plan.motions}
-    decimals = max((decimals_for(robot, segment, tolerance, speed) for segment, speed in kept), default=4)
+    least: dict[float, float] = {}  # the shorter the segments, the more decimals
+    for motion in plan.motions:
+        speed = _kept_speed(plan, motion)
+        least[speed] = min(least.get(speed, np.inf), motion.curve.segment)
+    needed = (decimals_for(robot, segment, tolerance, speed) for speed, segment in least.items())
+    decimals = max(needed, default=4)
     body = tuple(_body(plan, decimals))
     if target == "rotary":
         body = _guarded(body, marks)

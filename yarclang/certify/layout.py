@@ -101,31 +101,18 @@ def lay_out(
     if problem := _compare(text.entries, program):
         return problem
     moving = [entry for entry in text.entries if entry.first is not None]
-    control: list[Array] = []
-    runs: list[Run] = []
-    stand = start
-    ways: list[Array] = []
-    for run in text.course:
-        if not isinstance(run, Run):
-            stand = _flow(run, stand, ways, axis_units)
-            continue
-        sequence = np.empty((3 + len(run.points) + 2, len(stand)))
-        sequence[:3] = stand
-        np.multiply(run.points, axis_units, out=sequence[3:-2])
-        sequence[-2:] = stand = sequence[-3]
-        control.append(sequence)
-        runs.append(run)
+    runs = [item for item in text.course if isinstance(item, Run)]
     lines = [run.lines for run in runs]
-    sizes = np.array([len(sequence) - 3 for sequence in control], dtype=np.int64)
     spans = _spans(moving, lines)
     if isinstance(spans, tuple):
         return spans
     if problem := _blends(moving, spans, lines, program):
         return problem
+    control, sizes = _sequences(text, runs, start, axis_units)
     # each sequence has three points more than segments
     at = np.arange(sizes.sum()) + np.repeat(3 * np.arange(len(sizes)), sizes)
     everything = Layout(
-        np.concatenate(control) if control else np.empty((0, len(start))),
+        control,
         at,
         np.repeat(np.array([run.segment_ms * MS for run in runs]), sizes),
         (),
@@ -133,6 +120,32 @@ def lay_out(
         np.empty((0, len(start))),
     )
     return _with_places(everything, text.entries, program, spans, start)
+
+
+def _sequences(
+    text: ControllerText, runs: list[Run], start: Array, axis_units: Array
+) -> tuple[Array, NDArray[np.int64]]:
+    """The control points of all sequences (G, n) [rad or m], and how many segments each of them has."""
+    if not runs:
+        return np.empty((0, len(start))), np.empty(0, dtype=np.int64)
+    counts = np.array([len(run.points) for run in runs], dtype=np.int64)
+    points = np.concatenate([run.points for run in runs]) * axis_units
+    behind = np.cumsum(counts)
+    ends = points[behind - 1]
+    stands: list[Array] = []
+    stand, ways = start, list[Array]()
+    for item in text.course:
+        if isinstance(item, Run):
+            stands.append(stand)
+            stand = ends[len(stands) - 1]
+        else:
+            stand = _flow(item, stand, ways, axis_units)
+    # where it stands, and each last point, three times
+    each = np.insert(points, behind - counts, np.array(stands), axis=0)
+    times = np.ones(len(each), dtype=np.int64)
+    first = behind - counts + np.arange(len(runs))
+    times[first] = times[first + counts] = 3
+    return np.repeat(each, times, axis=0), counts + 2
 
 
 def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], axis_units: Array) -> Array:

@@ -2,7 +2,6 @@
 
 import gc
 import json
-import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -30,12 +29,6 @@ def pytest_collection_finish():
     """What is there for the whole session isn't looked through for garbage again and again."""
     gc.collect()
     gc.freeze()
-
-
-@pytest.hookimpl(wrapper=True, optionalhook=True)
-def pytest_xdist_auto_num_workers():
-    """One worker more than there are cores: tests of real processes wait for half of their time."""
-    return (yield) + ("PYTEST_XDIST_AUTO_NUM_WORKERS" not in os.environ)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -12,14 +12,14 @@ from tests.conftest import EXAMPLES
 
 def test_listing_4(workshop):
     text = workshop.yarc(
-        "run", str(EXAMPLES / "01_listing4.yarc"), "--robot", "INDUSTRIAL6", "--rate", "15", "--no-log"
+        "run", str(EXAMPLES / "01_listing4.yarc"), "--robot", "INDUSTRIAL6", "--rate", "6", "--no-log"
     )
     assert "P0002 MOVEJ_SPLINE_LSPB  20.0 s to 40.0 s of 40.0 s\n" in text
     assert "01_listing4.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
 
 
 def test_the_second_robot(workshop):
-    text = workshop.yarc("run", str(EXAMPLES / "03_differential_wrist.yarc"), "--rate", "8", "--no-log")
+    text = workshop.yarc("run", str(EXAMPLES / "03_differential_wrist.yarc"), "--rate", "5", "--no-log")
     assert "03_differential_wrist.yarc: done; TRACKED_MANIPULATOR stands where it ends, to a count" in text
 
 

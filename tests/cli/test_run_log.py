@@ -72,4 +72,4 @@ def test_a_part_stands_in_the_whole(workshop):
     assert "P0010" not in text
     replayed = workshop.here("replay", "run.mcap", "--speed", "max")
     assert re.search(r"P0020 MOVEJ  (0\.[789]|1\.\d) s of 2.1 s", replayed)
-    assert workshop.yarc("run", "p.yarc", "--rate", "9", "--log", "run.mcap").count("log: run-2.mcap\n") == 1
+    assert workshop.yarc("run", "p.yarc", "--rate", "5", "--log", "run.mcap").count("log: run-2.mcap\n") == 1

@@ -37,12 +37,12 @@ test("yarcc is beside the yarc of the settings, and the robot is handed on", () 
 });
 
 test("yarc is looked for on the PATH and in .venv, or where the settings say", () => {
-  assert.deepStrictEqual(places("", "/work", "/home/me"), ["yarc", "/work/.venv/bin/yarc"]);
-  assert.deepStrictEqual(places("", undefined, "/home/me"), ["yarc"]);
-  assert.deepStrictEqual(places("~/venv/bin/yarc", "/work", "/home/me"), ["/home/me/venv/bin/yarc"]);
-  assert.deepStrictEqual(places("venv/bin/yarc", "/work", "/home/me"), ["/work/venv/bin/yarc"]);
-  assert.deepStrictEqual(places("/opt/bin/yarc", "/work", "/home/me"), ["/opt/bin/yarc"]);
-  assert.deepStrictEqual(places("yarc-next", "/work", "/home/me"), ["yarc-next"]);
+  assert.deepStrictEqual(places("", "/cell", "/people/me"), ["yarc", "/cell/.venv/bin/yarc"]);
+  assert.deepStrictEqual(places("", undefined, "/people/me"), ["yarc"]);
+  assert.deepStrictEqual(places("~/venv/bin/yarc", "/cell", "/people/me"), ["/people/me/venv/bin/yarc"]);
+  assert.deepStrictEqual(places("venv/bin/yarc", "/cell", "/people/me"), ["/cell/venv/bin/yarc"]);
+  assert.deepStrictEqual(places("/opt/bin/yarc", "/cell", "/people/me"), ["/opt/bin/yarc"]);
+  assert.deepStrictEqual(places("yarc-next", "/cell", "/people/me"), ["yarc-next"]);
 });
 
 test("a yarc that is absent, no program, or too old gets one sentence that says what to do", async () => {

@@ -102,7 +102,7 @@ test("what the server has written is shown beside the program", async (context) 
   const { activate, vscode, seen } = extension(script(context, "exit 0"));
   await activate({ subscriptions: [] });
   const { showDocument } = seen.clients[0].options.middleware.window;
-  const result = await showDocument({ uri: "file:///tmp/a_4.txt", takeFocus: false }, () => assert.fail());
+  const result = await showDocument({ uri: "file:///shown/a_4.txt", takeFocus: false }, () => assert.fail());
   assert.deepStrictEqual(result, { success: true });
-  assert.deepStrictEqual(seen.shown, [["/tmp/a_4.txt", vscode.ViewColumn.Beside]]);
+  assert.deepStrictEqual(seen.shown, [["/shown/a_4.txt", vscode.ViewColumn.Beside]]);
 });

@@ -30,7 +30,7 @@ from runtime.virtual import World
 
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline.inputs import Options, open_source
-from yarclang.pipeline.jobs import job_of_text
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import compile_module
 from yarclang.robot.description import load_robot
 from yarclang.runtime.job import Job
@@ -82,7 +82,7 @@ def job_at(tm: float, text: str) -> Job:
     assert opened is not None
     compiled = compile_module(opened.module, opened.request).value
     assert compiled is not None
-    job = job_of_text(compiled.text, opened.request.robot, "bench").value
+    job = job_of_compiled(compiled, "bench")
     assert job is not None
     return job
 

@@ -7,7 +7,7 @@ from conftest import EXAMPLES
 from tests.runtime.virtual import World
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline.inputs import Options, open_program
-from yarclang.pipeline.jobs import job_of_text
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import compile_module
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.notices import Changed, Resume
@@ -51,7 +51,7 @@ def test_an_example_runs_to_its_end(name):
     opened = open_program(str(EXAMPLES / name), Options(robot="INDUSTRIAL6")).value
     compiled = compile_module(opened.module, opened.request).value
     robot = opened.request.robot
-    job = job_of_text(compiled.text, robot, name).value
+    job = job_of_compiled(compiled, name)
     machine = commissioned(robot, settings_text(robot))
     stand(machine, robot, job.start)
     world = World(machine)

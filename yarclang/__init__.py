@@ -170,12 +170,13 @@ def compile(  # noqa: A001  (the word that people look for)
 
 def prove(
     controller_text: str,
-    text: str,
+    text: str | None = None,
     *,
     robot: str | None = None,
     name: str = "<text>",
     folder: str | PathLike[str] = ".",
     start: Sequence[float] | None = None,
+    cell: str | PathLike[str] | None = None,
 ) -> Result[Certificate]:
     """Prove what a controller text (.pmc) does, and that it is what the program says.
 
@@ -190,27 +191,35 @@ def prove(
         >>> edited != made.text, yarclang.prove(edited, program, robot="INDUSTRIAL6").value
         (True, None)
 
+    Without the program, the text is judged for all that needs none: limits, collisions, the guard, what it assigns, where it rests. A note
+    says what isn't judged.
+
+        >>> judged = yarclang.prove(made.text)
+        >>> judged.value.position, judged.diagnostics[0].code
+        (inf, 'Y1168')
+
     Args:
         controller_text: what `yarcc` has written.
-        text: the program that it is to carry out.
-        robot: see `check`.
-        name: see `check`.
+        text: the program that it is to carry out; None if that isn't at hand.
+        robot: see `check`; without the program, a text's own header names it.
+        name: how findings call the program, or the controller text if there is none.
         folder: see `check`.
         start: see `check`.
+        cell: the path of a cell.toml with the surroundings, for a text without its program.
     """
-    from yarclang.diagnostics import Result, has_errors
-    from yarclang.pipeline.stages import plan_module, proved
+    from yarclang.diagnostics import Result
+    from yarclang.pipeline.controller_text import judge_alone, prove_against
+    from yarclang.source import SourceFile
 
+    if text is None:
+        around = None if cell is None else str(Path(cell))
+        judged = judge_alone(SourceFile(name, controller_text), robot, around)
+        return Result(None if judged.value is None else judged.value.certificate, judged.diagnostics)
     opened = _opened(text, name, robot, folder, start)
     if opened.value is None:
         return Result(None, opened.diagnostics)
-    planned = plan_module(opened.value.module, opened.value.request)
-    found = (*opened.diagnostics, *planned.diagnostics)
-    if planned.value is None or has_errors(found):
-        return Result(None, found)
-    judged = proved(controller_text, planned.value, opened.value.request)
-    refused = has_errors(judged.diagnostics)
-    return Result(None if refused else judged.value, (*found, *judged.diagnostics))
+    proved = prove_against(SourceFile(f"{name}.pmc", controller_text), opened.value)
+    return Result(proved.value, (*opened.diagnostics, *proved.diagnostics))
 
 
 def format(text: str) -> str:  # noqa: A001  (the word that people look for)

@@ -5,6 +5,7 @@ Nothing here comes from motion/ or backend_pmac/: the judge is tried on texts of
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -110,7 +111,7 @@ def _robot(name, chain, limits, actuation, axes, kinds, **changes) -> Robot:
         actuation=actuation,
         controller=controller,
         tolerance=Tolerance(),
-        fingerprint="",
+        fingerprint="0" * 64,
         **changes,
     )
 
@@ -208,7 +209,7 @@ def origin(step: int, name: str = "MOVE") -> hir.Origin:
 class Job:
     """One command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms].
 
-    `blend` is what the map says of one that flows into the next; `puts` are lines that stand before its move line number `put_at`.
+    `blend` is what the map says of one that flows into the next, `any_jerk` that its jerk has no limit; `puts` are lines that stand before its move line number `put_at`.
     """
 
     motion: object
@@ -217,10 +218,15 @@ class Job:
     blend: int | None = None
     puts: tuple[str, ...] = ()
     put_at: int = 0
+    any_jerk: bool = False
 
 
 def program(start, jobs) -> hir.Program:
-    return hir.Program(SOURCE, np.asarray(start, float), tuple(job.motion for job in jobs))
+    signals = {
+        job.motion.output.variable: job.motion.output for job in jobs if isinstance(job.motion, hir.SetOutput)
+    }
+    outputs = tuple(hir.Output(signal, None) for signal in signals.values())
+    return hir.Program(SOURCE, np.asarray(start, float), tuple(job.motion for job in jobs), outputs)
 
 
 def number(x: float, decimals: int) -> str:
@@ -232,45 +238,90 @@ def number(x: float, decimals: int) -> str:
 
 def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
     """The text of a program, in the one form that the reader takes."""
-    axes, units = robot.controller.axes, robot.axis_units
+    axes, units, controller = robot.controller.axes, robot.axis_units, robot.controller
 
     def move(q):
         return "".join(letter + number(x, decimals) for letter, x in zip(axes, q / units, strict=True))
 
-    header = ["; yarcc test: bench.yarc", f"; target {target}", "; a free remark, R and all"]
-    body = ["CLOSE ALL", "END GATHER", "DELETE GATHER", f"&{robot.controller.coordinate_system}"]
+    times = [float(job.tm) * 1e-3 for job in jobs if job.points is not None]
+    low = math.ceil((controller.hold_time / 2 + 0.1) / min(times, default=0.05))
+    full = low + max(5, low // 2)
+    body = ["CLOSE ALL", "END GATHER", "DELETE GATHER", f"&{controller.coordinate_system}"]
     if target == "rotary":
-        body += ["".join(f"#{m}J/" for m in robot.controller.motors), "DELETE ROT", "DEFINE ROT 480"]
-        body += ["B0", "OPEN ROT", "CLEAR", "RAPID", "ABS", move(np.asarray(start)), "DWELL0"]
+        words = max(480, (full + 2) * (len(axes) + 2))
+        body += ["".join(f"#{m}J/" for m in controller.motors), "DELETE ROT", f"I16={low}", f"I17={full}"]
+        body += [
+            f"DEFINE ROT {words}",
+            "B0",
+            "OPEN ROT",
+            "CLEAR",
+            "RAPID",
+            "ABS",
+            move(np.asarray(start)),
+            "DWELL0",
+        ]
     else:
         body += ["OPEN PROG 1 CLEAR", "P8101=1", "WHILE(P8101=1)", "P8101=0"]
-        for motor, counts in zip(robot.controller.motors, to_counts(robot, np.asarray(start)), strict=True):
-            value = round(counts * 32 * robot.controller.ixx08)
+        for motor, counts in zip(controller.motors, to_counts(robot, np.asarray(start)), strict=True):
+            value = round(counts * 32 * controller.ixx08)
             minus = f"-{value}" if value >= 0 else f"+{-value}"
             body += [f"IF(ABS(M{motor}61{minus})>3072)", "P8101=1", f'SEND"motor {motor} is off"', "ENDIF"]
         body += ["IF(P8101=1)", "STOP", "ENDIF", "ENDWHILE", "ABS"]
     body.append("SPLINE1")
-    count = len(header) + len(jobs)
-    entries, tm = [], None
+    places, moves, tm, duration = {}, [], None, 0.0
     for step, job in enumerate(jobs):
-        made = job.motion.origin
-        place = "- -"
-        if job.points is not None:
-            if job.tm != tm:
-                body.append(f"TM{job.tm}")
-                tm = job.tm
-            lines = [move(q) for q in job.points]
-            following = next((other for other in jobs[step + 1 :] if other.points is not None), None)
-            if following is not None and following.tm == tm and job.blend is None:
-                lines += [lines[-1]] * 2
-            if job.puts and job.put_at == 0:
-                body += job.puts
-            elif job.puts:
-                lines[job.put_at : job.put_at] = job.puts
-            place = f"{count + len(body) + 1} {count + len(body) + len(lines)}"
+        if job.points is None:
+            continue
+        if job.tm != tm:
+            body.append(f"TM{job.tm}")
+            tm = job.tm
+        lines = [move(q) for q in job.points]
+        following = next((other for other in jobs[step + 1 :] if other.points is not None), None)
+        ends = following is None or following.tm != tm
+        if not ends and job.blend is None:
+            lines += [lines[-1]] * 2
+        duration += (len(lines) + 2 * ends) * float(job.tm) * 1e-3
+        if job.puts:
+            lines[job.put_at : job.put_at] = job.puts
+        begins = len(body) + (len(job.puts) if job.put_at == 0 else 0)
+        places[step] = (begins, len(body) + len(lines) - 1)
+        body += lines
+        moves += [row for row in range(places[step][0], len(body)) if body[row].startswith(axes[0])]
+    if target == "rotary" and len(moves) > full + 2:
+        for row, flag in ((moves[len(moves) - low - 2], 0), (moves[0], 1)):
+            body.insert(row, f"P8100={flag}")
+            places = {
+                step: (first + (first >= row), last + (last >= row)) for step, (first, last) in places.items()
+            }
+    stands = "".join(
+        f"{letter}{value:.{decimals}f}" for letter, value in zip(axes, np.asarray(start) / units, strict=True)
+    )
+    header = [
+        "; yarcc test: bench.yarc",
+        f"; target {target}",
+        f"; robot {robot.name} {robot.fingerprint}",
+        f"; program {'0' * 64}",
+        "; made with a free remark, R and all",
+        f"; start {stands} (deg)",
+        f"; duration {duration:.3f} s",
+        {
+            "rotary": "; loading moves nothing; R moves the robot slowly to the start, then runs the program",
+            "prog": "; loading moves nothing; with all motors closed-loop, &1B1R runs it, from the start only",
+        }[target],
+        "; commands: step, index, name, line in the source, first and last line of the moves in this file",
+        "; certificate -",
+        "; sha256 -",
+    ]
+    count, entries = len(header) + len(jobs), []
+    for step, job in enumerate(jobs):
+        made, place = job.motion.origin, "- -"
+        if step in places:
+            first, last = places[step]
+            place = f"{count + first + 1} {count + last + 1}"
             if job.blend is not None:
                 place += f" blend {job.blend}"
-            body += lines
+            if job.any_jerk:
+                place += " any-jerk"
         entries.append(f"; command {step} {made.index or '-'} {made.name} {made.span.line} {place}")
     return "\n".join([*header, *entries, *body, "CLOSE"]) + "\n"
 

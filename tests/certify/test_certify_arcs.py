@@ -47,7 +47,7 @@ def judge(via, goal, points, tm="50", **changes):
     timing = hir.Timing((len(points) + 2) * float(tm) * 1e-3)
     motion = hir.ArcMove(origin(0, "MOVEC"), via, hir.PoseGoal(goal, FLANGE_FROM_TCP), "LSPB", timing)
     job = Job(replace(motion, **changes), points, tm)
-    return certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, {})
+    return certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE)
 
 
 def codes(result):
@@ -123,7 +123,7 @@ def test_no_circle_is_never_proved():
     motion = hir.ArcMove(origin(0), middle, hir.PoseGoal(start, FLANGE_FROM_TCP), "LSPB", hir.Timing(None))
     job = Job(motion, None)
     robot = industrial6()
-    assert codes(certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, {})) == ["Y1159"]
+    assert codes(certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE)) == ["Y1159"]
 
 
 @settings(max_examples=25, deadline=None)

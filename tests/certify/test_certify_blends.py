@@ -25,6 +25,7 @@ from tests.certify.certify_chains import Chain, Leg, exact_joints, in_joints, of
 from tests.certify.certify_paths import arc_poses, moved, off_path_at, spline_poses, turn
 from yarclang import hir
 from yarclang.certify import certify
+from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify_text
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Tolerance
@@ -36,7 +37,7 @@ TIMING = hir.Timing(None)
 
 def judge(robot, start, jobs, witnesses=None, laws=None):
     return certify(
-        emit(robot, start, jobs), program(start, jobs), robot, TOLERANCE, witnesses or {}, laws or {}
+        emit(robot, start, jobs), program(start, jobs), robot, TOLERANCE, Claims(witnesses or {}, laws or {})
     )
 
 
@@ -169,7 +170,7 @@ def test_a_map_with_another_blend(old, new, reason):
     _, jobs = joint_chain()
     text = emit(robot, Q0, jobs)
     assert old in text
-    result = certify(text.replace(old, new), program(Q0, jobs), robot, TOLERANCE, {})
+    result = certify(text.replace(old, new), program(Q0, jobs), robot, TOLERANCE)
     if reason:
         assert codes(result) == ["Y1153"]
         assert reason in result.diagnostics[0].message
@@ -187,18 +188,18 @@ def test_a_blend_on_the_wrong_line():
     text = emit(robot, Q0, jobs)
     # behind the last, which ends at rest
     last = next(line for line in text.split("\n") if line.startswith("; command 2 "))
-    result = certify(text.replace(last, last + " blend 4"), program(Q0, jobs), robot, TOLERANCE, {})
+    result = certify(text.replace(last, last + " blend 4"), program(Q0, jobs), robot, TOLERANCE)
     assert codes(result) == ["Y1153"]
     # where the program has none
     result = judge(robot, Q0, blended(jobs, 0, None))
     assert codes(result) == ["Y1153"]
     assert "shall end at rest" in result.diagnostics[0].message
     ended = blended(jobs, 2, hir.Reading(None, 1.0))
-    result = certify(text.replace(last, last + " blend 4"), program(Q0, ended), robot, TOLERANCE, {})
+    result = certify(text.replace(last, last + " blend 4"), program(Q0, ended), robot, TOLERANCE)
     assert codes(result) == ["Y1153"]
     assert "the sequence ends" in result.diagnostics[0].message
     # a motion that may flow on, and stops: nothing is wrong with that
-    assert codes(certify(text, program(Q0, ended), robot, TOLERANCE, {})) == []
+    assert codes(certify(text, program(Q0, ended), robot, TOLERANCE)) == []
     # over a wait
     waits = [jobs[0], Job(hir.Dwell(origin(1, "WAIT"), 1.0), None), *jobs[1:]]
     assert codes(judge(robot, Q0, waits)) == ["Y1153"]
@@ -208,7 +209,7 @@ def test_a_text_without_its_source():
     robot = industrial6()
     _, jobs = joint_chain()
     result = certify_text(emit(robot, Q0, jobs), robot, jobs[0].motion.origin.source)
-    assert codes(result) == []
+    assert codes(result) == ["Y1168"]
     assert result.value.commands[0].deviation.position == np.inf
     without = emit(robot, Q0, jobs).replace(" blend 12\n", "\n")
     assert codes(certify_text(without, robot, jobs[0].motion.origin.source)) == ["Y1155"]
@@ -565,7 +566,7 @@ def test_no_text_stops_the_judge(data):
             lines[k] = data.draw(st.sampled_from(["TM4", "TM100", "TM4095"]))
         else:
             lines[k] = re.sub(r" blend \d+", f" blend {2 * data.draw(st.integers(0, 30))}", lines[k])
-    result = certify("\n".join(lines), program(Q0, jobs), robot, TOLERANCE, {})
+    result = certify("\n".join(lines), program(Q0, jobs), robot, TOLERANCE)
     assert result.value is not None or codes(result) in (["Y1153"], ["Y1151"])
     if result.value is not None:
         assert json.dumps(result.value.to_json(), allow_nan=False)

@@ -55,7 +55,7 @@ def test_in_the_middle(at):
     # nor without the program
     source = program(Q0, with_sets()).source
     found = certify_text(emit(industrial6(), Q0, with_sets(at)), industrial6(), source)
-    assert codes(found) == ([] if abs(at) <= 1 else ["Y1165"])
+    assert codes(found) == (["Y1168"] if abs(at) <= 1 else ["Y1165"])
 
 
 def test_more_than_one():
@@ -66,9 +66,11 @@ def test_more_than_one():
         ("M1==1",),
         ("M1==1", "M2==1"),
         ("M1==1", "M2==0", "M1==0"),
-        ("M3==1", "M2==0"),
     ):
         assert codes(judge(industrial6(), Q0, with_sets(0, lines, both))) == ["Y1165"]
+    # a variable that is no output of the program
+    other = codes(judge(industrial6(), Q0, with_sets(0, ("M3==1", "M2==0"), both)))
+    assert other == ["Y1191", "Y1165"]
     # at the other blend
     moved = with_sets(0, ("M1==1",), ((GLUE, 1.0),), behind=1)
     assert codes(judge(industrial6(), Q0, moved)) == []
@@ -81,10 +83,9 @@ def test_more_than_one():
         codes(
             certify(
                 text,
-                hir.Program(program(Q0, moved).source, Q0, tuple(swapped)),
+                replace(program(Q0, moved), steps=tuple(swapped)),
                 industrial6(),
                 Tolerance(),
-                {},
             )
         )
         == []
@@ -97,7 +98,7 @@ def test_where_nothing_is_blended():
     _, jobs = joint_chain()
     made = [*jobs]
     made[1] = replace(jobs[1], puts=("M1==1",), put_at=20)
-    assert set(codes(judge(industrial6(), Q0, made))) == {"Y1165"}
+    assert set(codes(judge(industrial6(), Q0, made))) == {"Y1165", "Y1191"}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The certificate of what the planner makes: figures against another reading, and texts that are changed by a little."""
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import yarclang
 from tests.independent import Arm
 from yarclang.certify import certify
-from yarclang.pipeline.stages import _laws, _witnesses
+from yarclang.pipeline.stages import claims_of
 
 PROGRAM = """
 DEFAULT {TCP} [2] (mm,deg,s) {B}
@@ -42,9 +43,7 @@ def compiled():
 def judged(text):
     made = compiled()
     planned = made.plan
-    return certify(
-        text, made.program, planned.robot, planned.robot.tolerance, _witnesses(planned), _laws(planned)
-    )
+    return certify(text, made.program, planned.robot, planned.robot.tolerance, claims_of(planned))
 
 
 def codes(result):
@@ -218,3 +217,41 @@ P0040 DMOVE 0 60 0 0 5 0
     assert [one.message for one in diagnostics if one.is_error] == []
     assert result is not None
     assert result.certificate.commands[1].blended.position <= 0.01502
+
+
+# a speed that isn't reached is a claim
+
+
+SHORT_WAY = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ 20 0 0 0 -30 0 [2]\nP0020 DMOVE 0 0 -6 0 0 0 [V 500]\n"
+
+
+def speed_judged(kept):
+    made = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6").value
+    claims = replace(claims_of(made.plan), kept=kept)
+    return certify(made.text, made.program, made.plan.robot, made.plan.robot.tolerance, claims)
+
+
+def test_the_judge_reports_a_speed_that_isnt_reached():
+    found = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6")
+    (finding,) = found.diagnostics
+    assert finding.code == "Y0610"
+    share = found.value.plan.motions[1].kept
+    assert share < 0.9
+    assert f"goes at {share * 100:.3g} % of it" in finding.message
+    assert finding.fix.title.startswith("write [V ")
+    # the certificate has it as proved
+    speed = found.value.certificate.commands[1].tool_speed
+    assert speed.programmed == pytest.approx(0.5 * share)
+    assert speed.least == pytest.approx(speed.programmed, rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.99, 1.01, 2.0])
+def test_a_wrong_claim_about_a_speed_is_refused(factor):
+    made = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6").value
+    result = speed_judged({1: made.plan.motions[1].kept * factor})
+    assert "Y1167" in codes(result)
+
+
+@pytest.mark.parametrize("kept", [{}, {1: 0.0}, {1: -1.0}, {1: float("nan")}, {1: 2.0}, {0: 0.5}])
+def test_without_a_claim_the_text_is_held_to_the_programmed_speed(kept):
+    assert "Y1167" in codes(speed_judged(kept))

@@ -23,6 +23,7 @@ from tests.certify.certify_bench import (
 from tests.certify.certify_paths import arm_curve, chord, joined, moved, off_path, pose, spline_poses
 from yarclang import hir
 from yarclang.certify import certify
+from yarclang.certify.claims import Claims
 from yarclang.certify.posespline import PoseSpline
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Tolerance
@@ -72,7 +73,7 @@ def judge(way, points, laws=None, tm="50"):
     goals = tuple(hir.PoseGoal(p, FLANGE_FROM_TCP) for p in way)
     timing = hir.Timing((len(points) + 2) * float(tm) * 1e-3)
     job = Job(hir.PoseSplineMove(origin(0, "MOVEL_SPLINE"), goals, "LSPB", timing), points, tm)
-    return certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, {}, laws or {})
+    return certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, Claims(laws=laws or {}))
 
 
 def codes(result):
@@ -164,12 +165,12 @@ def test_the_way_stands_still():
     for points, found in ((None, []), (made("one")[2], ["Y1160"])):
         goals = (hir.PoseGoal(start, FLANGE_FROM_TCP),) * 3
         job = Job(hir.PoseSplineMove(origin(0), goals, "LSPB", hir.Timing(None)), points)
-        result = certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, {})
+        result = certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE)
         assert codes(result) == found
     far = moved(start, np.array([0, 0, 0.01]), np.zeros(3))
     goals = tuple(hir.PoseGoal(p, FLANGE_FROM_TCP) for p in (far, start))
     job = Job(hir.PoseSplineMove(origin(0), goals, "LSPB", hir.Timing(None)), None)
-    assert codes(certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, {})) == ["Y1159"]
+    assert codes(certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE)) == ["Y1159"]
 
 
 def test_half_a_turn_is_never_proved():

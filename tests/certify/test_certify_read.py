@@ -66,7 +66,16 @@ REFUSED = [  # target, line as it begins, what it becomes (None: left out)
     ("rotary", "&1", "&1B0R"),
     ("rotary", "#1J/", "#1J/#2J/#3J/#4J/#5J/"),
     ("rotary", "#1J/", "#1J+#2J/#3J/#4J/#5J/#6J/"),
-    ("rotary", "DEFINE ROT", "DEFINE ROT 479"),
+    ("rotary", "DEFINE ROT", "DEFINE ROT"),
+    ("rotary", "DEFINE ROT", None),
+    ("rotary", "I16=", None),
+    ("rotary", "I17=", "I17=1\nI17=1"),
+    ("rotary", "I16=", "I15=0"),
+    ("rotary", "; robot", None),
+    ("rotary", "; start", None),
+    ("rotary", "; sha256", "; sha256 0"),
+    ("rotary", "; command 0", "; a remark\n; command 0"),
+    ("rotary", "TM47.5", "; a remark\nTM47.5"),
     ("rotary", "B0", None),
     ("rotary", "CLEAR", None),
     ("rotary", "RAPID", "LINEAR"),
@@ -168,12 +177,46 @@ def test_segment_times_are_exact(tm, kept):
 
 def test_text_of_other_kinds():
     text = everything().text()
-    assert read(text.replace("a free remark", "eine freie Äußerung"), CONTROLLER).line == 3
+    assert read(text.replace("a free remark", "eine freie Äußerung"), CONTROLLER).line == 5
     assert isinstance(read(text[:-1], CONTROLLER), Unreadable)
     assert isinstance(read("", CONTROLLER), Unreadable)
     assert isinstance(read(text.replace("\n", "\r\n"), CONTROLLER), Unreadable)
-    guarded = text.replace("TM50\n", "TM50\nP8100=1\n; a remark\n", 1)
-    assert isinstance(read(guarded, CONTROLLER), ControllerText)
+    guarded = read(text, CONTROLLER)
+    assert [one.on for one in guarded.arms] == [True, False]
+    assert isinstance(read(text.replace("TM50\n", "TM50\n; a remark\n", 1), CONTROLLER), Unreadable)
+
+
+@pytest.mark.parametrize(
+    "character",
+    ["\r", "\v", "\f", "\x1b", "\x1c", "\x1d", "\x1e", "\x85", "\xa0", "\u2028", "\0", "\t", "\x7f"],
+)
+@pytest.mark.parametrize("target", ["rotary", "prog"])
+def test_characters_that_end_a_line_for_some(target, character):
+    """What is judged and what is sent would be other lines: refused by name and place."""
+    lines = everything().text(target).split("\n")
+    for place in (3, lines.index("CLOSE ALL"), len(lines) - 3):
+        changed = [*lines]
+        changed[place] += f"{character}#1J+"
+        found = read("\n".join(changed), CONTROLLER)
+        assert isinstance(found, Unreadable)
+        assert found.line == place + 1
+        assert f"0x{ord(character):02X}) in column {len(lines[place]) + 1}" in found.reason
+
+
+@pytest.mark.parametrize("target", ["rotary", "prog"])
+def test_the_lines_that_are_sent_are_those_that_were_read(target):
+    """Each line of the text but its header is one of them, once and in order."""
+    whole = everything().text(target)
+    text = read(whole, CONTROLLER)
+    if target == "prog":
+        assert (text.setup, text.loaded, text.marks) == ((), (), None)
+        return
+    lines = whole.split("\n")[:-1]
+    loaded = [numbered for sent in text.loaded for numbered in sent.numbered()]
+    assert all(lines[number - 1] == line for number, line in loaded)
+    assert [*text.setup, "OPEN ROT", "CLEAR", *(line for _, line in loaded), "CLOSE"] == [
+        line for line in lines if not line.startswith(";")
+    ]
 
 
 @settings(max_examples=150, deadline=None)

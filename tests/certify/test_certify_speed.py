@@ -26,6 +26,7 @@ from tests.certify.certify_paths import arc_poses, arm_curve, moved
 from tests.certify.test_certify_blends import Q0, START, TIMING, codes, line, line_of
 from yarclang import hir
 from yarclang.certify import certify
+from yarclang.certify.claims import Claims
 from yarclang.robot.kinematics.fk import poses_and_jacobians, tool_poses
 from yarclang.robot.model import Tolerance
 
@@ -36,7 +37,8 @@ WAY = np.array([0.15, 0.05, -0.05])
 
 def judge(job, **robot_changes):
     robot = replace(industrial6(), **robot_changes)
-    return certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, {})
+    claims = Claims(any_jerk=frozenset({0} if job.any_jerk else ()))
+    return certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE, claims)
 
 
 def true_speeds(points, h=H, per_segment=60):
@@ -181,7 +183,7 @@ def test_speeds_in_a_chain():
         ((1, 0.997), ["Y1167"]),
     ):
         jobs = timed(scale)
-        result = certify(emit(robot, Q0, jobs), program(Q0, jobs), robot, TOLERANCE, {})
+        result = certify(emit(robot, Q0, jobs), program(Q0, jobs), robot, TOLERANCE)
         assert codes(result) == found
 
 
@@ -190,17 +192,22 @@ def test_a_time_optimal_motion_isnt_judged_by_its_jerk():
     slack = replace(robot.limits, jerk=np.full(6, 1.0))
     goal = Q0 + np.array([10, 0, 5, 0, 0, 20]) * DEG
     points = joint_points(Q0, goal, 60)
-    for profile, found in (("LSPB", ["Y1157"]), ("TOPP", []), ("POLY5", ["Y1157"])):
-        job = Job(hir.JointMove(origin(0), hir.JointGoal(goal), profile, TIMING), points)
+    # what a law is called says nothing: the map claims that its jerk has no limit, and the program must agree
+    for profile, free, found in (("LSPB", False, ["Y1157"]), ("TOPP", False, ["Y1157"]), ("ANY", True, [])):
+        job = Job(hir.JointMove(origin(0), hir.JointGoal(goal), profile, TIMING), points, any_jerk=free)
         result = judge(job, limits=slack)
         assert codes(result) == found
         command = result.value.commands[0]
         assert command.jerk.share > 1.0
-        assert command.jerk_judged == (profile != "TOPP")
+        assert command.jerk_judged == (not free)
         assert command.to_json()["jerk_judged"] == command.jerk_judged
     # its other limits are
     tight = replace(robot.limits, acceleration=np.full(6, 0.01))
     assert codes(judge(job, limits=tight)) == ["Y1157"]
+    # a map that claims it of a law that has a limit
+    claimed = certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE)
+    assert codes(claimed) == ["Y1153"]
+    assert "its jerk has no limit" in claimed.diagnostics[0].message
 
 
 @pytest.mark.parametrize("order", [("TOPP", "LSPB"), ("LSPB", "TOPP")])
@@ -213,15 +220,16 @@ def test_a_blend_with_a_time_optimal_motion(order):
     jobs = [jobs[0], *jobs[1:]]
     profiles = (*order, order[1])
     jobs = [
-        replace(job, motion=replace(job.motion, profile=profile))
+        replace(job, motion=replace(job.motion, profile=profile), any_jerk=profile == "TOPP")
         for job, profile in zip(jobs, profiles, strict=True)
     ]
+    claims = Claims(any_jerk=frozenset(k for k, profile in enumerate(profiles) if profile == "TOPP"))
     assert len(GOALS) == 3
-    plain = certify(emit(robot, Q0, jobs), program(Q0, jobs), robot, TOLERANCE, {})
+    plain = certify(emit(robot, Q0, jobs), program(Q0, jobs), robot, TOLERANCE, claims)
     assert codes(plain) == []
     # a limit that only the ramps at rest and in blends break
     tight = replace(robot, limits=replace(robot.limits, jerk=robot.limits.jerk * 1e-3))
-    result = certify(emit(tight, Q0, jobs), program(Q0, jobs), tight, TOLERANCE, {})
+    result = certify(emit(tight, Q0, jobs), program(Q0, jobs), tight, TOLERANCE, claims)
     judged = [k for k, profile in enumerate(profiles) if profile != "TOPP"]
     steps = {int(finding.message[4]) - 1 for finding in result.diagnostics}
     assert steps <= set(judged)

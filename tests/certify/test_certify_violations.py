@@ -19,6 +19,7 @@ from tests.certify.certify_bench import (
 )
 from yarclang import hir
 from yarclang.certify import certify
+from yarclang.certify.claims import Claims
 from yarclang.findings import CATALOGUE
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Tolerance
@@ -29,7 +30,7 @@ TOLERANCE = Tolerance()
 def judge(text, case=None, **changes):
     case = case or everything()
     with_defaults = {"program": case.program, "witnesses": case.witnesses, **changes}
-    return certify(text, with_defaults["program"], case.robot, TOLERANCE, with_defaults["witnesses"])
+    return certify(text, with_defaults["program"], case.robot, TOLERANCE, Claims(with_defaults["witnesses"]))
 
 
 def codes(result):
@@ -221,7 +222,7 @@ def certify_one(robot, goal, n, tm):
     motion = hir.JointMove(origin(0), hir.JointGoal(goal), "LSPB", hir.Timing(None))
     jobs = [Job(motion, joint_points(np.zeros(robot.size), goal, n), tm)]
     start = np.zeros(robot.size)
-    return certify(emit(robot, start, jobs, decimals=12), program(start, jobs), robot, TOLERANCE, {})
+    return certify(emit(robot, start, jobs, decimals=12), program(start, jobs), robot, TOLERANCE)
 
 
 def test_limits_that_are_broken_by_half_a_percent():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from programs import codes, compiled
 
+from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.certify.speed import KEPT
 from yarclang.motion.profile import profile_names
@@ -171,13 +172,15 @@ def test_the_certificate_judges_by_itself(tmp_path):
     slow, _ = with_cell(tmp_path, SLOW, "P0010 DMOVE 0 0 -200 0 0 0")
     robot = load_robot("INDUSTRIAL6").value
     program = replace(value.program, cell=slow.program.cell)
-    judged = certify(value.text, program, robot, robot.tolerance, {0: value.plan.motions[0].waypoints})
+    judged = certify(
+        value.text, program, robot, robot.tolerance, Claims({0: value.plan.motions[0].waypoints})
+    )
     (finding,) = [one for one in judged.diagnostics if one.is_error]
     assert finding.code == "Y0911"
     assert re.search(
         r"\{TCP\} goes at [\d.]+ mm/s in the zone Z, where 100 mm/s are allowed", finding.message
     )
-    judged = certify(slow.text, program, robot, robot.tolerance, {0: slow.plan.motions[0].waypoints})
+    judged = certify(slow.text, program, robot, robot.tolerance, Claims({0: slow.plan.motions[0].waypoints}))
     assert "Y0911" not in codes(judged.diagnostics)
 
 

@@ -20,9 +20,8 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.cli.address import SIM, Address, AddressType
 from yarclang.cli.commands import stop
 from yarclang.cli.yarc import main as yarc
-from yarclang.pipeline.jobs import items_of, job_of_text
+from yarclang.pipeline.jobs import items_of, job_of_compiled
 from yarclang.pmac.requests import PORT
-from yarclang.robot.description import load_robot
 from yarclang.runtime.notices import Changed
 from yarclang.runtime.performance import connect, look, perform
 from yarclang.runtime.remote import About
@@ -45,9 +44,8 @@ def home(monkeypatch):
 
 @pytest.fixture(scope="module")
 def job():
-    robot = load_robot("INDUSTRIAL6").value
     compiled = yarclang.compile(PROGRAM, robot="INDUSTRIAL6").value
-    return job_of_text(compiled.text, robot, "a.yarc").value
+    return job_of_compiled(compiled, "a.yarc")
 
 
 @pytest.fixture

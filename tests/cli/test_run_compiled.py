@@ -76,7 +76,8 @@ def test_a_robot_of_nobody(workshop, text):
     assert "p.pmc: error Y1301: " in shown
     assert "help: if it is one of your own, say where it is: --robot PATH" in shown
     shown = refused(workshop, re.sub(r"^; robot .*\n", "", text, flags=re.MULTILINE))
-    assert "the header doesn't say for which robot the text was made" in shown
+    assert "error Y1151: line 3 is '; program " in shown
+    assert "where the header has the robot" in shown
 
 
 def test_for_a_program_buffer(workshop):
@@ -93,5 +94,6 @@ def test_something_else(workshop, content):
 
 def test_bytes_that_are_no_text(workshop):
     (workshop.folder / "p.pmc").write_bytes(b"; yarcc \xff\x00")
-    assert "error Y0103" in workshop.here("run", "p.pmc", "--to", PATH, status=1)
+    shown = workshop.here("run", "p.pmc", "--to", PATH, status=1)
+    assert "error Y1151: line 1 has a byte that is no ASCII (0xFF) in column 9" in shown
     assert "error Y0107" in workshop.here("run", "q.pmc", "--to", PATH, status=1)

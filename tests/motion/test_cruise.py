@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from programs import codes, planned
+from programs import codes, compiled, planned
 
 from yarclang.robot.kinematics.fk import tool_poses
 
@@ -109,4 +109,6 @@ def test_a_speed_that_is_named_works():
     fixed = fast[: edit.span.column - 1] + edit.text + fast[edit.span.end_column - 1 :]
     assert run(fixed)[1] == []
     value = float(edit.text[2:-1])
-    assert run(fast.replace("5000", f"{value * 1.05:g}"))[1][0] in ("Y0605", "Y0610")
+    # 5 % more breaks a limit, or isn't reached, which the certificate says of the text
+    _, found = compiled(f"{START}{fast.replace('5000', f'{value * 1.05:g}')}\n")
+    assert found[0].code in ("Y0605", "Y0610")

@@ -94,14 +94,12 @@ def test_texts_that_are_none_of_ours_are_mapped_as_well(text):
     assert sum(one.last - one.first + 1 for one in mapped.stretches) == len(text.splitlines())
 
 
-def test_what_else_the_map_says_of_a_command_does_no_harm():
+def test_a_header_that_is_another_is_no_map():
     text = compiled("P0010 MOVEJ 1 2 3 4 5 6 [2] (deg,s)")[0].text
-    first, more = (
-        map_lines(text),
-        map_lines(re.sub(r"^(; command .*)$", r"\1 and more 12", text, flags=re.MULTILINE)),
-    )
-    assert more.commands == first.commands
-    assert len(more.commands) == 1
+    mapped = map_lines(re.sub(r"^(; command .*)$", r"\1 and more 12", text, flags=re.MULTILINE))
+    assert mapped.commands == ()
+    (stretch,) = mapped.stretches
+    assert stretch.what.startswith("unknown: line 12 is no line of the map of commands")
 
 
 # the program that a text was made from

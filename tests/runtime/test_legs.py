@@ -7,7 +7,7 @@ from programs import compiled
 from tests.runtime.virtual import World
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.certify.judge import certify
-from yarclang.pipeline.jobs import job_of_text
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.notices import Abort, Changed, Resume, Stop
 from yarclang.runtime.performance import connect, perform
@@ -35,7 +35,7 @@ def value(made, name):
 def job(robot, *lines, target="rotary"):
     text = HEAD + "\n".join(lines) + "\n"
     program, _ = compiled(text, robot.name, target=target)
-    return program if target == "prog" else job_of_text(program.text, robot, "legs").value
+    return program if target == "prog" else job_of_compiled(program, "legs")
 
 
 def joints(made, robot):
@@ -233,7 +233,7 @@ def test_the_certificate_refuses_another_flow(robot, change):
     program, _ = compiled(HEAD + PROGRAM, robot.name)
     assert change[0] in program.text
     changed = program.text.replace(*change, 1)
-    judged = certify(changed, program.program, robot, robot.tolerance, {})
+    judged = certify(changed, program.program, robot, robot.tolerance)
     assert any(one.is_error for one in judged.diagnostics), change
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from runtime.virtual import SHORT, example_of, moved_along, prepared, robot_with, well_behaved, world_of
 
-from yarclang.pipeline.jobs import job_of_text
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import Request, compile_module
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.feed import Feed
@@ -144,7 +144,7 @@ def test_two_groups_of_motors(tmp_path):
     """Motors 5 to 10: more than ^B, ^F and ^P tell of at once."""
     robot, world = robot_with(tmp_path, range(5, 11))
     made = compile_module(parse(SourceFile("two groups", SHORT)).value, Request(robot, tm=20)).value
-    job = job_of_text(made.text, robot, "two groups").value
+    job = job_of_compiled(made, "two groups")
     world.prepare(robot)
     since = world.now
     world.order(Hold(), 1.0)

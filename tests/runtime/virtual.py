@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from simulator.machines import EXAMPLES, robot_machine
 
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.pipeline.jobs import items_of, job_of_text
+from yarclang.pipeline.jobs import items_of, job_of_compiled
 from yarclang.pipeline.parts import approach
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.robot.description import load_robot
@@ -154,7 +154,7 @@ class World:
     def approach(self, robot, there):
         """Move to where a program begins."""
         made = approach(robot, from_counts(robot, self.stands(robot)), there)
-        job = job_of_text(made.value.text, robot, "approach").value
+        job = job_of_compiled(made.value, "approach")
         return self.perform(perform(self.operation, job))
 
     # what a test looks at
@@ -306,7 +306,7 @@ def prepared(text=SHORT, robot="INDUSTRIAL6", **request):
     """The job of a program and its plan."""
     value, found = compiled(text, robot, **request)
     assert value is not None, found
-    return job_of_text(value.text, value.plan.robot, "test").value, value.plan
+    return job_of_compiled(value, "test"), value.plan
 
 
 @cache

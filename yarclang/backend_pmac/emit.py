@@ -43,8 +43,9 @@ class Emitted:
             place = self.places.get(command.step)
             lines = f"{before + place[0]} {before + place[1]}" if place else "- -"
             flows = f" blend {command.overlap}" if command.overlap else ""
+            jerk = " any-jerk" if command.any_jerk and place else ""
             head.append(
-                f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}{flows}"
+                f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}{flows}{jerk}"
             )
         for line, barrier in self.barriers:
             head.append(f"; barrier {before + line} {_told(barrier)}")

@@ -87,7 +87,14 @@ def _commands(plan: MotionPlan) -> Iterator[Command]:
         if isinstance(step, Gap):
             raise ValueError("a program with errors can't be lowered")
         origin = step.origin
-        yield Command(number, origin.label or "-", origin.name, origin.span.line, overlaps.get(number, 0))
+        yield Command(
+            number,
+            origin.label or "-",
+            origin.name,
+            origin.span.line,
+            overlaps.get(number, 0),
+            number in plan.any_jerk,
+        )
         if isinstance(step, Stop):
             return
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from yarclang.certify.text import ControllerText
 from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
@@ -235,13 +236,14 @@ class CommandCertificate:
 class Certificate:
     """What was proved for a whole program, command by command.
 
-    The proofs are about the motion that the controller is told to make: they can't
+    `text` is what was judged; it has the very lines that a runtime sends. The proofs are about the motion that the controller is told to make: they can't
     know the servo loop's following error nor the controller's own rounding.
     """
 
     target: Literal["rotary", "prog"]
     commands: tuple[CommandCertificate, ...]
     tolerance: Tolerance
+    text: ControllerText = field(repr=False, compare=False)
 
     @property
     def duration(self) -> float:

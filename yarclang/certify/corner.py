@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang import hir
+from yarclang.certify.claims import Claims
 from yarclang.certify.joint import by_kind
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.pose import distance
@@ -19,6 +20,8 @@ from yarclang.units import DEG, MM
 SAME_JOINTS = 1e-9
 """A claimed joint position is that of a joint goal but for this [rad or m]."""
 _ROUNDS = 20
+NEARLY_KEPT = 5e-4
+"""A claim to miss a programmed speed by no more than this share isn't needed: the motion is held to the whole speed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +30,7 @@ class Judged:
 
     robot: Robot
     tolerance: Tolerance
-    witnesses: Mapping[int, Array]
-    laws: Mapping[int, Array]
+    claims: Claims
     find: Callable[[str, str, int | None], None]
 
     def tolerance_of(self, motion: hir.Motion) -> Tolerance:
@@ -36,6 +38,11 @@ class Judged:
         if motion.tolerance is None:
             return self.tolerance
         return Tolerance(motion.tolerance, self.tolerance.angle)
+
+    def share_of(self, step: int) -> float:
+        """Return the share of its programmed speed to which a motion is held: 1, or what the planner claims to reach."""
+        kept = self.claims.kept.get(step, 1.0)
+        return kept if 0.0 < kept < 1.0 - NEARLY_KEPT else 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +114,7 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
     """The joint positions (count, n) that the planner claims to have chosen, where it does so in a form that can be read."""
-    claimed = judged.witnesses.get(place.step)
+    claimed = judged.claims.witnesses.get(place.step)
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
         return None
     return claimed
@@ -118,7 +125,7 @@ def claimed_way(judged: Judged, place: Place) -> Array | None:
     motion = place.motion
     if isinstance(motion, hir.SplineMove):
         return claimed_joints(judged, place, len(motion.waypoints))
-    claimed = judged.witnesses.get(place.step)
+    claimed = judged.claims.witnesses.get(place.step)
     return claimed_joints(judged, place, max(len(claimed), 1) if claimed is not None and claimed.ndim else 1)
 
 

@@ -10,26 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.cursor import Cursor, Refusal, shown
-from yarclang.certify.text import TM_STEPS_PER_MS, Barred, Dwelt, Put, Run, Stood, Target
+from yarclang.certify.text import TM_STEPS_PER_MS, Armed, Barred, Dwelt, Put, Run, Stood
+from yarclang.pmac.program import Target
 from yarclang.robot.model import Array
 
 LARGEST_TM_MS = 4096
 
-CONDITION = re.compile(r"([IPQM][0-9]{1,4})=(-?[0-9]+(?:\.[0-9]{1,9})?)")
+CONDITION = re.compile(r"([MPQ][0-9]{1,4})=(-?[0-9]{1,9}(?:\.[0-9]{1,9})?)")
 """A variable and the value that it gets, or is compared with."""
 
-_TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]+(?:\.[0-9]{1,9})?)")
+_TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]{1,9}(?:\.[0-9]{1,9})?)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
 _DWELL = re.compile(r"DWELL([0-9]{1,7}(?:\.[0-9]{1,9})?)")
+_ARMED = re.compile(r"P8100=([01])")
+_TIMER = r"=INT\(([0-9]{1,12}(?:\.[0-9]{1,9})?)\*8388608/I10\)"
+_ASSIGNMENT = re.compile(r"([IPQM][0-9]+)={1,2}.*")
 
 
 def read_course(
     cursor: Cursor, barriers: dict[int, Barred], target: Target, system: int
-) -> tuple[Run | Dwelt | Put | Barred | Stood, ...]:
-    """Everything from the first TM up to CLOSE."""
-    course = _Course()
+) -> tuple[tuple[Run | Dwelt | Put | Barred | Stood, ...], tuple[Armed, ...]]:
+    """Everything from the first TM up to CLOSE, and where the guard is armed and disarmed."""
+    course, arms = _Course(), list[Armed]()
     while True:
-        cursor.skip_remarks()
         line = cursor.line
         points = cursor.block()
         if points is not None:
@@ -51,20 +54,27 @@ def read_course(
         elif content == "RAPID":
             course.finish()
             course.items.append(_read_stand(cursor, line))
-        elif content in ("P8100=1", "P8100=0"):
-            continue
+        elif found := _ARMED.fullmatch(content):
+            arms.append(Armed(line, found[1] == "1"))
         elif (found := CONDITION.fullmatch(content)) and course.rests:
             course.items.append(Put(line, found[1], float(found[2])))
         elif (found := _TRIGGER.fullmatch(content)) and course.moves_on(cursor):
             course.puts.append(Put(line, found[1], float(found[2]), synchronous=True))
         else:
-            cursor.refuse(
-                f"is {shown(content)}: no move line, TM, P8100 or CLOSE" + why_worse(content), back=1
-            )
+            cursor.refuse(f"is {shown(content)}: {_why_not(content)}", back=1)
     course.finish()
     if barriers:
-        cursor.refuse(f"the map names a barrier in line {min(barriers)}, and none is there")
-    return tuple(course.items)
+        cursor.refuse(f"ends the text, and the map names a barrier in line {min(barriers)}", back=1)
+    return tuple(course.items), tuple(arms)
+
+
+def _why_not(content: str) -> str:
+    """Say why a line may not stand between the start and CLOSE."""
+    if (found := _ASSIGNMENT.fullmatch(content)) is not None:
+        if found[1].startswith("I"):
+            return "a program assigns no I-variable after its start"
+        return f"an assignment of {found[1]} belongs where the robot rests, or in the middle of a blend"
+    return "no move line, TM, DWELL, P8100 or CLOSE" + why_worse(content)
 
 
 class _Course:
@@ -124,7 +134,7 @@ def _read_stand(cursor: Cursor, line: int) -> Stood:
     cursor.expect("ABS")
     point = cursor.block()
     if point is None or len(point) != 1:
-        cursor.refuse("one move to where the robot stands belongs here")
+        cursor.refuse("is no single move to where the robot stands, which belongs here")
     cursor.expect("DWELL0", "SPLINE1")
     return Stood(line, point[0])
 
@@ -136,7 +146,7 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
         return
     condition = CONDITION.fullmatch(barrier.condition)
     if barrier.kind in ("wait", "when") and condition is None:
-        cursor.refuse("the map doesn't say for what this barrier waits")
+        cursor.refuse("is a barrier of which the map doesn't say for what it waits")
     match barrier.kind, condition:
         case "when", _:
             cursor.expect(f"IF({barrier.condition})")
@@ -151,9 +161,9 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
                 return
             timer = f"I{5011 + 100 * system}"
             cursor.expect("P8102=1", "WHILE(P8102=1)")
-            started = re.fullmatch(rf"{timer}=INT\(([0-9.]+)\*8388608/I10\)", cursor.take())
+            started = re.fullmatch(timer + _TIMER, cursor.take())
             if started is None or abs(float(started[1]) - barrier.timeout * 1e3) > 1e-3:
-                cursor.refuse(f"{timer} for {barrier.timeout:g} s belongs here", back=1)
+                cursor.refuse(f"doesn't start {timer} for {barrier.timeout:g} s", back=1)
             cursor.expect(f"WHILE({missing} AND {timer}>0)WAIT", "P8102=0", f"IF({missing})", "P8102=1")
             _expect_text(cursor)
             cursor.expect("STOP", "ENDIF", "ENDWHILE")
@@ -164,7 +174,7 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
 
 def _expect_text(cursor: Cursor) -> None:
     if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
-        cursor.refuse("SEND with a text belongs here", back=1)
+        cursor.refuse("is no SEND with a text, which belongs here", back=1)
 
 
 def _segment_ms(printed: str, cursor: Cursor) -> float:

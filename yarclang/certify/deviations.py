@@ -34,7 +34,7 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
         chosen[type(place.motion)].append((row, place))
     for rows in row_chunks(chosen[hir.JointMove]):
         _joint_moves(judged, layout, rows, flanges, proofs)
-    around = speeds_around(layout, proofs.flows)
+    around = speeds_around(judged, layout, proofs.flows)
     for kind in (hir.LineMove, hir.ArcMove):
         for rows in row_chunks(chosen[kind]):
             frame_moves(judged, layout, rows, flanges, around, proofs)

@@ -1,11 +1,12 @@
 """What a text does between its motions: dwells, outputs, waits and ways must be the program's, each in its place and at rest.
 
-Only an output behind a motion that flows into the next one is set while the robot moves: in the middle of the blend.
+Only an output after a motion that flows into the next one is set while the robot moves: in the middle of the blend.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,41 +22,43 @@ Fault = tuple[int | None, str]
 SEGMENTS_OFF = 1
 """An output in the middle of a blend is set at most this many segments before or behind it."""
 _SAME_TIME = 1e-6
+_LONGEST_NAME = 80
+"""Characters of a name or text that a map keeps."""
 
 
-def check_flow(
-    text: ControllerText, program: hir.Program, start: Array, axis_units: Array
-) -> Iterator[Fault]:
-    """Compare what the text does with what the program says, in order; the first difference is told.
+def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
+    """Compare what the text does with what the program does, in order; the first difference is reported.
 
     Args:
         text: what was read.
         program: what the robot shall do.
-        start: (n,) where the text starts [rad or m].
-        axis_units: (n,), the axis unit of each joint in SI.
     """
     meant = {output.signal.variable: output.safe for output in program.outputs if output.safe is not None}
     if dict(text.outputs) != meant:
         yield None, "the safe values of the outputs aren't the program's"
-    yield from check_places(text)
-    yield from _stands_elsewhere(text, start / axis_units)
     told = list(_told(text))
-    for place, (step, deed) in enumerate(
-        _meant(program, {entry.step for entry in text.entries if entry.first})
-    ):
+    deeds = list(_meant(program, {entry.step for entry in text.entries if entry.first}))
+    for place, (step, deed) in enumerate(deeds):
         found = told[place] if place < len(told) else None
         if found is None or not _same(found, deed):
             yield step, f"the text does {_words(found)} where the program says {_words(deed)}"
             return
-    extra = len(list(_meant(program, {entry.step for entry in text.entries if entry.first})))
-    if len(told) > extra:
-        yield None, f"the text does {_words(told[extra])} behind the program's end"
+    if len(told) > len(deeds):
+        yield None, f"the text does {_words(told[len(deeds)])} after the program's end"
 
 
-def check_places(text: ControllerText) -> Iterator[Fault]:
-    """What can be told without the program: outputs and barriers where the robot rests, or in the middle of a blend."""
+def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
+    """Check what needs no program: outputs and barriers at rest or in the middle of a blend, slow RAPIDs to where the robot stands.
+
+    Args:
+        text: what was read.
+        start: (n,) where the text starts [deg or mm].
+        slack: (n,) how far apart the printed ends of two ways may be that meet [deg or mm].
+    """
     yield from _not_at_rest(text)
     yield from _not_in_the_middle(text)
+    yield from _out_of_order(text)
+    yield from _stands_elsewhere(text, start, slack)
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:
@@ -72,11 +75,11 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
             case hir.SetOutput(output=output, value=value):
                 yield number, ("set", output.variable, value)
             case hir.WaitInput(input=signal, value=value, timeout=timeout):
-                yield number, ("wait", number, signal.variable, value, timeout)
+                yield number, ("wait", number, signal.variable, value, timeout, _printable(signal.name))
             case hir.When(input=signal, value=value):
-                yield number, ("when", number, signal.variable, value, None)
-            case hir.Hold():
-                yield number, ("hold", number)
+                yield number, ("when", number, signal.variable, value, None, _printable(signal.name))
+            case hir.Hold(text=text):
+                yield number, ("hold", number, _printable(text))
             case hir.Else():
                 yield number, ("else", number)
             case hir.EndWhen():
@@ -106,9 +109,18 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 yield ("set", variable, value)
             case Barred(kind="wait" | "when", condition=condition):
                 name, _, wanted = condition.partition("=")
-                yield (item.kind, item.step, name, float(wanted), item.timeout)
+                yield (item.kind, item.step, name, float(wanted), item.timeout, item.name)
+            case Barred(kind="hold"):
+                yield (item.kind, item.step, item.name)
             case Barred():
                 yield (item.kind, item.step)
+
+
+def _printable(text: str) -> str:
+    """A text as a map has it: in ASCII, on one line, without quotes."""
+    kept = "".join(one if " " <= one <= "~" and one != '"' else "?" for one in text)
+    said = " ".join(kept.split())[:_LONGEST_NAME]
+    return "" if said == "-" else said
 
 
 def _behind(run: Run, put: Put, entry: Entry) -> int:
@@ -159,17 +171,27 @@ def _words(deed: Deed | None) -> str:
 
 
 def _not_at_rest(text: ControllerText) -> Iterator[Fault]:
-    """An output or a barrier right behind moves would come before they have ended."""
+    """An output or a barrier right after moves would come before they have ended; a RAPID belongs after a barrier."""
     before: object = None
     for item in text.course:
         if isinstance(item, Put | Barred) and isinstance(before, Run):
             yield None, f"line {item.line} comes while the robot moves: no DWELL stands before it"
+        if isinstance(item, Stood) and not isinstance(before, Barred):
+            yield None, f"line {item.line} is a RAPID, which belongs after a barrier and nowhere else"
         before = item
 
 
-def _stands_elsewhere(text: ControllerText, start: Array) -> Iterator[Fault]:
+def _out_of_order(text: ControllerText) -> Iterator[Fault]:
+    """Moves and barriers that aren't in the order of the map's steps."""
+    steps = [deed[1] for deed in _told(text) if deed[0] not in ("set", "dwell")]
+    for one, other in pairwise(steps):
+        if not one < other:  # type: ignore[operator]  # each is the number of a step
+            yield None, f"the text carries out command {other} of the map after command {one}"
+            return
+
+
+def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
     """A slow RAPID must lead to where the robot stands already, and the ways of a WHEN must meet."""
-    slack = 10.0**-text.decimals * (1.0 + 1e-6)
     stand = start
     before: list[Array] = []
     ends: list[Array | None] = []
@@ -178,14 +200,14 @@ def _stands_elsewhere(text: ControllerText, start: Array) -> Iterator[Fault]:
             case Run(points=points):
                 stand = points[-1]
             case Stood(line=line, point=point):
-                if np.abs(point - stand).max() > slack:
+                if (np.abs(point - stand) > slack).any():
                     yield None, f"line {line + 2} leads away from where the robot stands"
                 stand = point
             case Barred(kind="when"):
                 before.append(stand)
                 ends.append(None)
             case Barred(kind="else", line=line):
-                if not before:
+                if not before or ends[-1] is not None:
                     yield None, f"line {line}: a second way without a first"
                     return
                 ends[-1], stand = stand, before[-1]
@@ -194,7 +216,7 @@ def _stands_elsewhere(text: ControllerText, start: Array) -> Iterator[Fault]:
                     yield None, f"line {line}: ways end that didn't begin"
                     return
                 first, other = before.pop(), ends.pop()
-                if np.abs(stand - (first if other is None else other)).max() > slack:
+                if (np.abs(stand - (first if other is None else other)) > slack).any():
                     yield None, f"the ways that meet in line {line} end apart"
     if before:
         yield None, "a way of a WHEN has no end"

@@ -147,20 +147,21 @@ def _corner(layout: Layout, robot: Robot, first: int, second: int, segments: int
     return Corner(first, second, segments, segments > 0 and size > 0.0, joints)
 
 
-def cruise(place: Place) -> tuple[float, float]:
-    """The programmed speeds of a motion, [m/s] and [rad/s]; NaN where it has none."""
+def cruise(judged: Judged, place: Place) -> tuple[float, float]:
+    """Return the speeds to which a motion is held, [m/s] and [rad/s]; NaN if it has none."""
     speed = place.motion.timing.speed
     if speed is None or isinstance(place.motion, IN_JOINTS):
         return np.nan, np.nan
+    share = judged.share_of(place.step)
     return (
-        np.nan if speed.length is None else speed.length,
-        np.nan if speed.angle is None else speed.angle,
+        np.nan if speed.length is None else speed.length * share,
+        np.nan if speed.angle is None else speed.angle * share,
     )
 
 
-def speeds_around(layout: Layout, flows: Flows) -> Array:
-    """The most that is allowed in the blends before and behind each motion, (P, 2) [m/s]: the larger programmed speed of both."""
-    own = np.array([cruise(place)[0] for place in layout.places])
+def speeds_around(judged: Judged, layout: Layout, flows: Flows) -> Array:
+    """Return the most that is allowed in the blends before and after each motion, (P, 2) [m/s]: the larger speed of both."""
+    own = np.array([cruise(judged, place)[0] for place in layout.places])
     around = np.full((len(own), 2), np.inf)
     for corner in flows.corners:
         both = own[[corner.first, corner.second]]

@@ -121,7 +121,7 @@ def _stretch(
     own = np.arange(count)
     reach = paths.bounds(own, np.zeros(count), np.ones(count)).position[:, 0]
     turns = reach < STILL
-    speeds = np.array([cruise(place) for _, place in moving])
+    speeds = np.array([cruise(judged, place) for _, place in moving])
     wanted = Programmed(
         np.where(turns, speeds[:, 1], speeds[:, 0]),
         turns,

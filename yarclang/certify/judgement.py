@@ -3,33 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
 
 from yarclang import hir
+from yarclang.certify.assignments import check_assignments
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, ToolSpeed
 from yarclang.certify.clearance import NOTHING_NEAR, Apart, find_clearances
-from yarclang.certify.flow import check_flow
+from yarclang.certify.flow import check_flow, check_rests
+from yarclang.certify.guard import check_guard
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
-from yarclang.certify.limits import NO_LOADS, RELATIVE, Loads, check_limits
+from yarclang.certify.limits import NO_LOADS, POSITION_UNITS, RELATIVE, Loads, check_limits
 from yarclang.certify.speed import KEPT
 from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
 from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
-from yarclang.diagnostics import Diagnostic
+from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import Span
 from yarclang.units import DEG, MM, MS
+from yarclang.written import slower
 
 _REMEDIES = {
     "Y1159": "allow more (--tolerance), or take shorter segments (--tm)",
     "Y1160": "allow more (--tolerance): the controller's numbers have 9 decimals at most",
+    "Y1163": "compile the program again",
 }
 
 KINDS: Mapping[type, Kind] = MappingProxyType(
@@ -42,9 +47,6 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
         hir.PoseSplineMove: "pose_spline",
     }
 )
-TIME_OPTIMAL = "TOPP"
-"""The profile without a limit of the jerk."""
-
 GUARD_SHARE = 0.05
 """A fixed program may start so far off that it adds this share of the acceleration limit."""
 
@@ -62,17 +64,23 @@ class Judge:
 
     def find(self, code: str, message: str, step: int | None) -> None:
         """Add a finding about a step of the program."""
+        help_ = _REMEDIES.get(code, "")
         if step is None:
-            self.findings.append(Diagnostic(code, message, self.program.source))
+            self.findings.append(Diagnostic(code, message, self.program.source, help=help_))
             return
         command = self.program.steps[step]
         assert not isinstance(command, hir.Gap)  # such a program is refused before
         origin = command.origin
-        help_ = _REMEDIES.get(code, "")
         span = Span.on_line(self.lines[step], 1, 2) if step in self.lines else origin.span
         self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, span, help_))
 
     # start, times, rest
+
+    @property
+    def _per_step(self) -> Array:
+        """How far each joint moves with a step of each motor's register (n, n) [rad or m per 1/(Ixx08 32) count]."""
+        steps: Array = np.abs(joints_per_count(self.robot)) / (32.0 * self.robot.controller.ixx08)
+        return steps
 
     def start(self, content: ControllerText) -> Array:
         """Where the text starts (n,) [rad or m]; it must be the program's start, to the printed decimals."""
@@ -83,7 +91,7 @@ class Judge:
             allowed = 0.5 * 10.0**-content.decimals * robot.axis_units
         else:
             assert start.guard is not None and start.guard_step is not None  # noqa: PT018 - by the reader
-            per_step = np.abs(joints_per_count(robot)) / (32.0 * robot.controller.ixx08)
+            per_step = self._per_step
             q = from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
             allowed = 0.5 * per_step @ start.guard_step
             self._guard(content, per_step, first)
@@ -118,10 +126,88 @@ class Judge:
                 first,
             )
 
-    def flow(self, content: ControllerText, start: Array) -> None:
-        """What happens between the motions."""
-        for step, reason in check_flow(content, self.program, start, self.robot.axis_units):
+    def robot_named(self, content: ControllerText) -> None:
+        """Check that the header names this very robot."""
+        header, robot = content.header, self.robot
+        if header.robot == robot.name and header.robot_fingerprint == robot.fingerprint:
+            return
+        reason = f"{robot.name} is another robot"
+        if header.robot == robot.name:
+            reason = f"another geometry, limits or settings than {robot.name} has now"
+        self.find("Y1163", f"the text was made for {header.robot} as it was then: {reason}", None)
+
+    def claims(self, content: ControllerText, layout: Layout, start: Array) -> None:
+        """Compare the header's start and duration, which people read, with what the text does."""
+        header, units = content.header, self.robot.axis_units
+        said = _numbers(header.start, self.robot.controller.axes)
+        if content.start.guard_step is None:
+            step = np.full(len(units), 1e-9)
+        else:
+            step = self._per_step @ content.start.guard_step / units + 10.0**-content.decimals
+        if said is None or (np.abs(said - start / units) > step).any():
+            stands = " ".join(f"{value:.9g}" for value in start / units)
+            self.find(
+                "Y1153",
+                f"the header says that the text starts at {header.start}: it starts at {stands}",
+                None,
+            )
+        duration = math.fsum(_duration(layout, place) for place in layout.places)
+        if abs(duration - header.duration) > 0.5e-3 + 1e-9 * duration:
+            self.find(
+                "Y1153",
+                f"the header says that the motions take {header.duration:.3f} s: they take {duration:.3f} s",
+                None,
+            )
+
+    def flow(self, content: ControllerText) -> None:
+        """Check what happens between the motions against the program."""
+        for step, reason in check_flow(content, self.program):
             self.find("Y1165", reason, step)
+
+    def rests(self, content: ControllerText, start: Array, outputs: Set[str] | None) -> None:
+        """Check what happens between the motions as far as no program is needed: where it is done, what is assigned, and the guard.
+
+        Args:
+            content: what was read.
+            start: (n,) where the text starts [rad or m].
+            outputs: variables of the program's outputs; None where the program isn't known.
+        """
+        units = self.robot.axis_units
+        slack = np.minimum(10.0**-content.decimals, 1.0 / joint_weights(self.robot, self.tolerance) / units)
+        for step, reason in check_rests(content, start / units, slack * (1.0 + 1e-6)):
+            self.find("Y1165", reason, step)
+        for reason in check_assignments(content, self.robot, outputs):
+            self.find("Y1191", reason, None)
+        for reason in check_guard(content, self.robot):
+            self.find("Y1190", reason, None)
+
+    def any_jerk(self, content: ControllerText, free: Set[int]) -> None:
+        """Check that the map takes the limit of the jerk from no other motions than the program does.
+
+        Args:
+            content: what was read.
+            free: the steps whose profile has no limit of the jerk.
+        """
+        for entry in content.entries:
+            if entry.any_jerk and entry.step not in free:
+                self.find(
+                    "Y1153",
+                    f"the map says that its jerk has no limit, and its profile has one (line {entry.at})",
+                    entry.step,
+                )
+
+    def standing(self, start: Array) -> None:
+        """Check that the start, to which a RAPID leads, is within the joints' limits."""
+        limits, units = self.robot.limits, self.robot.axis_units
+        past = np.maximum(start - limits.upper, limits.lower - start) / units
+        if past.max() > POSITION_UNITS:
+            joint = int(np.argmax(past))
+            unit = self.robot.axis_unit_names[joint]
+            self.find(
+                "Y1157",
+                f"the text starts with {self.robot.joint_names[joint]} {past[joint]:.6g} {unit} past its limit",
+                None,
+            )
 
     def segment_times(self, content: ControllerText, layout: Layout) -> None:
         """Each motion takes its programmed time, and the controller can calculate that fast."""
@@ -184,10 +270,10 @@ class Judge:
         return loads
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
-        """Whether a jerk beyond the limit is one outside of what is time-optimal: the motion, or a blend with such a motion."""
-        if place.motion.profile == TIME_OPTIMAL:
+        """True if a jerk beyond the limit lies outside of all that has no limit: the motion, or a blend with such a motion."""
+        if place.any_jerk:
             return False
-        before, behind = _beside_time_optimal(layout, place)
+        before, behind = _beside_any_jerk(layout, place)
         peaks = np.abs(layout.cubics(place.first + before, place.last - behind).j) / self.robot.limits.jerk
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
@@ -217,6 +303,31 @@ class Judge:
                     f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps, {programmed}",
                     place.step,
                 )
+
+    def slowed(
+        self, layout: Layout, speeds: Mapping[int, ToolSpeed | None], shares: Callable[[int], float]
+    ) -> None:
+        """Report each programmed speed that isn't reached.
+
+        Args:
+            layout: the text's commands.
+            speeds: what was proved, by steps.
+            shares: the share of its programmed speed to which a motion was held, by its step.
+        """
+        found: list[Diagnostic] = []
+        for place in layout.places:
+            share, speed, origin = shares(place.step), speeds.get(place.step), place.motion.origin
+            if share == 1.0 or speed is None or math.isnan(speed.programmed):
+                continue
+            text, fix = slower(share, origin)
+            message = (
+                "the limits leave no room to get to this speed on this way: "
+                f"the moving frame goes at {share * 100:.3g} % of it"
+            )
+            help_ = f"{text} is reached; a longer way, gentler corners and larger blends make room"
+            span = origin.time_span or origin.span
+            found.append(Diagnostic("Y0610", message, origin.source, span, help_, fix, origin.place))
+        self.findings.extend(grouped(found))
 
     def clearances(self, layout: Layout) -> dict[int, Apart]:
         """Robot, cell and what the robot carries stay apart."""
@@ -272,7 +383,7 @@ class Judge:
             deviation=deviation,
             tool_speed=speed,
             blended=blended,
-            jerk_judged=step.profile != TIME_OPTIMAL and not any(_beside_time_optimal(layout, place)),
+            jerk_judged=not place.any_jerk and not any(_beside_any_jerk(layout, place)),
             clearance=apart.cell,
             own_clearance=apart.own,
             zone_clearance=zones.clearance,
@@ -285,15 +396,22 @@ def _title(origin: hir.Origin) -> str:
     return f"{origin.label} {origin.name}".strip()
 
 
-def _beside_time_optimal(layout: Layout, place: Place) -> tuple[int, int]:
-    """How many segments of a command, at its start and its end, lie in blends with time-optimal motions."""
+def _beside_any_jerk(layout: Layout, place: Place) -> tuple[int, int]:
+    """How many segments of a command, at its start and its end, lie in blends with motions whose jerk has no limit."""
     if place.before is None and place.behind is None:
         return 0, 0
     moving = [other for other in layout.places if other.size]
     at = moving.index(place)
-    before = place.before is not None and moving[at - 1].motion.profile == TIME_OPTIMAL
-    behind = place.behind is not None and moving[at + 1].motion.profile == TIME_OPTIMAL
+    before = place.before is not None and moving[at - 1].any_jerk
+    behind = place.behind is not None and moving[at + 1].any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
+
+
+def _numbers(line: str, axes: tuple[str, ...]) -> Array | None:
+    """The numbers of a move line (n,); None if it is none of these axes."""
+    form = re.compile("".join(rf"{axis}(-?[0-9]{{1,7}}(?:\.[0-9]{{1,12}})?)" for axis in axes))
+    found = form.fullmatch(line)
+    return None if found is None else np.array([float(number) for number in found.groups()])
 
 
 def _duration(layout: Layout, place: Place) -> float:

@@ -30,7 +30,8 @@ class Place:
     """The segments `first` to `last` (not included) of `motion`, step `step` of the program.
 
     `lines` are the first and the last of its move lines in the text; None for a step without. `before` and `behind` are the
-    segments of the blends at its start and its end, half of which belong to it; None where it starts or ends at rest.
+    segments of the blends at its start and its end, half of which belong to it; None where it starts or ends at rest. `any_jerk` says that the
+    map gives its jerk no limit.
     """
 
     step: int
@@ -40,6 +41,7 @@ class Place:
     lines: tuple[int, int] | None
     before: int | None = None
     behind: int | None = None
+    any_jerk: bool = False
 
     @property
     def size(self) -> int:
@@ -85,7 +87,7 @@ class Layout:
 
 
 def lay_out(
-    text: ControllerText, program: hir.Program, start: Array, axis_units: Array
+    text: ControllerText, program: hir.Program, start: Array, axis_units: Array, *, any_line: bool = False
 ) -> Layout | tuple[int | None, str]:
     """Give every segment to its command.
 
@@ -94,11 +96,12 @@ def lay_out(
         program: whose steps the map in the text's header must name, one by one.
         start: (n,) [rad or m], where the text starts.
         axis_units: (n,), the axis unit of each joint in SI.
+        any_line: whether the map may place commands in other lines of the source.
 
     Returns:
         The segments, or the step and the reason why map, moves and program don't fit together.
     """
-    if problem := _compare(text.entries, program):
+    if problem := _compare(text.entries, program, any_line=any_line):
         return problem
     moving = [entry for entry in text.entries if entry.first is not None]
     runs = [item for item in text.course if isinstance(item, Run)]
@@ -163,15 +166,18 @@ def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], a
     return stand
 
 
-def _compare(entries: tuple[Entry, ...], program: hir.Program) -> tuple[int | None, str] | None:
+def _compare(
+    entries: tuple[Entry, ...], program: hir.Program, *, any_line: bool
+) -> tuple[int | None, str] | None:
     """Where the map names other steps than the program has."""
     for step, entry in zip(range(len(program.steps)), entries, strict=False):
         meant_step = program.steps[step]
         if isinstance(meant_step, hir.Gap):
             return None, "the program has a command with errors"
         origin = meant_step.origin
+        line = entry.source_line if any_line else origin.span.line
         said = (entry.step, entry.index, entry.name, entry.source_line)
-        meant = (step, origin.label, origin.name, origin.span.line)
+        meant = (step, origin.label, origin.name, line)
         if said != meant:
             words = [
                 " ".join(str(part or "-") if part != 0 else "0" for part in pair) for pair in (said, meant)
@@ -276,7 +282,7 @@ def _with_places(
         else:
             assert entry.first is not None and entry.last is not None  # noqa: PT018 - as it has a span
             lines = (entry.first, entry.last)
-            places.append(Place(entry.step, step, first, last, lines, before, entry.blend))
+            places.append(Place(entry.step, step, first, last, lines, before, entry.blend, entry.any_jerk))
             stand = closing[last]
             before, behind = entry.blend, last
         ends.append(stand)

@@ -35,7 +35,7 @@ class Proofs:
 
 def law_of(judged: Judged, place: Place) -> tuple[Array, int] | None:
     """A claimed law that covers all of the command, with half of each blend's segments on either side."""
-    law = judged.laws.get(place.step)
+    law = judged.claims.laws.get(place.step)
     lead, trail = (place.before or 0) // 2, (place.behind or 0) // 2
     if law is None or law.shape != (place.size + lead + trail + 3,) or not np.isfinite(law).all():
         return None

@@ -11,16 +11,15 @@ import re
 import numpy as np
 
 from yarclang.certify.course import CONDITION, read_course, why_worse
-from yarclang.certify.cursor import Cursor, Refusal, shown
-from yarclang.certify.text import Barred, ControllerText, Entry, Start, Target, Unreadable
+from yarclang.certify.cursor import Cursor, Refusal, check_characters, shown
+from yarclang.certify.header import read_preamble
+from yarclang.certify.text import ControllerText, Marks, Sent, Start, Unreadable
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Controller
 
-_TARGET = re.compile(r"; target (rotary|prog)")
-_ENTRY = re.compile(
-    r"; command ([0-9]+) (\S+) (\S+) ([0-9]+) (?:([0-9]+) ([0-9]+)(?: blend ([0-9]{1,6}))?|- -)"
-)
-_BARRIER = re.compile(r"; barrier ([0-9]+) (wait|hold|when|else|end) ([0-9]+) (\S+) (\S+) (.*)")
+_LOW = re.compile(r"I16=([0-9]{1,6})")
+_FULL = re.compile(r"I17=([0-9]{1,6})")
+_DEFINE = re.compile(r"DEFINE ROT ([0-9]{1,9})")
 _PLAIN = r"([0-9]{1,15}(?:\.[0-9]{1,12})?)"
 _COMPARE = re.compile(rf"IF\(ABS\(M([0-9]+)61([-+])(\(-)?{_PLAIN}(\))?\)>{_PLAIN}\)")
 
@@ -36,102 +35,88 @@ def read(text: str, controller: Controller, memory: Memory = NO_MEMORY) -> Contr
     Returns:
         What it says, or the first place that isn't what yarcc emits.
     """
-    if not text.isascii():
-        line = next(i for i, content in enumerate(text.split("\n"), 1) if not content.isascii())
-        return Unreadable(line, "has a character that isn't ASCII")
-    if not text.endswith("\n"):
-        return Unreadable(text.count("\n") + 1, "doesn't end with a line feed")
     cursor = Cursor(text, controller, memory)
     try:
+        check_characters(text)
         return _read(cursor, controller)
     except Refusal as refusal:
         return Unreadable(*refusal.args)
 
 
 def _read(cursor: Cursor, controller: Controller) -> ControllerText:
-    target, entries, barriers = _read_header(cursor)
-    system = f"&{controller.coordinate_system}"
+    preamble = read_preamble(cursor)
+    header, system = preamble.header, controller.coordinate_system
     cursor.expect("CLOSE ALL", "END GATHER", "DELETE GATHER")
     outputs = _read_outputs(cursor)
-    cursor.expect(system)
-    start = (_read_rotary_start if target == "rotary" else _read_prog_start)(cursor, controller)
+    cursor.expect(f"&{system}")
+    marks, setup, loads = None, tuple[str, ...](), 0
+    if header.target == "rotary":
+        marks = _read_rotary(cursor, controller)
+        setup = tuple(one.text for one in cursor.sent)
+        cursor.expect("OPEN ROT", "CLEAR")
+        loads = len(cursor.sent)
+        start = _read_rotary_start(cursor)
+    else:
+        start = _read_prog_start(cursor, controller)
     cursor.expect("SPLINE1")
-    course = read_course(cursor, barriers, target, controller.coordinate_system)
-    cursor.skip_remarks()
+    course, arms = read_course(cursor, preamble.barriers, header.target, system)
     if not cursor.at_end:
-        cursor.refuse(f"is {shown(cursor.peek())} behind CLOSE" + why_worse(cursor.peek()))
-    return ControllerText(target, entries, start, course, outputs, cursor.decimals)
-
-
-def _read_header(cursor: Cursor) -> tuple[Target, tuple[Entry, ...], dict[int, Barred]]:
-    target: Target | None = None
-    entries: list[Entry] = []
-    barriers: dict[int, Barred] = {}
-    while (line := cursor.peek()).startswith(";"):
-        if found := _ENTRY.fullmatch(line):
-            step, index, name, source_line, first, last, blend = found.groups()
-            entries.append(
-                Entry(
-                    cursor.line,
-                    int(step),
-                    "" if index == "-" else index,
-                    name,
-                    int(source_line),
-                    int(first) if first else None,
-                    int(last) if last else None,
-                    int(blend) if blend else None,
-                )
-            )
-        elif found := _TARGET.fullmatch(line):
-            if target is not None:
-                cursor.refuse("names the target a second time")
-            target = "rotary" if found[1] == "rotary" else "prog"
-        elif found := _BARRIER.fullmatch(line):
-            timeout = None if found[5] == "-" else float(found[5])
-            barriers[int(found[1])] = Barred(
-                int(found[1]), found[2], int(found[3]), found[4], timeout, found[6].removeprefix("-")
-            )
-        elif re.match(r"; *(command|target|barrier)\b", line):
-            cursor.refuse(f"is no line of the map: {shown(line)}")
-        cursor.skip()
-    if target is None:
-        cursor.refuse("the header names no target")
-    return target, tuple(entries), barriers
+        cursor.refuse(f"is {shown(cursor.peek())} after CLOSE" + why_worse(cursor.peek()))
+    loaded: tuple[Sent, ...] = tuple(cursor.sent[loads:-1]) if marks is not None else ()
+    return ControllerText(
+        header, preamble.entries, start, course, outputs, cursor.decimals, marks, arms, setup, loaded
+    )
 
 
 def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
     """A PLC that does nothing but give outputs their safe values when the guard has held the motion."""
-    cursor.skip_remarks()
     if cursor.peek() != "OPEN PLC 28 CLEAR":
         return ()
     cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")
     outputs: list[tuple[str, float]] = []
     while found := CONDITION.fullmatch(cursor.peek()):
         outputs.append((found[1], float(found[2])))
-        cursor.skip()
+        cursor.take()
     cursor.expect("ENDIF", "CLOSE", "ENABLE PLC 28")
     return tuple(outputs)
 
 
-def _read_rotary_start(cursor: Cursor, controller: Controller) -> Start:
+def _read_rotary(cursor: Cursor, controller: Controller) -> Marks:
+    """The rotary buffer is defined anew, with the marks of its guard."""
     cursor.expect("".join(f"#{motor}J/" for motor in controller.motors), "DELETE ROT")
-    while re.fullmatch(r"I1[67]=[0-9]{1,6}", cursor.peek()):  # the marks of the buffer's guard
-        cursor.skip()
-    found = re.fullmatch(r"DEFINE ROT ([0-9]{1,9})", cursor.take())
-    if found is None or int(found[1]) < controller.rotary_words:
-        cursor.refuse(f"DEFINE ROT with at least {controller.rotary_words} words belongs here", back=1)
-    cursor.expect("B0", "OPEN ROT", "CLEAR", "RAPID", "ABS")
+    low, full, words = (
+        int(_expected(cursor, form, what)[1])
+        for form, what in (
+            (_LOW, "I16, the lines below which the guard holds,"),
+            (_FULL, "I17, the lines from which the buffer counts as full,"),
+            (_DEFINE, "DEFINE ROT with the buffer's size"),
+        )
+    )
+    cursor.expect("B0")
+    return Marks(low, full, words)
+
+
+def _expected(cursor: Cursor, form: re.Pattern[str], what: str) -> re.Match[str]:
+    line = cursor.take()
+    found = form.fullmatch(line)
+    if found is None:
+        cursor.refuse(f"is {shown(line)} where {what} belongs", back=1)
+    return found
+
+
+def _read_rotary_start(cursor: Cursor) -> Start:
+    cursor.expect("RAPID", "ABS")
     line = cursor.line
     point = cursor.block()
     if point is None or len(point) != 1:
-        cursor.refuse("one move to the start belongs here")
+        cursor.refuse("is no single move to the start, which belongs here")
     cursor.expect("DWELL0")
     return Start(line, rapid=point[0])
 
 
 def _read_prog_start(cursor: Cursor, controller: Controller) -> Start:
     if re.fullmatch(r"OPEN PROG [1-9][0-9]{0,4} CLEAR", cursor.take()) is None:
-        cursor.refuse("OPEN PROG with CLEAR belongs here", back=1)
+        cursor.refuse("is no OPEN PROG with CLEAR, which belongs here", back=1)
     line = cursor.line
     cursor.expect("P8101=1", "WHILE(P8101=1)", "P8101=0")
     places, widths, steps = [], [], []
@@ -139,7 +124,9 @@ def _read_prog_start(cursor: Cursor, controller: Controller) -> Start:
         compare = cursor.take()
         found = _COMPARE.fullmatch(compare)
         if found is None or int(found[1]) != motor or bool(found[3]) != bool(found[5]):
-            cursor.refuse(f"the comparison of M{motor}61 with the start belongs here", back=1)
+            cursor.refuse(
+                f"is {shown(compare)} where the comparison of M{motor}61 with the start belongs", back=1
+            )
         # the register minus x: x is negative for a plus sign or one in parentheses
         negative = (found[2] == "+") != bool(found[3])
         places.append(-float(found[4]) if negative else float(found[4]))
@@ -147,7 +134,7 @@ def _read_prog_start(cursor: Cursor, controller: Controller) -> Start:
         steps.append(10.0 ** -len(found[4].partition(".")[2]))
         cursor.expect("P8101=1")
         if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
-            cursor.refuse("SEND with a text belongs here", back=1)
+            cursor.refuse("is no SEND with a text, which belongs here", back=1)
         cursor.expect("ENDIF")
     cursor.expect("IF(P8101=1)", "STOP", "ENDIF", "ENDWHILE", "ABS")
     return Start(line, guard=np.array(places), guard_width=np.array(widths), guard_step=np.array(steps))

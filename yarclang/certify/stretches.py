@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.certify.certificate import Blended, Deviation, Load, ToolSpeed
+from yarclang.certify.claims import Claims
 from yarclang.certify.clearance import Apart
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place
@@ -15,14 +16,6 @@ from yarclang.certify.limits import Loads
 from yarclang.identity import flat, key_of
 from yarclang.memory import Forgetful, Memory
 from yarclang.robot.model import Array
-
-
-@dataclass(frozen=True, slots=True)
-class Claims:
-    """What the planner claims, as `certify` takes it."""
-
-    witnesses: Mapping[int, Array]
-    laws: Mapping[int, Array]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,6 +133,8 @@ class _Said:
             place.behind,
             None if witness is None else (witness.shape, witness.tobytes()),
             None if law is None else law.tobytes(),
+            self._claims.kept.get(place.step),
+            place.any_jerk,
         )
 
 
@@ -170,6 +165,7 @@ def _part(layout: Layout, stretches: Sequence[range]) -> Layout:
                     one.lines,
                     one.before,
                     one.behind,
+                    one.any_jerk,
                 )
             )
         points, segments = points + span.stop - span.start, segments + own.stop - own.start

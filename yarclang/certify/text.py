@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.pmac.header import Header
+from yarclang.pmac.program import Target
 from yarclang.robot.model import Array
-
-Target = Literal["rotary", "prog"]
 
 TM_STEPS_PER_MS = 4096
 """TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
@@ -30,7 +30,8 @@ class Entry:
     """A line `; command` of the header: which move lines belong to which step of the program.
 
     `first` and `last` are lines of the text, from 1; None for a step without move lines. `blend` is the number of segments, half
-    of them before and half behind the command's end, in which it flows into the next one; None where it ends at rest.
+    of them before and half behind the command's end, in which it flows into the next one; None where it ends at rest. `any_jerk`
+    says that its law has no limit of the jerk.
     """
 
     at: int
@@ -41,6 +42,36 @@ class Entry:
     first: int | None
     last: int | None
     blend: int | None = None
+    any_jerk: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """Lines that the controller is sent, as they stand in the text from line `first` on: one, or neighbouring move lines joined by line feeds."""
+
+    first: int
+    text: str
+
+    def numbered(self) -> Iterator[tuple[int, str]]:
+        """Yield each line with its number in the text."""
+        yield from enumerate(self.text.split("\n"), self.first)
+
+
+@dataclass(frozen=True, slots=True)
+class Marks:
+    """The rotary buffer as the text defines it: `words` long; it counts as low below `low` lines (I16), as full from `full` on (I17)."""
+
+    low: int
+    full: int
+    words: int
+
+
+@dataclass(frozen=True, slots=True)
+class Armed:
+    """The guard's flag P8100 is set (`on`) or cleared in a line of the text."""
+
+    line: int
+    on: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,16 +148,36 @@ class Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ControllerText:
-    """What the text makes the controller do, in order (`course`). `outputs` are variables and the values that they take when the
-    guard has held the motion; `decimals` is the most that a move line prints.
+    """What the text makes the controller do, and the very lines that are sent to have it done.
+
+    Attributes:
+        header: what the text says about itself.
+        entries: the map of commands.
+        start: where the motion starts.
+        course: what is done, in order.
+        outputs: variables and the values that they take when the guard has held the motion.
+        decimals: the most that a move line prints.
+        marks: the rotary buffer; None for a program buffer.
+        arms: where the guard is armed and disarmed, in order.
+        setup: the lines in front of `OPEN ROT`; empty for a program buffer.
+        loaded: the lines that are stored in the rotary, between `CLEAR` and `CLOSE`; empty for a program buffer.
     """
 
-    target: Target
+    header: Header
     entries: tuple[Entry, ...]
     start: Start
     course: tuple[Run | Dwelt | Put | Barred | Stood, ...]
     outputs: tuple[tuple[str, float], ...]
     decimals: int
+    marks: Marks | None
+    arms: tuple[Armed, ...]
+    setup: tuple[str, ...]
+    loaded: tuple[Sent, ...]
+
+    @property
+    def target(self) -> Target:
+        """The buffer that the text is for."""
+        return self.header.target
 
     @property
     def runs(self) -> tuple[Run, ...]:

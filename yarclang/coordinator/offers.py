@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from yarclang.lint.rule import Surroundings
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.checking import settled
-from yarclang.pipeline.jobs import Papers, job_of_text
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_checked
@@ -181,10 +180,7 @@ class Planner:
         job: Job | None = None
         if compiled is not None:
             motions = _motions(compiled)
-            papers = Papers(text, json.dumps(compiled.certificate.to_json()))
-            read = job_of_text(compiled.text, self.robot, NAME, papers)
-            assert read.value is not None, read.diagnostics  # what was just written is readable
-            job = read.value
+            job = job_of_compiled(compiled, NAME, text)
         return Offer(number, text, parts, start, motions, found, compiled, job, revision)
 
     def _of_robot(self, module: Module) -> tuple[Diagnostic, ...]:

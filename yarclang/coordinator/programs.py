@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.inputs import Opened
-from yarclang.pipeline.jobs import Papers, job_of_text
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.origins import Origins
 from yarclang.pipeline.parts import approach, chains, motion_number, part
 from yarclang.pipeline.stages import Compiled, compile_module
@@ -96,22 +95,6 @@ def load_program(
     rest = parts.pop(0) if shorter else program
     origins = Origins(plan.program)
     return Result(Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins), found)
-
-
-def job_of_compiled(compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0) -> Job:
-    """A compiled program as a job; what yarcc has just written is always readable.
-
-    Args:
-        compiled: the program.
-        name: what people call it.
-        source: the text that goes into its log; None: its own.
-        offset: where it begins in the program that it is a part of [s].
-    """
-    text = compiled.program.source.text if source is None else source
-    papers = Papers(text, json.dumps(compiled.certificate.to_json()))
-    made = job_of_text(compiled.text, compiled.plan.robot, name, papers, offset)
-    assert made.value is not None, made.diagnostics
-    return made.value
 
 
 @dataclass(frozen=True, slots=True, eq=False)

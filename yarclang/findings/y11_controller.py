@@ -141,4 +141,45 @@ FINDINGS: tuple[Finding, ...] = (
         "With a speed ([V 250]) the moving frame goes at that speed, within 0.1 %, from the end of its first ramp to the beginning of "
         "its last, and never faster. The bounds that were proved for the emitted motion say otherwise.",
     ),
+    Finding(
+        "Y1168",
+        "judged-without-program",
+        "note",
+        "a controller's text was judged without its program",
+        "A text alone shows limits, collisions, the guard, and where it rests; it can't show whether its path, its times, its outputs and the "
+        "conditions of its waits are those of the program. Its own header names the program's file: a file of that name, or of the "
+        "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
+    ),
+    Finding(
+        "Y1169",
+        "text-changed",
+        "error",
+        "the controller's text was changed after it was written",
+        "The header has a SHA-256 of the whole text. It shows damage and edits; it is no signature, so a text is judged all the same, and "
+        "this is reported only if nothing else is wrong.",
+    ),
+    Finding(
+        "Y1190",
+        "guard-weakened",
+        "error",
+        "the guard doesn't cover the motion",
+        "While a program is streamed, P8100 arms a PLC that holds the motion on its path as soon as fewer than I16 lines lie ahead. It must be "
+        "armed before the first move, with marks that leave enough motion for the hold, and disarmed only when the last lines are in the buffer. "
+        "Otherwise a host that dies lets the buffer run dry while the robot moves.",
+    ),
+    Finding(
+        "Y1191",
+        "assignment-refused",
+        "error",
+        "the text assigns a variable that isn't an output of the program",
+        "A variable of the controller can be a limit, a gain, an address or a motor's register. A text assigns the outputs of its program, their "
+        "safe values, and the marks and the flag of its buffer's guard, and nothing else.",
+    ),
+    Finding(
+        "Y1192",
+        "program-has-errors",
+        "error",
+        "the program beside a controller's text can't be compiled",
+        "A text is proved against the program beside it. That program has errors, so nothing can be proved. Mend and compile the program again.",
+    ),
 )

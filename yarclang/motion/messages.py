@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Motion, Origin
@@ -15,6 +14,7 @@ from yarclang.motion.singular import Nearest
 from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
 from yarclang.units import DEG, MM, MS, UNITS
+from yarclang.written import slower
 
 
 def no_motion(origin: Origin) -> Message:
@@ -105,27 +105,8 @@ def too_fast_a_cruise(
             "no speed works: the path passes too near a singularity, go round it",
             None,
         )
-    text, fix = _slower(fitted.share, origin)
+    text, fix = slower(fitted.share, origin)
     return code, message, span, f"the highest speed that works is about {text}", fix
-
-
-def speed_not_reached(share: float, step: Motion) -> Message:
-    """A way that is too short for its speed."""
-    origin = step.origin
-    text, fix = _slower(share, origin)
-    message = f"the limits leave no room to get to this speed on this way: the moving frame goes at {share * 100:.3g} % of it"
-    help_ = f"{text} is reached; a longer way, gentler corners and larger blends make room"
-    return "Y0610", message, origin.time_span or origin.span, help_, fix
-
-
-def _slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
-    """A share of a speed, as it would be written, and a fix that writes it where the speed stands in the line."""
-    if (written := _written_speed(origin)) is None or origin.time_span is None:
-        return f"{share * 100:.3g} % of this speed", None
-    value = written * share
-    digits = 2 - math.floor(math.log10(value))
-    text = f"[V {math.floor(value * 10.0**digits) / 10.0**digits:.10g}]"
-    return text, Fix(f"write {text}", (Edit(origin.time_span, text),))
 
 
 def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) -> Message:
@@ -145,16 +126,6 @@ def _beside(robot: Robot, near: Nearest) -> str:
         f"at {near.s * 100:.3g} % of the way the smallest singular value is {near.smallest:.2g}, and "
         f"{joint} moves {rate:.3g} {unit} per {'deg' if near.turns else 'mm'}"
     )
-
-
-def _written_speed(origin: Origin) -> float | None:
-    """The number of a speed that stands in the line itself."""
-    span = origin.time_span
-    if span is None:
-        return None
-    text = origin.source.line(span.line)[span.column - 1 : span.end_column - 1]
-    found = re.fullmatch(r"\[\s*V\s+([0-9.eE+-]+)\s*\]", text, re.IGNORECASE)
-    return float(found[1]) if found else None
 
 
 def speed_without_unit(turns: bool, origin: Origin) -> Message:

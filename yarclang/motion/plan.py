@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.hir import Array, Program
 from yarclang.motion.curve import Curve
 from yarclang.motion.path import Path
+from yarclang.motion.profile import load_profile
 from yarclang.robot.model import Robot
 
 
@@ -45,6 +46,13 @@ class MotionPlan:
     def starts(self) -> Array:
         """The time [s] at which each motion begins, and that at which the last one ends (m + 1,)."""
         return np.concatenate(([0.0], np.cumsum([motion.curve.duration for motion in self.motions])))
+
+    @cached_property
+    def any_jerk(self) -> frozenset[int]:
+        """The steps of the motions whose law has no limit of the jerk."""
+        return frozenset(
+            motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
+        )
 
     @property
     def duration(self) -> float:

@@ -215,8 +215,6 @@ class _Planner:
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
         """Say where a chain can't do quite what its commands say."""
-        if piece.kept < 1.0 - _SPEED_KEPT:
-            findings.add(*messages.speed_not_reached(piece.kept, step))
         if flows and not piece.overlap:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
@@ -225,9 +223,6 @@ class _Planner:
 
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""
-
-_SPEED_KEPT = 1e-3
-"""A speed that is missed by less than this share is kept."""
 
 _EXACT = 2e-4
 """A duration that is off by no more [s] is the one that was asked for: the controller's step times some hundred segments."""

@@ -16,6 +16,7 @@ from yarclang.lint.rule import Surroundings
 from yarclang.lint.suppression import suppress
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import SUFFIX, check_description
+from yarclang.pipeline.controller_text import COMPILED, check_controller_text
 from yarclang.pipeline.followers import without_followers
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
@@ -64,7 +65,7 @@ class Checked:
 
 
 def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
-    """Check a program, or the description of a cell or a robot (a .toml file).
+    """Check a program, the description of a cell or a robot (a .toml file), or a controller text (a .pmc file).
 
     Args:
         path: the file, or `-` for standard input.
@@ -73,6 +74,8 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
     """
     if path.lower().endswith(SUFFIX):
         return Checked(in_order(check_description(path, options.robot)))
+    if path.lower().endswith(COMPILED):
+        return Checked(in_order(check_controller_text(path, options)))
     return check_program_file(path, options, plans=plans)
 
 

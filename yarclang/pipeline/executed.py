@@ -12,10 +12,10 @@ import numpy as np
 
 from yarclang.certify.read import read
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
+from yarclang.certify.unsourced import start_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
-from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MS
@@ -76,16 +76,8 @@ def executed(text: str, robot: Robot, name: str) -> Result[Executed]:
         message = f"line {content.line} {content.reason}"
         help_ = "it isn't as yarcc wrote it: compile the program again"
         return Result(None, (Diagnostic(content.code, message, SourceFile(name, text), help=help_),))
-    start = _start(content, robot)
+    start = start_of(content, robot)
     return Result(Executed(name, robot, start, tuple(_acts(content, map_lines(text), robot, start))))
-
-
-def _start(content: ControllerText, robot: Robot) -> Array:
-    if content.start.rapid is not None:
-        start: Array = content.start.rapid * robot.axis_units
-        return start
-    assert content.start.guard is not None  # the reader has found one of them
-    return from_counts(robot, content.start.guard / (32.0 * robot.controller.ixx08))
 
 
 def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) -> list[Act]:

@@ -105,7 +105,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         start=start,
         fallback_start=fallback,
         tm=options.tm,
-        tolerance=_tolerance(robot, options.tolerance),
+        tolerance=tolerance_of(robot, options.tolerance),
         target=options.target,
         progress=options.progress,
         load=loader(folder, options.texts),
@@ -237,7 +237,8 @@ def _start(
     return q
 
 
-def _tolerance(robot: Robot, asked: tuple[float, float | None] | None) -> Tolerance | None:
+def tolerance_of(robot: Robot, asked: tuple[float, float | None] | None) -> Tolerance | None:
+    """Return a tolerance that was asked for [mm, deg], its angle the robot's if only a length is given; None without one."""
     if asked is None:
         return None
     position, angle = asked

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -9,11 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.certify.read import read
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
+from yarclang.certify.certificate import Certificate
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.hir import Array
-from yarclang.pmac.variables import ARMED
+from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
 from yarclang.runtime.inspection import Item
 from yarclang.runtime.job import Barrier, Job, JobCommand, Leg
@@ -25,8 +26,6 @@ START_SHARE = 0.05
 
 _SHORTEST_BUFFER = 1.0
 """What a rotary holds at least [s]."""
-
-_OPENED = ("OPEN ROT", "CLEAR")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,57 +39,39 @@ class Papers:
 NO_PAPERS = Papers()
 
 
-def job_of_text(
-    text: str, robot: Robot, name: str, papers: Papers = NO_PAPERS, offset: float = 0.0
+def job_of(
+    certificate: Certificate,
+    text: str,
+    robot: Robot,
+    name: str,
+    papers: Papers = NO_PAPERS,
+    offset: float = 0.0,
 ) -> Result[Job]:
-    """Read a rotary program that yarcc has written.
+    """Make a job of a text that was judged: its lines are the very ones that the judge has read.
 
     Args:
-        text: the whole text.
-        robot: whom it is for; its fingerprint must be that in the header.
+        certificate: what was proved, without an error.
+        text: the whole text, for the log.
+        robot: whom it is for.
         name: what people call the program.
         papers: what goes with it.
         offset: where it begins in the program that it is a part of [s].
 
     Returns:
-        None, with a finding, where the text isn't what yarcc writes for this robot and for a rotary buffer.
+        None, with a finding, if the text isn't for a rotary buffer.
     """
-    source = SourceFile(name, text)
-    content = read(text, robot.controller)
-    if isinstance(content, Unreadable):
-        return _refused(content.code, f"line {content.line} {content.reason}", source)
-    if content.target != "rotary":
+    content = certificate.text
+    if content.marks is None or content.start.rapid is None:
+        message = "this text is for a program buffer, which isn't streamed"
         help_ = "compile it without --target prog; a program buffer is downloaded and run by hand"
-        return _refused("Y1162", "this text is for a program buffer, which isn't streamed", source, help_)
-    if found := re.search(r"^; robot (\S+) ([0-9a-f]{64})$", text, re.MULTILINE):
-        if found[2] != robot.fingerprint:
-            message = f"the text was made for {found[1]} as it was then: another geometry, limits or settings than {robot.name} has now"
-            return _refused("Y1163", message, source, "compile the program again")
-    else:
-        return _refused("Y1163", "the header doesn't say for which robot the text was made", source)
-    return Result(_job(content, text, robot, name, papers, offset))
-
-
-def _refused(code: str, message: str, source: SourceFile, help_: str = "") -> Result[Job]:
-    return Result(None, (Diagnostic(code, message, source, help=help_),))
-
-
-def _job(content: ControllerText, text: str, robot: Robot, name: str, papers: Papers, offset: float) -> Job:
-    numbered = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), 1)
-        if line and not line.startswith(";")
-    ]
-    at = next(place for place, (_, line) in enumerate(numbered) if line == _OPENED[0])
-    setup = tuple(line for _, line in numbered[:at])
-    loaded = numbered[at + len(_OPENED) : -1]
+        return Result(None, (Diagnostic("Y1162", message, SourceFile(name, text), help=help_),))
+    loaded = [numbered for sent in content.loaded for numbered in sent.numbered()]
     begins, duration = _times(content.runs)
     start = content.start.rapid
-    assert start is not None  # a rotary has one
     common = Job(
         name=name,
         robot=robot,
-        setup=setup,
+        setup=content.setup,
         lines=(),
         times=np.empty(0),
         commands=(),
@@ -99,19 +80,35 @@ def _job(content: ControllerText, text: str, robot: Robot, name: str, papers: Pa
         slack=start,
         segment=robot.controller.largest_segment,
         duration=0.0,
-        words=_number_behind("DEFINE ROT ", setup, robot.controller.rotary_words),
-        low=_number_behind("I16=", setup, 5),
-        full=_number_behind("I17=", setup, 10),
+        words=content.marks.words,
+        low=content.marks.low,
+        full=content.marks.full,
         guarded=False,
         text=text,
         source=papers.source,
         certificate=papers.certificate,
         outputs=content.outputs,
     )
-    made = _Making(common, begins, _commands(content))
+    made = _Making(common, begins, _commands(content), [one.line for one in content.arms if one.on])
     whole = made.part(loaded, content.runs, start, 0.0, duration)
     legs = tuple(_legs(made, content, loaded, start)) if _has_barriers(content) else ()
-    return replace(whole, legs=legs, offset=offset)
+    return Result(replace(whole, legs=legs, offset=offset))
+
+
+def job_of_compiled(compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0) -> Job:
+    """Make a job of a compiled program. One for a program buffer is no job.
+
+    Args:
+        compiled: the program.
+        name: what people call it.
+        source: the text that goes into its log; None: its own.
+        offset: where it begins in the program that it is a part of [s].
+    """
+    text = compiled.program.source.text if source is None else source
+    papers = Papers(text, json.dumps(compiled.certificate.to_json()))
+    made = job_of(compiled.certificate, compiled.text, compiled.plan.robot, name, papers, offset)
+    assert made.value is not None, made.diagnostics
+    return made.value
 
 
 def _has_barriers(content: ControllerText) -> bool:
@@ -120,11 +117,12 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Making:
-    """What all parts of a text share: when each move line's motion begins [s], and the commands with their times."""
+    """What all parts of a text share: when each move line's motion begins [s], the commands with their times, and the lines that arm the guard."""
 
     common: Job
     begins: dict[int, float]
     commands: tuple[JobCommand, ...]
+    arms: list[int]
 
     def part(
         self,
@@ -162,7 +160,7 @@ class _Making:
             slack=_read_only(slack),
             segment=min(segments, default=robot.controller.largest_segment),
             duration=end - begin,
-            guarded=f"{ARMED}=1" in lines,
+            guarded=any(loaded[0][0] <= line <= loaded[-1][0] for line in self.arms) if loaded else False,
             offset=begin,
         )
 
@@ -228,10 +226,6 @@ def _commands(content: ControllerText) -> tuple[JobCommand, ...]:
             commands.append(JobCommand(entry.index, entry.name, entry.source_line, now, now + size * segment))
             now, place = now + size * segment, behind
     return tuple(commands)
-
-
-def _number_behind(word: str, lines: tuple[str, ...], otherwise: int) -> int:
-    return next((int(line[len(word) :]) for line in lines if line.startswith(word)), otherwise)
 
 
 def _read_only(values: Array) -> Array:

@@ -10,10 +10,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-_NAME = re.compile(r"; yarcc (\S+): (.*)")
-_FACT = re.compile(r"; (robot|program|start|target) (.*)")
-_COMMAND = re.compile(r"; command (\d+) (\S+) (\S+) (\d+) (?:(\d+) (\d+)|- -)(?: .*)?")
-_BARRIER = re.compile(r"; barrier (\d+) \w+ (\d+) .*")
+from yarclang.certify.header import header_of
+from yarclang.certify.text import Unreadable
+
 _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")
 _GUARD = re.compile(r"P8100=([01])")
 _SPLINE = "SPLINE1"
@@ -86,37 +85,26 @@ def is_compiled_text(text: str) -> bool:
 
 
 def map_lines(text: str) -> LineMap:
-    """Read the comments of a text that yarcc has written."""
-    lines = text.splitlines()
-    facts: dict[str, str] = {}
-    program = ""
-    listed: list[tuple[int, Listed]] = []
-    barriers: dict[int, int] = {}
+    """Read the comments of a text that yarcc has written. Of another text all lines are one stretch without a command."""
+    lines = text.split("\n")[:-1] if text.endswith("\n") else text.split("\n") if text else []
+    preamble = header_of(text)
+    if isinstance(preamble, Unreadable):
+        whole = (Stretch(1, len(lines), None, f"unknown: line {preamble.line} {preamble.reason}"),)
+        return LineMap("", "", "", (), whole if lines else ())
+    listed = {
+        entry.at: Listed(entry.step, entry.index, entry.name, entry.source_line, entry.first, entry.last)
+        for entry in preamble.entries
+    }
+    barriers = {line: barrier.step for line, barrier in preamble.barriers.items()}
     end = next((number for number, line in enumerate(lines) if not line.startswith(";")), len(lines))
-    for number, line in enumerate(lines[:end], 1):
-        if found := _NAME.fullmatch(line):
-            program = found[2]
-        elif found := _COMMAND.fullmatch(line):
-            first, last = (int(found[5]), int(found[6])) if found[5] else (None, None)
-            index = "" if found[2] == "-" else found[2]
-            listed.append((number, Listed(int(found[1]), index, found[3], int(found[4]), first, last)))
-        elif found := _BARRIER.fullmatch(line):
-            barriers[int(found[1])] = int(found[2])
-        elif found := _FACT.fullmatch(line):
-            facts.setdefault(found[1], found[2])
-    commands = tuple(one for _, one in listed)
-    at = dict(listed)
     header = (
-        Stretch(n, n, at.get(n), HEADER if n in at else "a comment of the header") for n in range(1, end + 1)
+        Stretch(n, n, listed.get(n), HEADER if n in listed else "a comment of the header")
+        for n in range(1, end + 1)
     )
+    commands = tuple(listed.values())
     body = _merged(_body(lines, end, commands, barriers))
-    return LineMap(
-        program,
-        facts.get("robot", "").partition(" ")[0],
-        facts.get("program", ""),
-        commands,
-        (*header, *body),
-    )
+    said = preamble.header
+    return LineMap(said.source, said.robot, said.program_fingerprint, commands, (*header, *body))
 
 
 def _body(

@@ -10,14 +10,16 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from yarclang.certify.header import header_of
+from yarclang.certify.text import Unreadable
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.inputs import Options, open_program
-from yarclang.pipeline.line_map import Listed, map_lines
+from yarclang.pipeline.line_map import Listed
 from yarclang.pipeline.stages import check_program
+from yarclang.pmac.header import Header
 from yarclang.robot.model import Robot
 
-_START = re.compile(r"^; start (\S+) \(", re.MULTILINE)
 _AXIS = re.compile(r"[A-Z](-?\d+(?:\.\d+)?)")
 
 
@@ -57,8 +59,10 @@ def origins_of_text(text: str, folder: Path, robot: Robot, source: str | None = 
         robot: whom it is for.
         source: the program's file, if somebody says which it is.
     """
-    mapped = map_lines(text)
-    name = mapped.program
+    preamble = header_of(text)
+    if isinstance(preamble, Unreadable):
+        return Origins(None, f"the text isn't as yarcc wrote it: line {preamble.line} {preamble.reason}")
+    header, name = preamble.header, preamble.header.source
     if source is None and (not name or "/" in name or name == "<stdin>"):
         return Origins(None, "the text doesn't say which file its program is")
     tried = [folder / name, Path(name)] if source is None else [Path(source)]
@@ -66,9 +70,9 @@ def origins_of_text(text: str, folder: Path, robot: Robot, source: str | None = 
     if not places:
         return Origins(None, f"{tried[0]}, the program, isn't there")
     for place in places:
-        for start in (None, _start(text, robot)):
+        for start in (None, start_values(header, robot)):
             program = _program(str(place), robot, start)
-            if program is not None and fingerprint(program) == mapped.fingerprint:
+            if program is not None and fingerprint(program) == header.program_fingerprint:
                 return Origins(program)
     return Origins(
         None, f"{places[0]} does something else than this text: the source has changed, or is another one"
@@ -83,10 +87,9 @@ def _program(path: str, robot: Robot, start: tuple[float, ...] | None) -> Progra
     return check_program(opened.value.module, opened.value.request).value
 
 
-def _start(text: str, robot: Robot) -> tuple[float, ...] | None:
-    """Where the text says that the robot stands at first [deg or mm]."""
-    found = _START.search(text)
-    values = tuple(float(one) for one in _AXIS.findall(found[1])) if found else ()
+def start_values(header: Header, robot: Robot) -> tuple[float, ...] | None:
+    """Return where a header says that the robot stands at first [deg or mm]; None if that isn't a position of this robot."""
+    values = tuple(float(one) for one in _AXIS.findall(header.start))
     return values if len(values) == robot.size else None
 
 

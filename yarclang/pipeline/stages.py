@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import PurePath
@@ -15,16 +15,19 @@ from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
+from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import ArcMove, Array, AvoidMove, LineMove, Motion, Program, Reading
+from yarclang.hir import ArcMove, Array, AvoidMove, LineMove, Program
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.segments import segment_grid
+from yarclang.pmac.header import Header
 from yarclang.pmac.program import PmacProgram, Target
+from yarclang.pmac.seal import sealed
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
@@ -151,24 +154,22 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     tolerance = request.tolerance or request.robot.tolerance
     lowered = lower(planned, request.target, tolerance)
     emitted = emit(lowered, request.memory)
-    header = tuple(_header(lowered, planned, request))
+    header = _header(lowered, planned, request)
     if request.progress:
         request.progress("certifying", 0, 1)
-    unproved = "certificate being made"
-    text = emitted.text((*header, unproved))
+    text = emitted.text(header.lines())
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
-    # only this comment line differs from the text that was judged
-    final = text.replace(f"\n; {unproved}\n", f"\n; certificate {judged.value.summary()}\n", 1)
+    # only two comments differ from the text that was judged
+    final = sealed(text, judged.value.summary())
     return Result(Compiled(final, planned.program, planned, judged.value), judged.diagnostics)
 
 
 def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
-    """Controller text against the program: what it does, by its own reading. The plan only gives claims that are checked."""
+    """Judge a controller text against the program: what it does, by the judge's own reading. The plan only gives claims that are checked."""
     tolerance = request.tolerance or request.robot.tolerance
-    told, memory = _as_told(planned), request.memory
-    return certify(text, told, request.robot, tolerance, _witnesses(planned), _laws(planned), memory)
+    return certify(text, planned.program, request.robot, tolerance, claims_of(planned), request.memory)
 
 
 @cache
@@ -181,34 +182,31 @@ def _made_with(searches: bool) -> str:
     return f"{packages}, ompl {version('ompl')}" if searches else packages
 
 
-def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> list[str]:
-    """What a person who finds the text wants to know, but for the certificate."""
-    robot, target = planned.robot, request.target
+def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> Header:
+    """What a person who finds the text wants to know; certificate and seal come later."""
+    robot = planned.robot
     times = {motion.curve.segment for motion in planned.motions}
-    segments = ""
-    if times:
-        least, most = (segment_time(time / MS) for time in (min(times), max(times)))
-        segments = f", segments of {least} ms" if least == most else f", segments of {least} to {most} ms"
+    ends = sorted({min(times), max(times)}) if times else ()
     units = dict.fromkeys(robot.axis_unit_names)
     start = "".join(
         f"{axis}{value:.{lowered.decimals}f}" for axis, value in zip(lowered.axes, lowered.start, strict=True)
     )
-    load = {
-        "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
-        "prog": f"loading moves nothing; with all motors closed-loop, &{lowered.coordinate_system}B1R runs it, from the start only",
-    }[target]
     searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
-    return [
-        f"yarcc {__version__}: {_printable(PurePath(planned.program.source.name).name)}",
-        f"target {target}",
-        f"robot {robot.name} {robot.fingerprint}",
-        f"program {fingerprint(planned.program, request.memory)}",
-        f"made with {_made_with(searches)}",
-        f"start {start} ({', '.join(units)})",
-        f"duration {planned.duration:.3f} s{segments}",
-        load,
-        "commands: step, index, name, line in the source, first and last line of the moves in this file",
-    ]
+    return Header(
+        version=__version__,
+        source=_printable(PurePath(planned.program.source.name).name),
+        target=request.target,
+        system=lowered.coordinate_system,
+        robot=robot.name,
+        robot_fingerprint=robot.fingerprint,
+        program_fingerprint=fingerprint(planned.program, request.memory),
+        made_with=_made_with(searches),
+        start=start,
+        units=", ".join(units),
+        duration=planned.duration,
+        segments=tuple(segment_time(time / MS) for time in ends),
+        longest="" if request.tm is None else segment_time(request.tm),
+    )
 
 
 def _printable(name: str) -> str:
@@ -220,27 +218,17 @@ def _printable(name: str) -> str:
     )
 
 
-def _as_told(planned: MotionPlan) -> Program:
-    """The program, with the speeds that findings have told where those asked for aren't reached: the text is held to these."""
-    steps = list(planned.program.steps)
-    for motion in planned.motions:
-        step = steps[motion.step]
-        if motion.kept < 1.0 and isinstance(step, Motion) and (speed := step.timing.speed) is not None:
-            slower = Reading(
-                *(None if one is None else one * motion.kept for one in (speed.length, speed.angle))
-            )
-            steps[motion.step] = replace(step, timing=replace(step.timing, speed=slower))
-    return replace(planned.program, steps=tuple(steps))
-
-
-def _laws(planned: MotionPlan) -> Mapping[int, Array]:
-    """How far along its path each motion claims to be, over time; nobody asks it of lines and arcs of a frame."""
-    steps, unasked = planned.program.steps, (LineMove, ArcMove)
-    return {
-        motion.step: motion.law for motion in planned.motions if not isinstance(steps[motion.step], unasked)
-    }
-
-
-def _witnesses(planned: MotionPlan) -> Mapping[int, Array]:
-    """The joint positions that were chosen for the goals of motions: one for each way-point, of Cartesian motions that at the end."""
-    return {motion.step: np.asarray(motion.waypoints) for motion in planned.motions}
+def claims_of(planned: MotionPlan) -> Claims:
+    """Return all that the plan tells the judge: docs/certificate.md lists how each value is checked."""
+    steps = planned.program.steps
+    return Claims(
+        witnesses={motion.step: np.asarray(motion.waypoints) for motion in planned.motions},
+        laws={
+            # nobody asks for those of lines and arcs of a frame
+            motion.step: motion.law
+            for motion in planned.motions
+            if not isinstance(steps[motion.step], LineMove | ArcMove)
+        },
+        kept={motion.step: motion.kept for motion in planned.motions if motion.kept < 1.0},
+        any_jerk=planned.any_jerk,
+    )

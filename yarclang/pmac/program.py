@@ -80,7 +80,8 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 class Command:
     """What the map in the header says of a command of the program.
 
-    `overlap` are the segments in which it flows into the next one, half of them behind the end of its lines; 0 where it ends at rest.
+    `overlap` are the segments in which it flows into the next one, half of them after the end of its lines; 0 if it ends at rest. `any_jerk` says
+    that its law has no limit of the jerk.
     """
 
     step: int
@@ -88,6 +89,7 @@ class Command:
     name: str
     source_line: int
     overlap: int = 0
+    any_jerk: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -88,8 +88,9 @@ def test_it_flows_into_its_neighbours():
 
 
 def test_the_plan_s_way_points_are_claims_that_are_checked():
+    from yarclang.certify.claims import Claims
     from yarclang.certify.judge import certify
-    from yarclang.pipeline.stages import _laws
+    from yarclang.pipeline.stages import claims_of
 
     value, _ = made(f"P0010 MOVEJ_AVOID {GO}")
     plan, robot = value.plan, value.plan.robot
@@ -97,7 +98,9 @@ def test_the_plan_s_way_points_are_claims_that_are_checked():
 
     def judged(witness):
         claims = {} if witness is None else {0: witness}
-        found = certify(value.text, plan.program, robot, robot.tolerance, claims, _laws(plan))
+        found = certify(
+            value.text, plan.program, robot, robot.tolerance, Claims(claims, claims_of(plan).laws)
+        )
         return codes([one for one in found.diagnostics if one.is_error])
 
     assert judged(honest[0]) == []

@@ -12,7 +12,7 @@ import numpy as np
 
 import yarclang
 from yarclang.motion.plan import MotionPlan
-from yarclang.pipeline.jobs import Papers, job_of_text
+from yarclang.pipeline.jobs import Papers, job_of
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job
@@ -45,7 +45,7 @@ def made(
     compiled = yarclang.compile(text, robot=robot, name=name).value
     assert compiled is not None
     papers = Papers(text, json.dumps(compiled.certificate.to_json()))
-    job = job_of_text(compiled.text, compiled.plan.robot, name, papers).value
+    job = job_of(compiled.certificate, compiled.text, compiled.plan.robot, name, papers).value
     assert job is not None
     return job, compiled.plan
 

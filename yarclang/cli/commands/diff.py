@@ -99,16 +99,16 @@ def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
 
 def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
     """A program as it is executed, and what is wrong with it."""
-    from yarclang.cli.loading import is_compiled, robot_of_text
+    from yarclang.cli.loading import is_compiled
     from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.checking import check_program_file
+    from yarclang.pipeline.controller_text import read_controller_text, robot_of_text
     from yarclang.pipeline.executed import executed
     from yarclang.pipeline.line_map import is_compiled_text
-    from yarclang.pipeline.sources import read_source
 
     if is_compiled(file):
-        read = read_source(file)
+        read = read_controller_text(file)
         if read.value is None:
             return None, read.diagnostics
         if not is_compiled_text(read.value.text):

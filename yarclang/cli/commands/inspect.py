@@ -199,11 +199,11 @@ def _of_text(
 ) -> int:
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.controller_text import read_controller_text
     from yarclang.pipeline.line_map import is_compiled_text, map_lines
     from yarclang.pipeline.places import matching
-    from yarclang.pipeline.sources import read_source
 
-    read = read_source(file)
+    read = read_controller_text(file)
     if read.value is None:
         show_findings(read.diagnostics)
         return 1
@@ -216,7 +216,7 @@ def _of_text(
     if line is not None:
         found = mapped.at(line)
         if found is None:
-            count = len(text.splitlines())
+            count = mapped.stretches[-1].last
             message = f"the text has no line {line}: it has {count:,}"
             show_findings((Diagnostic("Y1164", message, read.value, help="give a smaller number"),))
             return 1
@@ -242,7 +242,7 @@ def _of_text(
 
 def _origins(file: str, source: Any, program: str | None, robot: str | None) -> Origins:
     """Where its commands come from, as far as that can be found out."""
-    from yarclang.cli.loading import robot_of_text
+    from yarclang.pipeline.controller_text import robot_of_text
     from yarclang.pipeline.origins import Origins, origins_of_text
 
     found = robot_of_text(source, robot)
@@ -261,7 +261,7 @@ def _text_sections(
 ) -> list[Any]:
     from yarclang.report.inspection.text import Section, stretch_lines
 
-    lines = tuple(text.splitlines())
+    lines = tuple(text.split("\n"))
     sections = []
     if line is not None:
         what = stretches[0].what.replace("a move", "a move of the command below")
@@ -293,7 +293,7 @@ def _print_text_json(
 
     listed = next((one.command for one in stretches if one.command is not None), None)
     origin = origins.of_listed(listed) if listed is not None else None
-    lines = text.splitlines()
+    lines = text.split("\n")
     command_ = None
     if listed is not None:
         command_ = {

@@ -54,7 +54,7 @@ def _check_usage(to: Address | None, options: dict[str, Any]) -> None:
 
 
 def _check_compiled_usage(first: str | None, options: dict[str, Any]) -> None:
-    given = {"from": first, **{name: options[name] for name in ("step", "start", "tm", "tolerance")}}
+    given = {"from": first, **{name: options[name] for name in ("step", "start", "tm")}}
     if names := [f"--{name}" for name, value in given.items() if value]:
         raise click.UsageError(f"{', '.join(names)}: only with the program itself, the .yarc file")
 

@@ -92,9 +92,10 @@ def live_motion(
         commands=(),
         rapid=False,
     )
-    text = [line for line in emit(program).text(()).splitlines() if line and not line.startswith(";")]
+    emitted = emit(program)
+    text = [*emitted.opening, *emitted.body.split("\n")[:-2]]  # without CLOSE
     at = text.index("OPEN ROT")
-    shown = emit(program).text((MADE_ON_THE_WAY, f"robot {robot.name} {robot.fingerprint}"))
+    shown = emitted.text((MADE_ON_THE_WAY, f"robot {robot.name} {robot.fingerprint}"))
     job = Job(
         name=name,
         robot=robot,
@@ -115,5 +116,5 @@ def live_motion(
         source="",
         certificate="",
     )
-    opening = tuple(text[at + 2 : -1])
+    opening = tuple(text[at + 2 :])
     return Result((Live(job, opening, marks.low + _LEAD, generator), generator), around.diagnostics)

@@ -1,0 +1,119 @@
+"""A controller text whose program isn't known: what its map says about the program, and what therefore can't be judged."""
+
+from __future__ import annotations
+
+import math
+
+from yarclang import hir
+from yarclang.cell.model import Cell
+from yarclang.certify.assignments import assignments_of
+from yarclang.certify.text import Barred, ControllerText
+from yarclang.diagnostics import Diagnostic
+from yarclang.findings import Severity
+from yarclang.robot.actuation import from_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.source import SourceFile, Span
+
+_MOST = 4
+"""Lines that a note names of one kind."""
+
+
+def told_program(
+    content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
+) -> hir.Program:
+    """Return the program as far as the text's map tells it: which commands there are, where ways part, and that some move.
+
+    Args:
+        content: what was read.
+        robot: whom the text is for.
+        source: under whose name findings speak of the text.
+        cell: what is around the robot.
+    """
+    start = start_of(content, robot)
+    barriers = {item.step: item for item in content.course if isinstance(item, Barred)}
+    steps: list[hir.Step] = []
+    for entry in content.entries:
+        origin = hir.Origin(entry.index, entry.name, source, Span.on_line(entry.source_line, 1, 2))
+        if entry.first is None:
+            # of what has no lines only the name is known; what ends a sequence is seen in the text itself
+            barrier = barriers.get(entry.step)
+            steps.append(_way(origin, barrier) or hir.SetOutput(origin, hir.Signal("", ""), 0.0))
+            continue
+        goal = hir.JointGoal(start)  # where it goes isn't judged
+        blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
+        steps.append(hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend))
+    return hir.Program(source, start, tuple(steps), cell=cell)
+
+
+def start_of(content: ControllerText, robot: Robot) -> Array:
+    """Return where a text starts (n,) [rad or m]."""
+    start = content.start
+    if start.rapid is not None:
+        q: Array = start.rapid * robot.axis_units
+        return q
+    assert start.guard is not None  # the reader has found one of both
+    return from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
+
+
+def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
+    """Where ways part and meet; None for all else."""
+    signal = hir.Signal("", "")
+    match barrier:
+        case Barred(kind="when"):
+            return hir.When(origin, signal, 0.0)
+        case Barred(kind="else"):
+            return hir.Else(origin)
+        case Barred(kind="end"):
+            return hir.EndWhen(origin)
+        case Barred(kind="hold"):
+            return hir.Hold(origin, "")
+        case Barred(kind="wait"):
+            return hir.WaitInput(origin, signal, 0.0, None)
+    return None
+
+
+def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> Diagnostic:
+    """Return a note that says what can't be judged of a text without its program; a warning if that is a condition or an output.
+
+    Args:
+        content: what was read.
+        source: under whose name the note speaks of the text.
+        cell: what is around the robot, if that is known.
+    """
+    missing = ["its path and times"]
+    if cell is None:
+        missing.append("its surroundings")
+    if free := [entry.at for entry in content.entries if entry.any_jerk]:
+        missing.append(
+            f"the jerk of {len(free)} commands"
+            if len(free) > 1
+            else f"the jerk of the command in line {free[0]}"
+        )
+    conditions = [
+        f"'{item.condition}' in line {item.line}"
+        for item in content.course
+        if isinstance(item, Barred) and item.condition != "-"
+    ]
+    if conditions:
+        missing.append(f"what it waits for ({_listed(conditions)})")
+    outputs = [
+        f"{variable}={value:.9g} in " + ("the PLC of safe values" if line is None else f"line {line}")
+        for line, variable, value in assignments_of(content)
+    ]
+    if outputs:
+        missing.append(f"its outputs ({_listed(outputs)})")
+    message = f"judged without its program, {content.header.source}: not judged are {_joined(missing)}"
+    help_ = "put the program beside this text"
+    if cell is None:
+        help_ += "; --cell FILE says what is around the robot"
+    level: Severity | None = "warning" if conditions or outputs else None
+    return Diagnostic("Y1168", message, source, help=help_, level=level)
+
+
+def _listed(items: list[str]) -> str:
+    more = f" and {len(items) - _MOST:,} more" if len(items) > _MOST else ""
+    return ", ".join(items[:_MOST]) + more
+
+
+def _joined(items: list[str]) -> str:
+    return items[0] if len(items) == 1 else ", ".join(items[:-1]) + " and " + items[-1]

@@ -1,0 +1,319 @@
+"""A controller text from outside: judged against its program if that is known, else for all that needs no program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.certify.certificate import Certificate
+from yarclang.certify.header import header_of
+from yarclang.certify.judge import certify, certify_text
+from yarclang.certify.text import Unreadable
+from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.hir import Program
+from yarclang.identity import fingerprint
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.cells import cell_loader
+from yarclang.pipeline.inputs import Opened, Options, open_program, tolerance_of
+from yarclang.pipeline.origins import start_values
+from yarclang.pipeline.stages import check_program, claims_of, plan_checked, plan_module
+from yarclang.pmac.header import Header
+from yarclang.pmac.seal import is_sealed
+from yarclang.robot.description import load_robot
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile, Span
+
+COMPILED = ".pmc"
+"""How files with controller text are called."""
+
+FIRST_WORDS = "; yarcc "
+"""A controller text begins with these."""
+
+_WORST = ("Y1157", "Y1158")
+"""Limits that are broken: said before what else is wrong."""
+
+AGAIN = "it isn't as yarcc wrote it: compile the program again"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JudgedText:
+    """A controller text that was judged.
+
+    Attributes:
+        text: the text, as it was read.
+        robot: whom it is for.
+        certificate: what was proved; it has the very lines to send.
+        program: the program that it was proved against; None if that isn't known.
+        missing: why the program isn't known; empty if it is.
+        cell: what the proof knows of the surroundings.
+    """
+
+    text: SourceFile
+    robot: Robot
+    certificate: Certificate
+    program: Program | None
+    missing: str
+    cell: Cell | None
+
+
+def read_controller_text(path: str) -> Result[SourceFile]:
+    """Read a file's bytes, each as one character: nothing is decoded, so that the judge sees what is there."""
+    try:
+        content = Path(path).read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        help_ = "check the path and its rights"
+        return Result(None, (Diagnostic("Y0107", f"{path} can't be read: {reason}", help=help_),))
+    return Result(SourceFile(path, content.decode("latin-1")))
+
+
+def judge_text(
+    text: SourceFile,
+    folder: Path,
+    options: Options,
+    cell: str | None = None,
+    program: str | None = None,
+) -> Result[JudgedText]:
+    """Judge a controller text: against the program beside it, or, if none is there, for all that needs no program.
+
+    Args:
+        text: that yarcc has written.
+        folder: where the text is, and where its program is looked for.
+        options: the robot and the tolerance that were asked for.
+        cell: the description of the surroundings, for a text whose program names none.
+        program: the program's file, if somebody says which it is.
+
+    Returns:
+        None if the text may not be carried out, with the errors; a value may have notes and warnings.
+    """
+    opened = _opened(text, options.robot, cell)
+    if opened.value is None:
+        return Result(None, opened.diagnostics)
+    header, robot, around = opened.value
+    known = _program_of(text, header, folder, robot, options, program)
+    told = (*opened.diagnostics, *known.diagnostics)
+    if known.value is None:
+        return Result(None, told)
+    if isinstance(known.value, str):
+        return _alone(text, robot, around, known.value, told)
+    plan = known.value
+    meant = plan.program if plan.program.cell is not None else replace(plan.program, cell=around)
+    tolerance = tolerance_of(robot, options.tolerance) or robot.tolerance
+    does_the_same = fingerprint(plan.program) == header.program_fingerprint
+    judged = certify(text.text, meant, robot, tolerance, claims_of(plan), any_line=does_the_same)
+    # what else is to be said of the program, yarcc and yarc check say
+    errors = tuple(one for one in judged.diagnostics if one.is_error)
+    return _settled(text, robot, Result(judged.value, errors), meant, "", meant.cell, told)
+
+
+def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | None) -> Diagnostic:
+    """A finding about a command of the program, shown at the command's first line in the text."""
+    if finding.source is text or certificate is None or finding.span is None:
+        return finding if finding.source is text else replace(finding, source=text, span=None)
+    line = finding.span.line
+    entry = next((one for one in certificate.text.entries if one.source_line == line), None)
+    span = None if entry is None else Span.on_line(entry.first or entry.at, 1, 2)
+    return replace(finding, source=text, span=span)
+
+
+def judge_alone(text: SourceFile, robot: str | None, cell: str | None) -> Result[JudgedText]:
+    """Judge a controller text for all that needs no program, and look for none.
+
+    Args:
+        text: that yarcc has written.
+        robot: a robot's name or path; None: the header's.
+        cell: the description of the surroundings, if there is one.
+    """
+    opened = _opened(text, robot, cell)
+    if opened.value is None:
+        return Result(None, opened.diagnostics)
+    _, found, around = opened.value
+    return _alone(text, found, around, "no program was given", opened.diagnostics)
+
+
+def _alone(
+    text: SourceFile, robot: Robot, cell: Cell | None, missing: str, told: tuple[Diagnostic, ...]
+) -> Result[JudgedText]:
+    judged = certify_text(text.text, robot, text, cell)
+    return _settled(text, robot, judged, None, missing, cell, told)
+
+
+def _opened(
+    text: SourceFile, name: str | None, cell: str | None
+) -> Result[tuple[Header, Robot, Cell | None]]:
+    """What a text says of itself, its robot, and what is around it; nothing of the text is judged yet."""
+    if not text.text.startswith(FIRST_WORDS):
+        message = "this isn't a text that yarcc has written"
+        help_ = "give the program itself, or what yarcc made of it"
+        return Result(None, (Diagnostic("Y1151", message, text, help=help_),))
+    preamble = header_of(text.text)
+    if isinstance(preamble, Unreadable):
+        return Result(None, (_unreadable(preamble, text),))
+    found = robot_of(preamble.header, text, name)
+    if found.value is None:
+        return Result(None, found.diagnostics)
+    if cell is None:
+        return Result((preamble.header, found.value, None), found.diagnostics)
+    around = cell_loader(Path(), found.value)(cell, None)
+    told = (*found.diagnostics, *around.diagnostics)
+    if around.value is None:
+        return Result(None, told)
+    return Result((preamble.header, found.value, around.value), told)
+
+
+def _unreadable(place: Unreadable, text: SourceFile) -> Diagnostic:
+    return Diagnostic(place.code, f"line {place.line} {place.reason}", text, help=AGAIN)
+
+
+def _settled(
+    text: SourceFile,
+    robot: Robot,
+    judged: Result[Certificate],
+    program: Program | None,
+    missing: str,
+    cell: Cell | None,
+    told: tuple[Diagnostic, ...],
+) -> Result[JudgedText]:
+    errors = [one for one in judged.diagnostics if one.is_error]
+    found = [one for one in judged.diagnostics if not one.is_error]
+    if errors:
+        # one change breaks many things: what follows from it says no more
+        worst = next((one for one in errors if one.code in _WORST), errors[0])
+        rest = len(errors) - 1
+        more = f" (and {rest:,} more error{'s' * (rest > 1)})" if rest else ""
+        help_ = worst.help if worst.code == "Y1163" else AGAIN
+        placed = _in_text(worst, text, judged.value)
+        found.append(replace(placed, message=worst.message + more, help=help_, fix=None))
+    elif judged.value is not None and not is_sealed(text.text):
+        message = "the text isn't what yarcc wrote: its SHA-256 isn't that of its header"
+        found = [Diagnostic("Y1169", message, text, help=AGAIN)]
+    if judged.value is None or has_errors(found):
+        return Result(None, (*told, *found))
+    return Result(JudgedText(text, robot, judged.value, program, missing, cell), (*told, *found))
+
+
+def check_controller_text(path: str, options: Options) -> tuple[Diagnostic, ...]:
+    """Return the findings about a controller text in a file, judged as before it is run."""
+    read = read_controller_text(path)
+    if read.value is None:
+        return read.diagnostics
+    return judge_text(read.value, Path(path).parent, options).diagnostics
+
+
+def prove_against(text: SourceFile, opened: Opened) -> Result[Certificate]:
+    """Judge a controller text against a program that is at hand.
+
+    Args:
+        text: the controller text.
+        opened: the program, for its robot.
+
+    Returns:
+        None, with the errors, if the text doesn't do what the program says, or the program has errors.
+    """
+    planned = plan_module(opened.module, opened.request)
+    if planned.value is None or has_errors(planned.diagnostics):
+        return Result(None, planned.diagnostics)
+    request = opened.request
+    tolerance = request.tolerance or request.robot.tolerance
+    judged = certify(text.text, planned.value.program, request.robot, tolerance, claims_of(planned.value))
+    made = _settled(text, request.robot, judged, planned.value.program, "", None, planned.diagnostics)
+    return Result(None if made.value is None else made.value.certificate, made.diagnostics)
+
+
+def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
+    """Load the robot of a controller text that is only looked at: by name, which must be that of the header; without a name the header's."""
+    preamble = header_of(text.text)
+    if isinstance(preamble, Unreadable):
+        return Result(None, (_unreadable(preamble, text),))
+    return robot_of(preamble.header, text, name)
+
+
+def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot]:
+    """Load the robot that was named, which must be that of the header; without a name the header's."""
+    found = load_robot(name if name is not None else header.robot)
+    if name is not None:
+        if found.value is None or found.value.name == header.robot:
+            return found
+        message = f"the text was made for {header.robot}, the command line says {found.value.name}"
+        return Result(None, (Diagnostic("Y1163", message, text, help="leave --robot out"),))
+    if found.value is not None:
+        return found
+    help_ = "if it is one of your own, say where it is: --robot PATH"
+    placed = tuple(one if one.source else replace(one, source=text) for one in found.diagnostics)
+    return Result(None, tuple(replace(one, help=help_) for one in placed))
+
+
+def _program_of(
+    text: SourceFile, header: Header, folder: Path, robot: Robot, options: Options, named: str | None
+) -> Result[MotionPlan] | Result[str]:
+    """The plan of the text's program, or why there is none to prove against."""
+    for place, must in _candidates(text, header, folder, named):
+        if not place.is_file():
+            if named is not None:
+                message = f"{named}, the program, isn't there"
+                return Result(None, (Diagnostic("Y0107", message, help="check the path"),))
+            continue
+        planned = _planned(place, header, robot, options, must=must)
+        if planned.value is None and must:
+            count = sum(one.is_error for one in planned.diagnostics)
+            errors = f"{count} error{'s' * (count != 1)}"
+            message = f"{place.name}, the program beside this text, has {errors}: the text can't be proved against it"
+            return Result(
+                None, (Diagnostic("Y1192", message, text, help=f"yarc check {place.name} shows them"),)
+            )
+        if planned.value is not None:
+            return Result(planned.value)
+    return Result(f"{folder / header.source}, the program, isn't there")
+
+
+def _candidates(
+    text: SourceFile, header: Header, folder: Path, named: str | None
+) -> Iterator[tuple[Path, bool]]:
+    """Where the program may be, and whether it must be the text's: what lies beside the text must, whatever the header says."""
+    if named is not None:
+        yield Path(named), True
+        return
+    plain = "/" not in header.source and header.source not in ("", "<stdin>", Path(text.name).name)
+    if plain:
+        yield folder / header.source, True
+    yield (folder / Path(text.name).name).with_suffix(".yarc"), True
+    if plain:
+        yield Path(header.source), False
+
+
+def _planned(
+    place: Path, header: Header, robot: Robot, options: Options, *, must: bool
+) -> Result[MotionPlan]:
+    """A program as the text was made of it, as far as the header says how: the plan gives claims, and the judge checks them.
+
+    Nothing is planned of a program that neither must be nor is the text's; then there are no findings.
+    """
+    asked = replace(
+        options,
+        robot=str(robot.folder / "robot.toml"),
+        tm=float(header.longest) if header.longest else None,
+        target=header.target,
+    )
+    start = start_values(header, robot)
+    for one in (None, start):
+        opened = open_program(str(place), replace(asked, start=one))
+        if opened.value is None or has_errors(opened.diagnostics):
+            return Result(None, opened.diagnostics)
+        checked = check_program(opened.value.module, opened.value.request)
+        program = checked.value
+        assert program is not None  # a check always gives a program
+        stands = program.start / robot.axis_units
+        if one is None and start is not None and np.abs(stands - np.array(start)).max() > _SAME_START:
+            continue
+        if not must and fingerprint(program) != header.program_fingerprint:
+            break
+        return plan_checked(checked, opened.value.request)
+    return Result(None)
+
+
+_SAME_START = 1e-3
+"""A start that is off by less [deg or mm] is the same, printed with fewer digits."""

@@ -1,0 +1,37 @@
+"""What stands in a line of a program, and what to write instead."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from yarclang.diagnostics import Edit, Fix
+from yarclang.hir import Origin
+
+
+def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
+    """Return a share of a programmed speed as it would be written, and a fix that writes it.
+
+    Args:
+        share: of the speed that stands in the line, above 0.
+        origin: the command.
+
+    Returns:
+        Text such as `[V 20]`; no fix if the speed isn't a plain number of the line itself.
+    """
+    if (written := written_speed(origin)) is None or origin.time_span is None:
+        return f"{share * 100:.3g} % of this speed", None
+    value = written * share
+    digits = 2 - math.floor(math.log10(value))
+    text = f"[V {math.floor(value * 10.0**digits) / 10.0**digits:.10g}]"
+    return text, Fix(f"write {text}", (Edit(origin.time_span, text),))
+
+
+def written_speed(origin: Origin) -> float | None:
+    """Return the number of a speed that stands in the line itself; None if there is none."""
+    span = origin.time_span
+    if span is None:
+        return None
+    text = origin.source.line(span.line)[span.column - 1 : span.end_column - 1]
+    found = re.fullmatch(r"\[\s*V\s+([0-9.eE+-]+)\s*\]", text, re.IGNORECASE)
+    return float(found[1]) if found else None

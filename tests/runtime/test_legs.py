@@ -9,7 +9,7 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.certify.judge import certify
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.robot.actuation import from_counts
-from yarclang.runtime.notices import Abort, Changed, Resume, Stop
+from yarclang.runtime.notices import Abort, Changed, Hold, Resume, Stop
 from yarclang.runtime.performance import connect, perform
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned
@@ -147,6 +147,23 @@ def test_outputs_are_safe_while_the_operator_is_waited_for(robot):
     assert made.perform(perform(made.operation, run)).well
     assert seen == {"moving": 1.0, "held": 0.0, "resumed": 1.0}
     assert value(made, "M1") == 0.0, "the program has ended"
+
+
+def test_an_output_that_was_set_in_a_blend_comes_back_after_a_hold(robot):
+    """It is set in step with a move (M1==1), not at rest."""
+    made = world(robot)
+    run = job(
+        robot, f"P10 {OUT} BLEND 4", "P20 SET GLUE ON", "P30 MOVEJ 40 0 0 0 0 0 [2] (deg,s)", f"P40 {OUT}"
+    )
+    assert "M1==1" in run.lines
+    seen = {}
+    made.at.append((made.now + 2.2, lambda: seen.setdefault("moving", value(made, "M1"))))
+    made.at.append((made.now + 2.3, lambda: made.operation.orders.append(Hold())))
+    made.at.append((made.now + 3.5, lambda: seen.setdefault("held", value(made, "M1"))))
+    made.at.append((made.now + 4.0, lambda: made.operation.orders.append(Resume())))
+    made.at.append((made.now + 4.6, lambda: seen.setdefault("resumed", value(made, "M1"))))
+    assert made.perform(perform(made.operation, run)).well
+    assert seen == {"moving": 1.0, "held": 0.0, "resumed": 1.0}
 
 
 @pytest.mark.parametrize("order", [Stop(), Abort()])

@@ -36,6 +36,9 @@ FIRST_WORDS = "; yarcc "
 _WORST = ("Y1157", "Y1158")
 """Limits that are broken: said before what else is wrong."""
 
+_TOLERANCES = ("Y1159", "Y1160", "Y1161", "Y1166")
+"""What is judged by the tolerance of the path."""
+
 AGAIN = "it isn't as yarcc wrote it: compile the program again"
 
 
@@ -186,6 +189,8 @@ def _settled(
         rest = len(errors) - 1
         more = f" (and {rest:,} more error{'s' * (rest > 1)})" if rest else ""
         help_ = worst.help if worst.code == "Y1163" else AGAIN
+        if worst.code in _TOLERANCES:
+            help_ += "; or say --tolerance, if it was compiled with one"
         placed = _in_text(worst, text, judged.value)
         found.append(replace(placed, message=worst.message + more, help=help_, fix=None))
     elif judged.value is not None and not is_sealed(text.text):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from yarclang.backend_pmac.settings import settings_text
+from yarclang.certify.assignments import assignments_of
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.diagnostics import Diagnostic, Result
@@ -89,7 +90,10 @@ def job_of(
         certificate=papers.certificate,
         outputs=content.outputs,
     )
-    made = _Making(common, begins, _commands(content), [one.line for one in content.arms if one.on])
+    dwells = {item.line: item.milliseconds * MS for item in content.course if isinstance(item, Dwelt)}
+    sets = {line: (variable, value) for line, variable, value in assignments_of(content) if line is not None}
+    arms = [one.line for one in content.arms if one.on]
+    made = _Making(common, begins, _commands(content), arms, sets, dwells)
     whole = made.part(loaded, content.runs, start, 0.0, duration)
     legs = tuple(_legs(made, content, loaded, start)) if _has_barriers(content) else ()
     return Result(replace(whole, legs=legs, offset=offset))
@@ -117,12 +121,16 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Making:
-    """What all parts of a text share: when each move line's motion begins [s], the commands with their times, and the lines that arm the guard."""
+    """What all parts of a text share: when each move line's motion begins [s], the commands with their times; by their lines, what arms the
+    guard, sets a variable, and stands still [s].
+    """
 
     common: Job
     begins: dict[int, float]
     commands: tuple[JobCommand, ...]
     arms: list[int]
+    sets: dict[int, tuple[str, float]]
+    dwells: dict[int, float]
 
     def part(
         self,
@@ -160,6 +168,10 @@ class _Making:
             slack=_read_only(slack),
             segment=min(segments, default=robot.controller.largest_segment),
             duration=end - begin,
+            sets=tuple(
+                (row, *self.sets[number]) for row, (number, _) in enumerate(loaded) if number in self.sets
+            ),
+            longest_dwell=max((self.dwells.get(number, 0.0) for number, _ in loaded), default=0.0),
             guarded=any(loaded[0][0] <= line <= loaded[-1][0] for line in self.arms) if loaded else False,
             offset=begin,
         )

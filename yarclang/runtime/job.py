@@ -77,6 +77,8 @@ class Job:
         certificate: what was proved, as plain JSON text.
         offset: where it begins in the program that it is a part of [s].
         outputs: variables of outputs, and what they become at any stop, hold or fault.
+        sets: which lines set a variable: the row in `lines`, the variable, the value.
+        longest_dwell: the longest time that a line stands still [s].
         legs: of a program with barriers, what is streamed one after the other; else empty.
     """
 
@@ -100,6 +102,8 @@ class Job:
     certificate: str
     offset: float = 0.0
     outputs: tuple[tuple[str, float], ...] = ()
+    sets: tuple[tuple[int, str, float], ...] = ()
+    longest_dwell: float = 0.0
     legs: tuple[Leg, ...] = ()
 
     @property

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import re
-
 from yarclang.runtime.actions import Script
 from yarclang.runtime.job import Job
 from yarclang.runtime.operation import Operation
-
-_SET = re.compile(r"([MPQ]\d+)=(-?\d+(?:\.\d+)?)")
 
 
 class Outputs:
@@ -20,7 +16,7 @@ class Outputs:
 
     def __init__(self, job: Job) -> None:
         self._safe = dict(job.outputs)
-        self._lines = job.lines
+        self._sets = job.sets
         self._before: dict[str, float] = {}
         self._secured = False
 
@@ -41,9 +37,11 @@ class Outputs:
         if not self._secured:
             return
         meant = dict(self._before)
-        for line in self._lines[:executed]:
-            if (found := _SET.fullmatch(line)) and found[1] in self._safe:
-                meant[found[1]] = float(found[2])
+        meant |= {
+            variable: value
+            for row, variable, value in self._sets
+            if row < executed and variable in self._safe
+        }
         for variable, value in meant.items():
             yield from operation.ask(f"{variable}={value:g}")
         self._secured = False

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,6 @@ from yarclang.runtime.rest import away_from_start, come_to_rest, described, leav
 from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.watching import look_at_motors, look_at_program, raise_trouble, sample
-from yarclang.units import MS
 
 STATUS_EACH = 0.1
 """Time between two looks at the status words [s]."""
@@ -38,7 +36,6 @@ _STILL = 0.5
 
 _LOOK = 0.01
 
-_DWELL = re.compile(r"DWELL\d+(?:\.\d*)?")
 
 _HELD = 2.0
 """What the guard PLC puts into its flag when it has held."""
@@ -78,8 +75,7 @@ class Stream:
         self._refilling = False
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
-        dwells = [float(line[5:]) * MS for line in job.lines if _DWELL.fullmatch(line)]
-        self._longest = max(float(np.diff(job.times).max(initial=job.segment)), *dwells, 0.0)
+        self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
 
     @property
     def done(self) -> float:

@@ -36,9 +36,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.runtime.rest import off_the_start
 
     if is_compiled(file) and (first or any(options[name] for name in ("start", "tm"))):
-        raise click.UsageError(
-            "--from, --start, --tm: only with the program itself, the .yarc file"
-        )
+        raise click.UsageError("--from, --start, --tm: only with the program itself, the .yarc file")
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that is closed is nothing
     lines = Lines()
     try:

@@ -7,9 +7,10 @@ import pytest
 from click.testing import CliRunner
 from conftest import EXAMPLES, HERE
 
-from yarclang.cli.loading import load, robot_of_text
+from yarclang.cli.loading import load
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
+from yarclang.pipeline.controller_text import robot_of_text
 from yarclang.pipeline.inputs import Options
 from yarclang.view.opening import opened
 

@@ -131,7 +131,7 @@ def test_wrong_usage(workshop, arguments, reason):
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--from", "P0010"], ["--step"], ["--tm", "10"], ["--start", "0,0,0,0,0,0"], ["--tolerance", "1"]],
+    [["--from", "P0010"], ["--step"], ["--tm", "10"], ["--start", "0,0,0,0,0,0"]],
 )
 def test_what_a_compiled_program_cant_do(workshop, arguments):
     words = f"{arguments[0]}: only with the program itself, the .yarc file"

@@ -48,26 +48,75 @@ def test_it_is_the_cell_of_the_program_beside_it(made):
 
 def test_or_the_cell_that_is_named(made):
     found, diagnostics = loaded(made / "alone" / "made.pmc", cell=str(made / CELL))
-    assert diagnostics == ()
+    assert [one.code for one in diagnostics] == ["Y1168"]
+    assert "its surroundings" not in diagnostics[0].message
     assert commands(found) == ["MOVEJ_SPLINE_LSPB"]
 
 
 def test_else_it_is_said_once_that_it_knows_none(made):
     found, diagnostics = loaded(made / "alone" / "made.pmc")
-    assert [one.code for one in diagnostics] == ["Y0927"]
+    assert [one.code for one in diagnostics] == ["Y0927", "Y1168"]
     assert "isn't there" in diagnostics[0].message
     assert commands(found) == ["MOVEJ_LSPB"]
-    # without an approach there is nothing to say
-    assert loaded(made / "alone" / "made.pmc", approach=False)[1] == ()
+    # without an approach only what wasn't judged is said
+    assert [one.code for one in loaded(made / "alone" / "made.pmc", approach=False)[1]] == ["Y1168"]
 
 
-def test_a_program_that_does_something_else_is_not_believed(made, tmp_path):
+def test_a_program_that_does_something_else_forbids_the_run(made, tmp_path):
     shutil.copy(made / "made.pmc", tmp_path)
     shutil.copy(made / CELL, tmp_path)
     (tmp_path / PROGRAM).write_text((made / PROGRAM).read_text().replace("[V 100]", "[V 90]"))
-    _, diagnostics = loaded(tmp_path / "made.pmc")
-    assert [one.code for one in diagnostics] == ["Y0927"]
-    assert "does something else" in diagnostics[0].message
+    found, (finding,) = loaded(tmp_path / "made.pmc")
+    assert found is None
+    assert finding.code == "Y1167"
+    assert "programmed are 90 mm/s" in finding.message
+    assert f"{PROGRAM} has changed since" in finding.help
+    # the right one, somewhere else
+    found, diagnostics = loaded(tmp_path / "made.pmc", source=str(made / PROGRAM))
+    assert diagnostics == ()
+    assert found is not None
+
+
+def test_a_program_with_errors_forbids_the_run(made, tmp_path):
+    shutil.copy(made / "made.pmc", tmp_path)
+    (tmp_path / PROGRAM).write_text("P0010 MOVEK 1\n")
+    found, (finding,) = loaded(tmp_path / "made.pmc")
+    assert found is None
+    assert finding.code == "Y1192"
+    assert f"yarc check {PROGRAM}" in finding.help
+    found, (finding,) = loaded(tmp_path / "made.pmc", source=str(tmp_path / "missing.yarc"))
+    assert (found, finding.code) == (None, "Y0107")
+
+
+def test_a_program_that_was_only_laid_out_anew_is_the_same(made, tmp_path):
+    shutil.copy(made / "made.pmc", tmp_path)
+    shutil.copy(made / CELL, tmp_path)
+    (tmp_path / PROGRAM).write_text("! a comment more\n\n" + (made / PROGRAM).read_text())
+    found, diagnostics = loaded(tmp_path / "made.pmc")
+    assert diagnostics == ()
+    assert found is not None
+
+
+def test_a_program_of_another_name_beside_it_is_not_its_program(made, tmp_path):
+    """But one that is called as the text is: it must be proved, whatever the header says."""
+    for name, code in (("other.yarc", "Y1168"), ("made.yarc", "Y1153")):
+        shutil.copy(made / "made.pmc", tmp_path)
+        (tmp_path / name).write_text("ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 0 0 0 0 [2] (deg,s)\n")
+        _, (finding,) = loaded(tmp_path / "made.pmc", approach=False)
+        assert finding.code == code
+
+
+def test_a_tolerance_that_it_was_compiled_with(tmp_path):
+    """A joint line under a wide tolerance has fewer digits and longer segments: it is judged by what is asked for."""
+    program = tmp_path / "p.yarc"
+    program.write_text(
+        "ROBOT INDUSTRIAL6\nDEFAULT {TCP} (mm,deg,s) {B}\nP1 MOVEJ 20 0 0 0 -30 0 [2]\nP2 DMOVE 0 0 -300 0 0 0 [1.5]\n"
+    )
+    options = [str(program), "--tolerance", "1,1", "-o", str(tmp_path / "p.pmc")]
+    assert CliRunner().invoke(yarcc, options).exit_code == 0
+    found, diagnostics = loaded(tmp_path / "p.pmc", tolerance=(1.0, 1.0), approach=False)
+    assert diagnostics == ()
+    assert found is not None
 
 
 def test_a_cell_that_cant_be_read_forbids_the_run(made, tmp_path):
@@ -98,4 +147,4 @@ def test_exec_tells_it_as_an_event(made):
     first = CliRunner().invoke(main, arguments).stdout.splitlines()[0]
     event = json.loads(first)
     assert event["event"] == "findings"
-    assert [one["code"] for one in event["findings"]] == ["Y0927"]
+    assert [one["code"] for one in event["findings"]] == ["Y0927", "Y1168"]

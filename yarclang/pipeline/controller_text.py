@@ -113,6 +113,13 @@ def judge_text(
     return _settled(text, robot, Result(judged.value, errors), meant, "", meant.cell, told)
 
 
+def _remedy(text: SourceFile, program: Program | None) -> str:
+    if program is None:
+        return AGAIN
+    made, source = Path(text.name).name, Path(program.source.name).name
+    return f"{made} isn't as yarcc wrote it, or {source} has changed since: compile the program again"
+
+
 def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | None) -> Diagnostic:
     """A finding about a command of the program, shown at the command's first line in the text."""
     if finding.source is text or certificate is None or finding.span is None:
@@ -188,7 +195,7 @@ def _settled(
         worst = next((one for one in errors if one.code in _WORST), errors[0])
         rest = len(errors) - 1
         more = f" (and {rest:,} more error{'s' * (rest > 1)})" if rest else ""
-        help_ = worst.help if worst.code == "Y1163" else AGAIN
+        help_ = worst.help if worst.code == "Y1163" else _remedy(text, program)
         if worst.code in _TOLERANCES:
             help_ += "; or say --tolerance, if it was compiled with one"
         placed = _in_text(worst, text, judged.value)

@@ -150,6 +150,7 @@ CHANGES = {
     # moves
     "a RAPID to a limit switch and back": (ALL, jump),
     "a point beyond the limits": (ALL, point(10, "X", 175)),
+    "a point ten thousand turns away": (ALL, point(10, "C", 9999999)),
     "a point too far": (ALL, point(10, "Y", 1.5)),
     "two points in the wrong order": (ALL, swapped_points),
     "not at rest at the end": (ALL, point(-1, "Z", 3)),

@@ -76,7 +76,7 @@ def certify(
     proofs = recalled(memory, judge, layout, claims, lambda part: _prove(judge, judged, part))
     judge.slowed(layout, {step: proof.speed for step, proof in proofs.items()}, judged.share_of)
     # how close a speed in a zone is told depends on what it is looked at with
-    zones = judge.zones(layout)
+    zones = {} if judge.breaks_limits else judge.zones(layout)
     commands = tuple(
         _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES), memory)
         for place in layout.places
@@ -112,8 +112,8 @@ def _prove(judge: Judge, judged: Judged, layout: Layout) -> dict[int, Proved]:
         proofs = find_deviations(judged, layout)
         blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)
-    apart = judge.clearances(layout)
-    torques = judge.torques(layout)
+    apart = {} if judge.breaks_limits else judge.clearances(layout)
+    torques = {} if judge.breaks_limits else judge.torques(layout)
     return {
         step: Proved(
             loads[step],
@@ -188,9 +188,9 @@ def certify_text(
     judge.rests(content, start, None)
     _judge_motion(judge, content, layout, start)
     loads = judge.limits(layout)
-    apart = judge.clearances(layout)
-    torques = judge.torques(layout)
-    zones = judge.zones(layout)
+    apart = {} if judge.breaks_limits else judge.clearances(layout)
+    torques = {} if judge.breaks_limits else judge.torques(layout)
+    zones = {} if judge.breaks_limits else judge.zones(layout)
     unknown = Deviation(math.inf, math.inf, math.inf, math.inf)
     commands = tuple(
         judge.command(

@@ -74,6 +74,11 @@ class Judge:
         span = Span.on_line(self.lines[step], 1, 2) if step in self.lines else origin.span
         self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, span, help_))
 
+    @property
+    def breaks_limits(self) -> bool:
+        """True if a limit of joints or motors is broken: what bodies do in such a motion can take long to find out, and says no more."""
+        return any(one.code in ("Y1157", "Y1158") for one in self.findings)
+
     # start, times, rest
 
     @property

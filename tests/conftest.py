@@ -10,6 +10,7 @@ import pytest
 from hypothesis import settings
 
 from yarclang.robot.description import load_robot
+from yarclang.runtime.transports.lock import SPACE
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parent / "examples"
@@ -33,10 +34,11 @@ def pytest_collection_finish():
 
 @pytest.fixture(scope="session", autouse=True)
 def place_of_locks():
-    """Locks and sockets of robots in a folder of these tests: others on this computer, tests too, may hold the same addresses."""
+    """Locks and sockets of robots by themselves: others on this computer, tests too, may hold the same addresses."""
     path = Path(tempfile.mkdtemp(prefix="yarc-tests-"))  # not tmp_path: the path of a socket must be short
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(path))
+        patch.setenv(SPACE, path.name)
         yield path
     shutil.rmtree(path, ignore_errors=True)
 

@@ -22,6 +22,8 @@ SOCKETS = {
     "runtime/log.py",
     "runtime/session.py",
     "runtime/transports/local.py",
+    "runtime/transports/lock.py",
+    "runtime/transports/private.py",
     "runtime/transports/tcp.py",
     "simulator/embedded.py",
     "simulator/server.py",

@@ -27,7 +27,8 @@ from yarclang.runtime.performance import connect, look, perform
 from yarclang.runtime.remote import About
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
-from yarclang.runtime.transports.local import ControlSocket, controller_lock
+from yarclang.runtime.transports.local import ControlSocket
+from yarclang.runtime.transports.lock import controller_lock
 from yarclang.simulator.commissioning import commissioned
 from yarclang.simulator.embedded import EmbeddedSimulator
 
@@ -353,6 +354,18 @@ def test_a_run_of_this_computer_is_told_first(job, simulator, running, abort, mo
     ended = running.wait()
     assert ended.what == ("aborted: off its path" if abort else "stopped on its path")
     assert places(done.stdout) == pytest.approx(list(ended.joints / job.robot.axis_units), abs=1e-3)
+
+
+def test_a_process_without_a_socket_is_named(job, simulator):
+    """Another user's run, say: the controller itself can be asked and stopped all the same."""
+    with Running(job, simulator.port, heard_of=False) as run:
+        told = f"process {os.getpid()} (user "
+        assert f"{told}" in call("status", *to(simulator)).stderr
+        assert run.session.operation.state is State.MOVE
+        done = call("stop", *to(simulator))
+        assert re.search(rf"{re.escape(told)}.*\) drives this controller and can't be told: ", done.stderr)
+        run.kill()
+        run.wait()
 
 
 @pytest.mark.parametrize("abort", [[], ["--abort"]])

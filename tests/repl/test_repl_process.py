@@ -10,7 +10,7 @@ import time
 import pexpect
 import pytest
 
-from yarclang.runtime.transports.local import controller_lock
+from yarclang.runtime.transports.lock import controller_lock
 
 REPL = [
     sys.executable,

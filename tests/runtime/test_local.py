@@ -1,14 +1,11 @@
-"""Runs on this computer: the socket by which other terminals reach one, its folder, and the lock of a controller."""
+"""Runs on this computer: the socket by which other terminals reach one, and its folder."""
 
 import asyncio
 import contextlib
 import json
 import os
 import shutil
-import signal
 import socket
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -23,18 +20,17 @@ from yarclang.runtime.remote import MOST_LINE, TOO_LONG, About, AskStatus, Statu
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.local import (
-    ControlError,
     ControlSocket,
     GoneError,
-    controller_lock,
     find_runs,
-    folder,
     order,
     run_on,
     send,
     status_of,
     the_run,
 )
+from yarclang.runtime.transports.lock import controller_lock
+from yarclang.runtime.transports.private import ControlError, folder
 
 STATUS = write_request(AskStatus())
 DEAD = 2**22 + 1
@@ -156,10 +152,25 @@ def test_a_folder_that_others_may_enter_is_refused(home, rights):
 
 
 def test_the_folder_of_somebody_else_is_refused(home, monkeypatch):
-    folder()
+    monkeypatch.setattr(tempfile, "tempdir", str(home))
     monkeypatch.setattr(os, "getuid", lambda: os.geteuid() + 1)
+    (home / f"yarc-{os.getuid()}").mkdir(0o700)
     with pytest.raises(ControlError, match="belongs to user"):
         folder()
+
+
+def test_the_runtime_folder_of_somebody_else_is_not_ours(home, monkeypatch):
+    """After `su`, XDG_RUNTIME_DIR may still be that of the user before."""
+    assert folder() == home / "yarc"
+    monkeypatch.setattr(tempfile, "tempdir", str(home))
+    stat = Path.stat
+
+    def other(path, *, follow_symlinks=True):
+        found = stat(path, follow_symlinks=follow_symlinks)
+        return os.stat_result((*found[:4], found.st_uid + 1, *found[5:])) if path == home else found
+
+    monkeypatch.setattr(Path, "stat", other)
+    assert folder() == home / f"yarc-{os.getuid()}"
 
 
 def test_what_is_no_folder_is_refused(home):
@@ -337,7 +348,7 @@ def test_a_second_socket_of_the_same_process_is_refused(ran, industrial6):
         async with ControlSocket(Session("127.0.0.1", 1026), lambda: About("b", industrial6)):
             pass
 
-    with pytest.raises(ControlError, match="has a control socket already"):
+    with pytest.raises(ControlError, match=r"listens on .* already"):
         asyncio.run(second())
     assert status_of(the_run()).program == "a.yarc"
 
@@ -488,52 +499,6 @@ def test_a_run_that_ends_meanwhile(industrial6):
         order(chosen, Stop(), 5.0)
 
 
-# the lock
-
-
-def test_two_runs_cannot_drive_a_controller(home):
-    with controller_lock("127.0.0.1", 1025):
-        assert mode(home / "yarc" / "127.0.0.1-1025.lock") == 0o600
-        for name in ("127.0.0.1", "localhost"):
-            with pytest.raises(ControlError, match=f"process {os.getpid()} .* drives {name}:1025 already"):
-                controller_lock(name, 1025).__enter__()
-        with controller_lock("127.0.0.1", 1026), controller_lock("127.0.0.2", 1025):
-            pass
-    with controller_lock("localhost", 1025):
-        pass
-
-
-@pytest.mark.parametrize("host", ["no.such.host.invalid", "::1", "a/../b", "x" * 70])
-def test_a_lock_for_any_name(home, host):
-    with controller_lock(host, 1025):
-        (lock,) = (home / "yarc").iterdir()
-        assert lock.suffix == ".lock"
-        with pytest.raises(ControlError, match="already"):
-            controller_lock(host, 1025).__enter__()
-
-
-def test_an_error_gives_the_lock_back():
-    with pytest.raises(KeyError), controller_lock("127.0.0.1", 1025):
-        raise KeyError
-    with controller_lock("127.0.0.1", 1025):
-        pass
-
-
-def test_the_kernel_gives_the_lock_of_a_killed_run_back():
-    code = (
-        "import time\nfrom yarclang.runtime.transports.local import controller_lock\n"
-        "with controller_lock('127.0.0.1', 1025):\n  print('locked', flush=True)\n  time.sleep(60)"
-    )
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as other:
-        assert other.stdout.readline() == b"locked\n"
-        with pytest.raises(ControlError, match=f"process {other.pid} "):
-            controller_lock("127.0.0.1", 1025).__enter__()
-        other.send_signal(signal.SIGKILL)
-        other.wait(10)
-        with controller_lock("127.0.0.1", 1025):
-            pass
-
-
 def test_which_run_drives_a_controller(ran):
     assert run_on("127.0.0.1", 1025) is None
     with controller_lock("127.0.0.1", 1025):
@@ -542,7 +507,21 @@ def test_which_run_drives_a_controller(ran):
     assert run_on("127.0.0.1", 1025) is None
 
 
-def test_a_lock_that_cannot_be_opened_is_one_error():
-    (folder() / "127.0.0.1-1025.lock").mkdir()
-    with pytest.raises(ControlError, match="can't be opened"):
-        controller_lock("127.0.0.1", 1025).__enter__()
+def test_a_run_is_found_from_another_environment(industrial6, home, monkeypatch):
+    """Its terminal has another XDG_RUNTIME_DIR (a service, `su`, ssh without a session) than the one that is to stop it."""
+    elsewhere = home / "elsewhere"
+    elsewhere.mkdir(0o700)
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(controller_lock("127.0.0.1", 1025))
+        run = stack.enter_context(Ran(industrial6))
+        monkeypatch.setenv("XDG_RUNTIME_DIR", str(elsewhere))
+        assert folder() == elsewhere / "yarc"
+        assert [one.path for one in find_runs()] == [run.path]
+        assert the_run("industrial6").path == run.path
+        assert run_on("127.0.0.1", 1025).path == run.path
+        assert send(the_run(), Hold()) == Taken(State.MOVE)
+        run.path.parent.chmod(0o755)
+        assert find_runs() == ()
+        assert run_on("127.0.0.1", 1025) is None
+        run.path.parent.chmod(0o700)
+    assert find_runs() == ()

@@ -35,7 +35,8 @@ from yarclang.runtime.remote import About
 from yarclang.runtime.rest import described, off_the_start
 from yarclang.runtime.session import REPLY_TIME, Session
 from yarclang.runtime.state import State
-from yarclang.runtime.transports.local import ControlSocket, controller_lock
+from yarclang.runtime.transports.local import ControlSocket
+from yarclang.runtime.transports.lock import controller_lock
 
 _RESCUE = 30.0
 """How long to try to bring a robot to rest behind a bug of ours [s]."""

@@ -11,7 +11,8 @@ from yarclang.coordinator.ordered import OrderedSession
 from yarclang.robot.model import Robot
 from yarclang.runtime.remote import About
 from yarclang.runtime.session import REPLY_TIME
-from yarclang.runtime.transports.local import ControlSocket, controller_lock
+from yarclang.runtime.transports.local import ControlSocket
+from yarclang.runtime.transports.lock import controller_lock
 
 
 @asynccontextmanager

@@ -45,7 +45,7 @@ def command(robot: str, to: Address | None, format_: str) -> None:
     from yarclang.cli.controllers import controller
     from yarclang.cli.show import show_findings
     from yarclang.robot.description import load_robot
-    from yarclang.runtime.transports.local import controller_lock
+    from yarclang.runtime.transports.lock import controller_lock
 
     loaded = load_robot(robot)
     show_findings(loaded.diagnostics)

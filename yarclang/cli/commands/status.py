@@ -106,6 +106,7 @@ def _ask_controller(to: Address, name: str) -> Picture:
     from yarclang.cli.show import show_findings
     from yarclang.robot.description import load_robot
     from yarclang.runtime.transports.local import run_on
+    from yarclang.runtime.transports.lock import holder_of
 
     loaded = load_robot(name)
     show_findings(loaded.diagnostics)
@@ -113,6 +114,8 @@ def _ask_controller(to: Address, name: str) -> Picture:
         raise SystemExit(1)
     if (run := run_on(to.host, to.port)) is not None:
         click.echo(f"{run.name} drives this controller: `yarc status --run {run.name}` tells more", err=True)
+    elif (holder := holder_of(to.host, to.port)) is not None:
+        click.echo(f"{holder} drives this controller", err=True)
     return asyncio.run(_look(to, loaded.value))
 
 

@@ -83,10 +83,14 @@ def _tell_run(to: Address, what: Abort | Stop) -> None:
     """Let a run that drives the controller end it: it knows more. One that hangs keeps nobody from it."""
     from yarclang.runtime.actions import Trouble
     from yarclang.runtime.transports.local import run_on, send
+    from yarclang.runtime.transports.lock import holder_of
 
     with contextlib.suppress(Trouble):
         until = time.monotonic() + _LET_END
         if (run := run_on(to.host, to.port)) is None:
+            if (holder := holder_of(to.host, to.port)) is not None:
+                text = f"{holder} drives this controller and can't be told: the controller is told itself"
+                click.echo(text, err=True)
             return
         click.echo(f"{run.name} drives this controller: it is told to end", err=True)
         send(run, what, timeout=_TELL)

@@ -1,25 +1,21 @@
-"""Runs on this computer: a Unix socket by which other terminals reach a run, and a lock for each controller.
+"""Runs on this computer: the Unix socket by which other terminals reach a run.
 
-Both live in a folder that only its owner may enter. Whoever may, may give orders: there is no password.
+It lies in a folder that only its owner may enter (`private.py`). Whoever may, may give orders: there is no password.
 """
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import fcntl
 import os
 import re
 import socket
-import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from types import TracebackType
 
-from yarclang.runtime.actions import Trouble
 from yarclang.runtime.remote import (
     MOST_LINE,
     TOO_LONG,
@@ -39,6 +35,15 @@ from yarclang.runtime.remote import (
     write_request,
 )
 from yarclang.runtime.session import Session
+from yarclang.runtime.transports.lock import Holder, holder_of, own_holders
+from yarclang.runtime.transports.private import (
+    ControlError,
+    answers,
+    check_private,
+    file_name,
+    folder,
+    private_listener,
+)
 
 REPLY_TIME = 5.0
 """A run that takes longer to answer hangs [s]; a computer with much to do may need seconds."""
@@ -46,13 +51,8 @@ REPLY_TIME = 5.0
 _LAST = 0.01
 """Within this time [s] whoever came last is let in: asyncio loses the connection of one that it lets in as a server closes."""
 
-_ALIVE_TIME = 0.5
 _POLL = 0.05
 _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})")
-
-
-class ControlError(Trouble):
-    """Something is the matter with a run's socket, its folder or its lock: what, and what to do about it."""
 
 
 class ControlSocket:
@@ -84,8 +84,8 @@ class ControlSocket:
         """
         place = folder()
         _remove_stale(place)
-        self.path = place / f"{_file_name(self._describe().robot.name)}-{os.getpid()}.sock"
-        wire = _listening(self.path)
+        self.path = place / f"{file_name(self._describe().robot.name)}-{os.getpid()}.sock"
+        wire = private_listener(self.path)
         self._server = await asyncio.start_unix_server(self._accept, sock=wire, limit=MOST_LINE)
         return self
 
@@ -151,62 +151,6 @@ async def _line(reader: asyncio.StreamReader) -> bytes | Denied:
         return TOO_LONG
 
 
-def _listening(path: Path) -> socket.socket:
-    """A socket that listens, for its owner alone.
-
-    Raises:
-        ControlError: it can't.
-    """
-    if _answers(path):
-        raise ControlError(f"this process has a control socket already: {path}")
-    wire = socket.socket(socket.AF_UNIX)
-    try:
-        path.unlink(missing_ok=True)  # of a dead process that had our number
-        os.fchmod(wire.fileno(), 0o600)  # the file gets the rights that the socket has
-        wire.bind(str(path))
-        wire.listen()
-    except OSError as error:
-        wire.close()
-        raise ControlError(f"{path} can't be listened on: {_reason(error)}") from None
-    return wire
-
-
-@contextlib.contextmanager
-def controller_lock(host: str, port: int) -> Iterator[None]:
-    """Keep other runs on this computer, of this user, from a controller as long as the context lasts.
-
-    The kernel gives the lock back when the process dies, however it does.
-
-    Args:
-        host: of the controller; its other names are the same controller.
-        port: likewise.
-
-    Raises:
-        ControlError: somebody else has it.
-    """
-    path = folder() / _lock_file(host, port)
-    try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-    except OSError as error:
-        raise ControlError(f"{path} can't be opened: {_reason(error)}") from None
-    try:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            who = f"process {pid}" if (pid := _pid_in(path)) else "a process"
-            raise ControlError(
-                f"{who} on this computer drives {host}:{port} already", "wait for its end, or `yarc stop` it"
-            ) from None
-        os.ftruncate(handle, 0)
-        os.write(handle, b"%d\n" % os.getpid())
-        try:
-            yield
-        finally:
-            os.ftruncate(handle, 0)
-    finally:
-        os.close(handle)
-
-
 @dataclass(frozen=True, slots=True)
 class Run:
     """A run on this computer: `name` as `industrial6-4711`, its robot and process, and its socket."""
@@ -218,14 +162,17 @@ class Run:
 
 
 def find_runs() -> tuple[Run, ...]:
-    """The runs of this user that are alive, in order of their names.
+    """Return the runs of this user that are alive, in the order of their names.
+
+    They are looked for in our own folder, and in those of runs that were begun where XDG_RUNTIME_DIR or TMPDIR is another one: each run tells who asks
+    for its controller's lock.
 
     Raises:
-        ControlError: their folder isn't to be trusted.
+        ControlError: our own folder isn't to be trusted.
     """
     place = folder()
     _remove_stale(place)
-    return tuple(run for run in _runs_in(place) if _answers(run.path))
+    return _alive({place, *(path for one in own_holders() if (path := _folder_of(one)) is not None)})
 
 
 def the_run(name: str | None = None) -> Run:
@@ -251,13 +198,16 @@ def the_run(name: str | None = None) -> Run:
 
 
 def run_on(host: str, port: int) -> Run | None:
-    """The run that drives a controller, if one of this computer does.
+    """Return the run of this user that drives a controller, if there is one.
 
     Raises:
-        ControlError: the runs' folder isn't to be trusted.
+        ControlError: our own folder isn't to be trusted.
     """
-    pid = _pid_in(folder() / _lock_file(host, port))
-    return next((run for run in find_runs() if run.pid == pid), None)
+    holder = holder_of(host, port)
+    if holder is None or holder.peer is None or not holder.is_ours:
+        return None
+    places = {path for path in (folder(), _folder_of(holder)) if path is not None}
+    return next((run for run in _alive(places) if run.pid == holder.peer.pid), None)
 
 
 class GoneError(ControlError):
@@ -332,32 +282,21 @@ def order(run: Run, request: Request, patience: float) -> Status | None:
         time.sleep(_POLL)
 
 
-def folder() -> Path:
-    """Where sockets and locks live: made where it is missing.
+def _alive(places: set[Path]) -> tuple[Run, ...]:
+    """Return the runs whose sockets lie in some folders, as far as they are alive."""
+    found = {run.name: run for place in places for run in _runs_in(place) if answers(run.path)}
+    return tuple(found[name] for name in sorted(found))
 
-    Raises:
-        ControlError: it isn't ours alone.
-    """
-    given = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
-    if given.is_absolute() and given.is_dir():
-        path = given / "yarc"
-    else:
-        path = Path(tempfile.gettempdir()) / f"yarc-{os.getuid()}"
+
+def _folder_of(holder: Holder) -> Path | None:
+    """Return the folder of a run's socket, if it is ours alone."""
+    if holder.folder is None:
+        return None
     try:
-        with contextlib.suppress(FileExistsError):
-            path.mkdir(0o700)
-        found = path.lstat()
-    except OSError as error:
-        raise ControlError(f"{path} can't be made: {_reason(error)}") from None
-    if not path.is_dir() or path.is_symlink():
-        raise ControlError(f"{path} isn't a folder", "remove it")
-    if found.st_uid != os.getuid():
-        raise ControlError(f"{path} belongs to user {found.st_uid}", "have it removed")
-    if found.st_mode & 0o077:
-        raise ControlError(
-            f"others may enter {path}", f"`chmod 700 {path}`, if nobody else's files are in it"
-        )
-    return path
+        check_private(holder.folder)
+    except ControlError:
+        return None
+    return holder.folder
 
 
 def _runs_in(place: Path) -> list[Run]:
@@ -375,43 +314,3 @@ def _remove_stale(place: Path) -> None:
             run.path.unlink(missing_ok=True)
         except PermissionError:
             pass
-
-
-def _answers(path: Path) -> bool:
-    """Whether somebody listens."""
-    with socket.socket(socket.AF_UNIX) as wire:
-        wire.settimeout(_ALIVE_TIME)
-        try:
-            wire.connect(str(path))
-        except BlockingIOError:  # it hangs, and many wait
-            return True
-        except OSError:
-            return False
-    return True
-
-
-def _lock_file(host: str, port: int) -> str:
-    """One file for all names of a controller."""
-    try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-        # addresses are in order of their kind, then of their text: localhost is 127.0.0.1 and not ::1
-        host = str(min((int(family), str(address[0])) for family, _, _, _, address in found)[1])
-    except (OSError, UnicodeError):
-        pass  # nobody can connect to it either
-    return f"{_file_name(host)}-{port}.lock"
-
-
-def _file_name(text: str) -> str:
-    return re.sub(r"[^a-z0-9_.]+", "_", text.lower())
-
-
-def _pid_in(path: Path) -> int | None:
-    """The process that a lock's file names."""
-    try:
-        return int(path.read_text())
-    except (OSError, ValueError):
-        return None
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()

@@ -1,0 +1,296 @@
+"""The lock of a controller: one for all users and sessions of this machine.
+
+It is an abstract Unix socket: a name in the kernel, without a file, bound as long as the process lives. A process that asks for a name that is taken
+hears from the kernel who holds it, and from the holder since when.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import ipaddress
+import json
+import os
+import pwd
+import re
+import selectors
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from yarclang.runtime.transports.private import ControlError, Peer, folder, peer_of, reason_of
+
+SPACE = "YARCLANG_LOCKS"
+"""Variable of the environment that gives locks a name space of their own: for tests, which must not disturb each other."""
+
+_PREFIX = "yarclang/lock"
+_TABLE = Path("/proc/net/unix")
+"""The kernel's list of Unix sockets; abstract names begin with @ there."""
+
+_PLAIN = re.compile(r"[\w.:%-]{1,64}", re.ASCII)
+"""Addresses that stand in a lock's name as they are; others as their SHA-256. A name has 107 bytes at most."""
+
+_WAITING = 16
+"""Callers that may wait for an answer."""
+
+_PAUSE = 0.02
+"""Pause between two answers [s]: a process that calls without end can't keep the holder from its work."""
+
+_PATIENCE = 0.5
+"""Time in which a holder answers, or a holder that has just begun or ended is waited for [s]."""
+
+_LONGEST = 4096
+"""Bytes of an answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """The process that holds a lock.
+
+    Attributes:
+        peer: the process and its user, as the kernel tells; None if too many callers wait to learn it.
+        since: when the process took the lock, as it says itself; None if it doesn't.
+        folder: where its control socket is, likewise.
+    """
+
+    peer: Peer | None
+    since: datetime | None = None
+    folder: Path | None = None
+
+    @property
+    def is_ours(self) -> bool:
+        """True if the process belongs to our own user."""
+        return self.peer is not None and self.peer.uid == os.getuid()
+
+    @property
+    def process(self) -> str:
+        """The process in words, as far as it is known."""
+        return f"process {self.peer.pid}" if self.peer is not None and self.peer.pid else "a process"
+
+    @property
+    def facts(self) -> str:
+        """The user and the time in words, as far as they are known."""
+        known = [] if self.peer is None else [f"user {_user_name(self.peer.uid)}"]
+        if self.since is not None:
+            known.append(f"since {self.since.astimezone():%Y-%m-%d %H:%M:%S}")
+        return ", ".join(known)
+
+    def __str__(self) -> str:
+        return f"{self.process} ({self.facts})" if self.facts else self.process
+
+
+@contextlib.contextmanager
+def controller_lock(host: str, port: int) -> Iterator[None]:
+    """Keep all other runs on this machine from a controller, as long as the context lasts.
+
+    The kernel gives the lock back when the process dies, however that happens.
+
+    Args:
+        host: of the controller; all its names and addresses are one controller.
+        port: of the controller.
+
+    Raises:
+        ControlError: another process has the lock; the message says which.
+    """
+    with contextlib.ExitStack() as stack:
+        wires = [stack.enter_context(_claimed(name, host, port)) for name in _names(host, port)]
+        answering = _Answering(wires)
+        answering.start()
+        try:
+            yield
+        finally:
+            answering.end()
+
+
+def holder_of(host: str, port: int) -> Holder | None:
+    """Return who holds the lock of a controller, if anybody does."""
+    found = (_asked(name) for name in _names(host, port))
+    return next((one for one in found if one is not None), None)
+
+
+def own_holders() -> tuple[Holder, ...]:
+    """Return the processes of our own user that hold a lock of any controller."""
+    try:
+        table = _TABLE.read_text(errors="replace")
+    except OSError:
+        return ()
+    prefix = f"@{_prefix()}/"
+    names = {
+        words[-1] for line in table.splitlines() if (words := line.split()) and words[-1].startswith(prefix)
+    }
+    found = (_asked(b"\0" + name[1:].encode()) for name in sorted(names))
+    return tuple(one for one in found if one is not None and one.is_ours)
+
+
+def _prefix() -> str:
+    space = re.sub(r"[^\w.-]", "_", os.environ.get(SPACE, ""), flags=re.ASCII)[:20]
+    return f"{_PREFIX}/{space}" if space else _PREFIX
+
+
+def _names(host: str, port: int) -> list[bytes]:
+    """Return a lock's names, one for each address of the controller, in an order that is the same for all processes."""
+    names = (f"{address}:{port}" for address in _addresses(host, port))
+    plain = (
+        one if _PLAIN.fullmatch(one) else hashlib.sha256(one.encode(errors="replace")).hexdigest()
+        for one in names
+    )
+    return sorted(f"\0{_prefix()}/{one}".encode() for one in plain)
+
+
+def _addresses(host: str, port: int) -> set[str]:
+    """Return all addresses of a host; of an address of this machine, 127.0.0.1 as well.
+
+    127.0.0.2 and its like stand for themselves: people give them to simulators, so that each has its own.
+    """
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+    except (OSError, UnicodeError):
+        return {host.lower()}  # no process can connect to it either
+    addresses: set[str] = set()
+    for family, _, _, _, place in found:
+        address = ipaddress.ip_address(str(place[0]).partition("%")[0])
+        address = getattr(address, "ipv4_mapped", None) or address
+        scope = f"%{place[3]}" if len(place) > 3 and place[3] else ""
+        addresses.add(f"{address}{scope}")
+        if _is_here(family, place, address) and not host.startswith("127."):
+            addresses.add("127.0.0.1")
+    return addresses
+
+
+def _is_here(
+    family: int, place: tuple[object, ...], address: ipaddress.IPv4Address | ipaddress.IPv6Address
+) -> bool:
+    """Return True for an address of this machine: what is sent there, is sent from there."""
+    if address.is_loopback or address.is_unspecified:
+        return True
+    with socket.socket(family, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(place)  # a datagram socket: nothing is sent
+            return bool(probe.getsockname()[0] == place[0])
+        except OSError:
+            return False
+
+
+@contextlib.contextmanager
+def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
+    """Hold one name.
+
+    Raises:
+        ControlError: another process has it.
+    """
+    until = time.monotonic() + _PATIENCE
+    while (wire := _bound(name)) is None:
+        # a name that is bound and doesn't listen: its process has just begun, just ended, or means ill
+        holder = _asked(name)
+        if holder is not None or time.monotonic() > until:
+            raise _refusal(holder or Holder(None), host, port)
+        time.sleep(_PAUSE)
+    with wire:
+        yield wire
+
+
+def _bound(name: bytes) -> socket.socket | None:
+    """Return a socket that listens at a name; None if the name is taken.
+
+    Raises:
+        ControlError: the kernel doesn't let us have it.
+    """
+    wire = socket.socket(socket.AF_UNIX)
+    try:
+        wire.bind(name)
+        wire.listen(_WAITING)
+        wire.setblocking(False)
+    except OSError as error:
+        wire.close()
+        if error.errno == errno.EADDRINUSE:
+            return None
+        raise ControlError(f"the controller's lock can't be taken: {reason_of(error)}") from None
+    return wire
+
+
+def _refusal(holder: Holder, host: str, port: int) -> ControlError:
+    facts = f" ({holder.facts})" if holder.facts else ""
+    text = f"{holder.process} on this computer drives {host}:{port} already{facts}"
+    if holder.is_ours:
+        return ControlError(text, "wait for its end, or `yarc stop` it")
+    return ControlError(text, "wait for its end, or ask its user to end it")
+
+
+def _asked(name: bytes) -> Holder | None:
+    """Return who listens at a name; None if no process does."""
+    with socket.socket(socket.AF_UNIX) as wire:
+        wire.settimeout(_PATIENCE)
+        try:
+            wire.connect(name)
+        except (BlockingIOError, TimeoutError):  # too many wait
+            return Holder(None)
+        except OSError:
+            return None
+        peer = peer_of(wire)
+        try:
+            return _told(peer, wire.recv(_LONGEST))  # once: no process keeps us waiting by a byte at a time
+        except OSError:  # it sleeps, or is a process that doesn't speak
+            return Holder(peer)
+
+
+def _told(peer: Peer, line: bytes) -> Holder:
+    """Return what a holder says of itself. Nothing of that is relied on but in words, and by its own user."""
+    try:
+        content = json.loads(line)
+        since, place = datetime.fromisoformat(content["since"]), Path(content["folder"])
+        since.astimezone()
+    except (ValueError, TypeError, KeyError, RecursionError, OverflowError, OSError):
+        return Holder(peer)
+    return Holder(peer, since, place if place.is_absolute() and "\0" not in str(place) else None)
+
+
+class _Answering(threading.Thread):
+    """Tells callers since when the lock is held, and where the control socket of this process is."""
+
+    def __init__(self, wires: list[socket.socket]) -> None:
+        super().__init__(name="controller lock", daemon=True)
+        try:
+            place = str(folder())
+        except ControlError:
+            place = ""
+        since = datetime.now().astimezone().isoformat(timespec="seconds")
+        self._answer = json.dumps({"since": since, "folder": place}).encode() + b"\n"
+        self._wires = wires
+        self._ended = threading.Event()
+
+    def run(self) -> None:
+        with selectors.DefaultSelector() as calls:
+            for wire in self._wires:
+                calls.register(wire, selectors.EVENT_READ)
+            while not self._ended.is_set():
+                for call, _ in calls.select():
+                    self._answer_to(call.fileobj)
+                self._ended.wait(_PAUSE)
+
+    def end(self) -> None:
+        """Answer no more."""
+        self._ended.set()
+        for wire in self._wires:
+            with contextlib.suppress(OSError):
+                wire.shutdown(socket.SHUT_RDWR)
+        self.join()
+
+    def _answer_to(self, wire: object) -> None:
+        assert isinstance(wire, socket.socket)
+        with contextlib.suppress(OSError):  # the caller has gone, or this is the end
+            caller, _ = wire.accept()
+            with caller:
+                caller.setblocking(False)
+                caller.sendall(self._answer)
+
+
+def _user_name(uid: int) -> str:
+    try:
+        return pwd.getpwuid(uid).pw_name
+    except KeyError:
+        return str(uid)

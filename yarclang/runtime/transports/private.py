@@ -1,0 +1,156 @@
+"""Unix sockets for one user: the folder that only its owner may enter, listeners in it, and who is at the other end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import socket
+import stat
+import struct
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.runtime.actions import Trouble
+
+_ALIVE_TIME = 0.5
+"""Time in which a listener lets a caller in [s]; one that takes longer hangs, and is alive."""
+
+_CREDENTIALS = struct.Struct("3i")
+"""What SO_PEERCRED tells: process, user, group."""
+
+
+class ControlError(Trouble):
+    """A run's socket, its folder or a controller's lock can't be used: what is the matter, and what to do about it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """The process at the other end of a Unix socket, as the kernel knows it.
+
+    Attributes:
+        pid: of the process that connected, or that listens; 0 if it can't be seen from here (another container).
+        uid: of its user.
+    """
+
+    pid: int
+    uid: int
+
+    @property
+    def is_trusted(self) -> bool:
+        """True for our own user and for root, who may do everything anyway."""
+        return self.uid in (os.getuid(), 0)
+
+
+def peer_of(wire: socket.socket) -> Peer:
+    """Return who is at the other end of a connected Unix socket.
+
+    Raises:
+        OSError: the socket isn't connected.
+    """
+    told = wire.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
+    pid, uid, _ = _CREDENTIALS.unpack(told)
+    return Peer(pid, uid)
+
+
+def folder() -> Path:
+    """Return the folder of our sockets; it is made if it is missing.
+
+    Raises:
+        ControlError: it isn't ours alone.
+    """
+    given = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
+    if given.is_absolute() and _is_ours(given):
+        path = given / "yarc"
+    else:
+        path = Path(tempfile.gettempdir()) / f"yarc-{os.getuid()}"
+    try:
+        with contextlib.suppress(FileExistsError):
+            path.mkdir(0o700)
+    except OSError as error:
+        raise ControlError(f"{path} can't be made: {reason_of(error)}") from None
+    check_private(path)
+    return path
+
+
+def check_private(path: Path) -> None:
+    """Check that a folder is ours alone.
+
+    Raises:
+        ControlError: it is a link or no folder, belongs to somebody else, or others may enter it.
+    """
+    try:
+        found = path.lstat()
+    except OSError as error:
+        raise ControlError(f"{path} can't be looked at: {reason_of(error)}") from None
+    if not stat.S_ISDIR(found.st_mode):
+        raise ControlError(f"{path} isn't a folder", "remove it")
+    if found.st_uid != os.getuid():
+        raise ControlError(f"{path} belongs to user {found.st_uid}", "have it removed")
+    if found.st_mode & 0o077:
+        raise ControlError(
+            f"others may enter {path}", f"`chmod 700 {path}`, if nobody else's files are in it"
+        )
+
+
+def private_listener(path: Path) -> socket.socket:
+    """Return a socket that listens at a path, with rights for its owner alone.
+
+    The socket of a dead process is replaced; any other file is left as it is.
+
+    Raises:
+        ControlError: a process listens there already, something else has that name, or the path can't be used.
+    """
+    if answers(path):
+        raise ControlError(f"a process listens on {path} already", "choose another path")
+    wire = socket.socket(socket.AF_UNIX)
+    try:
+        _remove_dead(path)
+        os.fchmod(wire.fileno(), 0o600)  # the file gets the rights that the socket has
+        wire.bind(str(path))
+        wire.listen()
+    except OSError as error:
+        wire.close()
+        raise ControlError(f"{path} can't be listened on: {reason_of(error)}") from None
+    return wire
+
+
+def answers(path: Path) -> bool:
+    """Return True if a process listens at a path."""
+    with socket.socket(socket.AF_UNIX) as wire:
+        wire.settimeout(_ALIVE_TIME)
+        try:
+            wire.connect(str(path))
+        except (BlockingIOError, TimeoutError):  # it hangs, and many wait
+            return True
+        except OSError:
+            return False
+    return True
+
+
+def file_name(text: str) -> str:
+    """Return a text as a plain file name."""
+    return re.sub(r"[^a-z0-9_.]+", "_", text.lower())
+
+
+def reason_of(error: OSError) -> str:
+    """Return what the system says about an error, as the end of a sentence."""
+    return (error.strerror or str(error)).lower()
+
+
+def _is_ours(path: Path) -> bool:
+    """Return True for a folder of our own: after `su`, the variable may still name that of somebody else."""
+    try:
+        found = path.stat()
+    except OSError:
+        return False
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+
+
+def _remove_dead(path: Path) -> None:
+    """Remove the socket that a process of ours has left behind."""
+    with contextlib.suppress(FileNotFoundError):
+        found = path.lstat()
+        if stat.S_ISSOCK(found.st_mode) and found.st_uid == os.getuid():
+            path.unlink()

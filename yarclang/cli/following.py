@@ -1,17 +1,20 @@
-"""`yarc follow` from the door's side: another process steers the robot over TCP; events as JSON lines, signals as orders."""
+"""`yarc follow` from the door's side: another process steers the robot; events as JSON lines, signals as orders."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from yarclang.cli.address import Address
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
 from yarclang.cli.executing import Lines, Signals, refused_line, status_of, tell
+from yarclang.cli.secret_file import secret_file
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.live.opening import Settings
-from yarclang.coordinator.live.serving import MasterServer
+from yarclang.coordinator.live.serving import Door, MasterServer, TcpDoor, UnixDoor
 from yarclang.coordinator.opened import opened
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
@@ -33,6 +36,36 @@ def follow(robot: Robot, address: Address, options: dict[str, Any], lines: Lines
         The exit status.
     """
     return status_of(_follow(robot, address, options, lines, own=own), lines)
+
+
+def _door(options: dict[str, Any]) -> Door:
+    if options["port"] is not None:
+        return TcpDoor(options["port"])
+    unix = options["unix"]
+    return UnixDoor(None if unix is None else Path(unix))
+
+
+@contextlib.contextmanager
+def _known(server: MasterServer, token_file: Path | None) -> Iterator[dict[str, Any]]:
+    """Make known where masters connect to, and with which token.
+
+    Yields:
+        The event that says so.
+
+    Raises:
+        Trouble: the file of the token can't be written.
+    """
+    event: dict[str, Any] = {"event": "listening"}
+    if not isinstance(server.door, TcpDoor):
+        assert server.path is not None  # it listens
+        yield event | {"unix": str(server.path.absolute())}
+        return
+    event |= {"host": server.door.host, "port": server.port}
+    if token_file is None:
+        yield event | {"token": server.door.token}
+        return
+    with secret_file(token_file, server.door.token + "\n"):
+        yield event | {"token_file": str(token_file)}
 
 
 async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines: Lines, *, own: bool) -> int:
@@ -66,9 +99,10 @@ async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines
                 telling = asyncio.create_task(
                     tell(stream, lines, coordinator, positions=options["positions"])
                 )
-                async with MasterServer(client, options["port"], moving=moving, settings=settings) as server:
-                    await lines.put({"event": "listening", "host": "127.0.0.1", "port": server.port})
-                    await ends.wait()
+                async with MasterServer(client, _door(options), moving=moving, settings=settings) as server:
+                    with _known(server, options["token_file"]) as listening:
+                        await lines.put(listening)
+                        await ends.wait()
                     while coordinator.under_way:
                         await asyncio.sleep(0.02)
             await asyncio.wait((telling,), timeout=1.0)

@@ -10,7 +10,7 @@ from simulator.machines import robot_machine
 
 from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.engine import NO_LOG
-from yarclang.coordinator.live.serving import MasterServer
+from yarclang.coordinator.live.serving import MasterServer, TcpDoor, UnixDoor
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.runtime.actions import Trouble
 from yarclang.simulator.commissioning import stand
@@ -27,7 +27,18 @@ async def say(writer, reader, content):
     return json.loads(await reader.readline())
 
 
-def test_a_master_is_followed_over_tcp(tmp_path):
+async def over_tcp(server):
+    reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
+    writer.write(json.dumps({"token": server.door.token}).encode() + b"\n")
+    return reader, writer
+
+
+async def over_unix(server):
+    return await asyncio.open_unix_connection(str(server.path))
+
+
+@pytest.mark.parametrize(("door", "connect"), [(UnixDoor(), over_unix), (TcpDoor(), over_tcp)])
+def test_a_master_is_followed(door, connect, tmp_path):
     robot, machine = robot_machine("INDUSTRIAL6", record=False)
     stand(machine, robot, READY * robot.axis_units)
 
@@ -36,8 +47,10 @@ def test_a_master_is_followed_over_tcp(tmp_path):
         async with Coordinator(robot, link, folder=tmp_path, log=NO_LOG) as coordinator:
             client = coordinator.attach("test")
             client.own()
-            async with MasterServer(client) as server:
-                reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
+            async with MasterServer(client, door) as server:
+                reader, writer = await connect(server)
+                if isinstance(door, TcpDoor):
+                    assert json.loads(await reader.readline()) == {"ok": True}
                 since = time.monotonic()
                 while (now := (time.monotonic() - since) * PACE) < 1.2:
                     wanted = np.add(READY, [4.0 * min(now, 0.7), 0, 0, 0, 0, 0])
@@ -49,7 +62,7 @@ def test_a_master_is_followed_over_tcp(tmp_path):
                 denied = await say(writer, reader, {"joints": [999, 0, 0, 0, 0, 0]})
                 assert denied == {"ok": False, "error": "J1 would be out of its limits"}
                 # one at a time
-                other, second = await asyncio.open_connection("127.0.0.1", server.port)
+                other, second = await connect(server)
                 assert json.loads(await other.readline())["error"] == "another process steers the robot"
                 second.close()
                 writer.close()  # the connection ends: the robot rests
@@ -59,7 +72,7 @@ def test_a_master_is_followed_over_tcp(tmp_path):
                     await asyncio.sleep(0.02)
                 assert (await client.stands())[0] / robot.axis_units[0] == pytest.approx(2.8, abs=0.3)
             with pytest.raises(Trouble, match="can't be listened on"):
-                async with MasterServer(client, port, host="203.0.113.1"):
+                async with MasterServer(client, TcpDoor(port, "203.0.113.1")):
                     pass
 
     with EmbeddedSimulator(machine, rate=PACE) as simulator:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
-from yarclang.coordinator.live.wire import Denied, Finish, Reader
+from yarclang.coordinator.live.wire import MOST_LINE, Denied, Finish, Reader, read_token
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.transforms import roll_pitch_yaw
@@ -78,13 +78,56 @@ def test_a_velocity_is_estimated_of_what_a_master_has_said():
         ({"finish": False}, "finish is true"),
         ({}, "one of joints, pose"),
         ({"joints": [], "pose": []}, "not 2"),
-        ([1], "isn't a JSON object"),
     ],
 )
 def test_what_is_wrong_is_denied(content, why):
     found = read(content)
     assert isinstance(found, Denied)
     assert why in found.error
+    assert not found.ends
+
+
+NO_OBJECTS = [
+    (b"[1]\n", "isn't a JSON object"),
+    (b"3\n", "isn't a JSON object"),
+    (b"null\n", "isn't a JSON object"),
+    (b"\n", "isn't JSON"),
+    (b'{"velocity": {"J1": 10}\n', "isn't JSON"),
+    (b"{'velocity': 1}\n", "isn't JSON"),
+    (b"\x16\x03\x01\x02\x00\x01\n", "isn't JSON"),
+    (b"\xff\xfe\x00\n", "isn't JSON"),
+    (b"[" * 9000 + b"\n", "isn't JSON"),
+    (b"1" * 9000 + b"\n", "isn't JSON"),
+    (b"x" * (MOST_LINE + 1), "longer than 16 KiB"),
+    (b"POST /steer HTTP/1.1\r\n", "a web page can't steer a robot"),
+    (b"GET http://127.0.0.1:5050/ HTTP/1.0\r\n", "a web page can't steer a robot"),
+    (b"OPTIONS * HTTP/1.1\n", "a web page can't steer a robot"),
+    (b"PRI * HTTP/2.0\r\n", "a web page can't steer a robot"),
+]
+
+
+@pytest.mark.parametrize(("line", "why"), NO_OBJECTS)
+def test_what_is_no_object_ends_the_connection(line, why):
+    for found in (reader().read(line, 0.0), read_token(line)):
+        assert isinstance(found, Denied)
+        assert why in found.error
+        assert found.ends
+
+
+def test_a_token_is_read():
+    assert read_token(b'{"token": "abc"}\n') == "abc"
+    assert read_token(b'{"token": "\\ud800"}\n') == "\ud800"
+    for content in (
+        {},
+        {"token": 3},
+        {"token": None},
+        {"token": "a", "velocity": {"J1": 1}},
+        {"velocity": {"J1": 1}},
+    ):
+        found = read_token(json.dumps(content).encode())
+        assert isinstance(found, Denied)
+        assert 'the first line must be {"token": "..."}' in found.error
+        assert found.ends
 
 
 @settings(max_examples=200, deadline=None)
@@ -106,6 +149,7 @@ def test_what_is_wrong_is_denied(content, why):
     )
 )
 def test_nothing_is_raised(line):
+    assert isinstance(read_token(line), str | Denied)
     found = reader().read(line, 0.0)
     match found:
         case Master():

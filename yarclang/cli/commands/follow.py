@@ -21,10 +21,21 @@ from yarclang.cli.options import PositiveNumber, robot_option
     help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
 )
 @click.option(
+    "--unix",
+    type=click.Path(),
+    metavar="PATH",
+    help="The Unix socket to listen on, for processes of this user (default: one in the user's runtime folder).",
+)
+@click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    default=0,
-    help="Where to listen on this computer (default: any that is free; it is told).",
+    help="Listen on this TCP port of this computer instead (0: any that is free). Masters must say the token.",
+)
+@click.option(
+    "--token-file",
+    type=click.Path(path_type=Path),
+    metavar="PATH",
+    help="With --port: write the token to this file, which only this user can read, and not to standard output.",
 )
 @click.option("--moving", default="TCP", help="The frame whose poses and twists are meant (default: TCP).")
 @click.option(
@@ -42,13 +53,17 @@ from yarclang.cli.options import PositiveNumber, robot_option
 @click.option("--no-log", is_flag=True, help="Run without a log.")
 @robot_option
 def command(to: Address | None, robot: str | None, **options: Any) -> None:
-    """Let another process steer the robot: joints, poses or velocities over TCP, an object a line, as JSON.
+    """Let another process steer the robot: joints, poses or velocities, a JSON object a line.
 
     docs/coordinator.md has the lines. Each motion is proved before it is streamed. Without a line for 200 ms the robot rests. Standard output has an event a line; the first is
-    "listening", with the port. SIGTERM and SIGINT bring the robot to rest, and end.
+    "listening", with the socket, or with port and token. SIGTERM and SIGINT bring the robot to rest, and end.
     """
     if options["log"] and options["no_log"]:
         raise click.UsageError("--log and --no-log exclude each other")
+    if options["unix"] is not None and options["port"] is not None:
+        raise click.UsageError("--unix and --port exclude each other")
+    if options["token_file"] is not None and options["port"] is None:
+        raise click.UsageError("--token-file needs --port: a Unix socket needs no token")
     from yarclang.cli.controllers import controller
     from yarclang.cli.executing import Lines, findings_line, refused_line
     from yarclang.cli.following import follow

@@ -1,5 +1,6 @@
 """What another process says to steer the robot, and what it is answered: one JSON object a line, both ways. No I/O.
 
+{"token": "..."}                                        the first line over TCP: the caller may steer
 {"joints": [0, 10, 10, 0, 40, 0]}                       be there, in deg (mm); with "rate", moving so fast, per s
 {"pose": [0, 900, 1400, 0, 0, 0]}                       the tool shall be there in {B}: mm, and roll pitch yaw in deg
 {"velocity": {"J3": 5}}                                 joints move so fast, in deg/s (mm/s)
@@ -7,11 +8,14 @@
 {"finish": true}                                        come to rest
 {"ok": true, "lag_s": 0.35, "behind": {...}, "why": ""} it is wanted now
 {"ok": false, "error": "..."}                           it isn't, and why
+
+A line that is no JSON object ends the connection: the caller speaks something else, and what follows may only look like an order.
 """
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -36,6 +40,9 @@ _LONGEST_GAP = 0.2
 _JUMP = 0.5
 """Poses whose joints are farther from the last than this [rad or m] aren't one way any more."""
 
+_HTTP = re.compile(rb"[A-Z]+ \S+ HTTP/")
+"""The first line of what a browser sends."""
+
 _KINDS = ("joints", "pose", "velocity", "twist", "finish")
 
 
@@ -46,9 +53,14 @@ class Finish:
 
 @dataclass(frozen=True, slots=True)
 class Denied:
-    """It isn't done, and why."""
+    """Refusal of what a line wants, and the reason. If it `ends` the connection, nothing else is read from it."""
 
     error: str
+    ends: bool = False
+
+
+TOO_LONG = Denied(f"a line is longer than {MOST_LINE // 1024} KiB", ends=True)
+"""The answer to such a line: what follows can't be read."""
 
 
 class Reader:
@@ -68,15 +80,10 @@ class Reader:
         self._rate = np.zeros(robot.size)
 
     def read(self, line: bytes, now: float) -> Target | Finish | Denied:
-        """What a line wants, at a time [s]; whatever it holds, nothing is raised."""
-        if len(line) > MOST_LINE:
-            return Denied(f"a line is longer than {MOST_LINE // 1024} KiB")
-        try:
-            content = json.loads(line)
-        except (ValueError, RecursionError):
-            return Denied("this isn't JSON")
-        if not isinstance(content, dict):
-            return Denied("this isn't a JSON object")
+        """Return what a line wants, at a time [s]; whatever it holds, nothing is raised."""
+        content = _object_in(line)
+        if isinstance(content, Denied):
+            return content
         kinds = [kind for kind in _KINDS if kind in content]
         if len(kinds) != 1:
             return Denied(f"one of {', '.join(_KINDS)} is wanted, not {len(kinds)}")
@@ -162,6 +169,24 @@ class Reader:
         return Twist(values[:3] * MM, values[3:] * DEG, axes)
 
 
+def read_token(line: bytes) -> str | Denied:
+    """Return the token of a line; whatever it holds, nothing is raised."""
+    content = _object_in(line)
+    if isinstance(content, Denied):
+        return content
+    token = content.get("token")
+    if len(content) != 1 or not isinstance(token, str):
+        return Denied(
+            'the first line must be {"token": "..."}, with the token that yarc follow gives', ends=True
+        )
+    return token
+
+
+def write_welcome() -> bytes:
+    """Return the answer to the right token."""
+    return _line({"ok": True})
+
+
 def write_taken(robot: Robot, lag: float, behind: Array | None, why: str) -> bytes:
     """The answer to what is wanted now.
 
@@ -181,6 +206,19 @@ def write_taken(robot: Robot, lag: float, behind: Array | None, why: str) -> byt
 def write_denied(error: str) -> bytes:
     """The answer to what isn't."""
     return _line({"ok": False, "error": error})
+
+
+def _object_in(line: bytes) -> dict[str, Any] | Denied:
+    """Return a line's JSON object; the refusal of anything else ends the connection."""
+    if len(line) > MOST_LINE:
+        return TOO_LONG
+    if _HTTP.match(line):
+        return Denied("this is no web server: a web page can't steer a robot", ends=True)
+    try:
+        content = json.loads(line)
+    except (ValueError, RecursionError):
+        return Denied("this isn't JSON", ends=True)
+    return content if isinstance(content, dict) else Denied("this isn't a JSON object", ends=True)
 
 
 def _line(content: dict[str, Any]) -> bytes:

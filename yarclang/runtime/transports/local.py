@@ -37,11 +37,12 @@ from yarclang.runtime.remote import (
 from yarclang.runtime.session import Session
 from yarclang.runtime.transports.lock import Holder, holder_of, own_holders
 from yarclang.runtime.transports.private import (
+    MASTERS,
     ControlError,
     answers,
     check_private,
-    file_name,
     folder,
+    own_name,
     private_listener,
 )
 
@@ -84,7 +85,7 @@ class ControlSocket:
         """
         place = folder()
         _remove_stale(place)
-        self.path = place / f"{file_name(self._describe().robot.name)}-{os.getpid()}.sock"
+        self.path = place / f"{own_name(self._describe().robot.name)}.sock"
         wire = private_listener(self.path)
         self._server = await asyncio.start_unix_server(self._accept, sock=wire, limit=MOST_LINE)
         return self
@@ -306,11 +307,13 @@ def _runs_in(place: Path) -> list[Run]:
 
 
 def _remove_stale(place: Path) -> None:
-    """Remove the sockets of dead processes."""
-    for run in _runs_in(place):
+    """Remove the sockets of dead processes, also those that masters were to steer by."""
+    for path in (*place.glob("*.sock"), *place.glob(f"*{MASTERS}")):
+        named = _NAME.fullmatch(path.stem)
         try:
-            os.kill(run.pid, 0)
+            if named is not None:
+                os.kill(int(named["pid"]), 0)
         except (ProcessLookupError, OverflowError):
-            run.path.unlink(missing_ok=True)
+            path.unlink(missing_ok=True)
         except PermissionError:
             pass

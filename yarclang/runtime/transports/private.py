@@ -14,6 +14,9 @@ from pathlib import Path
 
 from yarclang.runtime.actions import Trouble
 
+MASTERS = ".follow"
+"""Suffix of the sockets by which other processes steer."""
+
 _ALIVE_TIME = 0.5
 """Time in which a listener lets a caller in [s]; one that takes longer hangs, and is alive."""
 
@@ -129,9 +132,9 @@ def answers(path: Path) -> bool:
     return True
 
 
-def file_name(text: str) -> str:
-    """Return a text as a plain file name."""
-    return re.sub(r"[^a-z0-9_.]+", "_", text.lower())
+def own_name(robot: str) -> str:
+    """Return the name of this process's sockets, without their suffix: the robot and the process."""
+    return f"{re.sub(r'[^a-z0-9_.]+', '_', robot.lower())}-{os.getpid()}"
 
 
 def reason_of(error: OSError) -> str:

@@ -1,0 +1,53 @@
+"""A file with a secret, which only its owner can read, as long as it is good for something."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from yarclang.runtime.actions import Trouble
+
+
+@contextlib.contextmanager
+def secret_file(path: Path, text: str) -> Iterator[None]:
+    """Keep a secret in a file as long as the context lasts.
+
+    The file is made anew and takes the place of one that is there. No other user can read a byte of it at any time.
+
+    Args:
+        path: of the file.
+        text: the secret.
+
+    Raises:
+        Trouble: it can't be written, or something else than a file has that name.
+    """
+    try:
+        made = _write(path, text)
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
+        raise Trouble(f"the token can't be written to {path}: {reason}", "name another file") from None
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            if os.path.samestat(path.lstat(), made):
+                path.unlink()
+
+
+def _write(path: Path, text: str) -> os.stat_result:
+    with contextlib.suppress(FileNotFoundError):
+        if not stat.S_ISREG(path.lstat().st_mode):
+            raise ValueError("a folder, a link or a device has that name")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")  # for its owner alone
+    try:
+        with os.fdopen(handle, "w", encoding="ascii") as file:
+            file.write(text)
+        Path(temporary).replace(path)
+    except OSError:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return path.lstat()

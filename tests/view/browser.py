@@ -25,6 +25,9 @@ REQUIRED = "YARCLANG_REQUIRE_TOOLS"
 PATIENCE = 90.0
 """How long anything may take [s]: on a loaded machine a picture without a graphics card takes a while."""
 
+REBOUND = "rebound.example"
+"""A site that has given itself this machine's address."""
+
 _FLAGS = (
     "--headless=new",
     "--no-sandbox",
@@ -37,7 +40,7 @@ _FLAGS = (
     "--disable-component-update",
     "--disable-sync",
     "--disable-dev-shm-usage",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+    f"--host-resolver-rules=MAP {REBOUND} 127.0.0.1, MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
     "--window-size=1200,760",
 )
 

@@ -7,7 +7,8 @@ import re
 import matplotlib.image
 import numpy as np
 import pytest
-from view.browser import browser_or_skip, opened_browser, viewed, waited
+import viser
+from view.browser import REBOUND, browser_or_skip, opened_browser, viewed, waited
 from view.stages import CRASH, EXAMPLES
 
 
@@ -125,11 +126,11 @@ def test_the_path_by_clearance(page):
 
 
 def test_a_page_of_another_site_is_refused(page):
-    """Its connection is closed before anything was sent."""
+    """Its connection isn't even opened."""
     import asyncio
 
-    import viser
     from websockets.asyncio.client import connect
+    from websockets.exceptions import InvalidStatus
 
     _, _, url = page
 
@@ -139,8 +140,31 @@ def test_a_page_of_another_site_is_refused(page):
         async with connect(address, subprotocols=[protocol], origin=origin, max_size=None) as stream:
             return [message async for message in _first(stream)]
 
-    assert asyncio.run(listened("https://elsewhere.example")) == []
+    with pytest.raises(InvalidStatus, match="403"):
+        asyncio.run(listened("https://elsewhere.example"))
     assert len(asyncio.run(listened(url))) == 1
+
+
+def test_a_site_that_gives_itself_this_address_sees_nothing(program, tmp_path):
+    """By its own name the very same server shows all."""
+    browser_or_skip()
+    with viewed(str(program)) as (url, _), opened_browser(tmp_path / "profile") as browser:
+        browser.get(url.replace("127.0.0.1", REBOUND))
+        assert "yarc view is not known by this name" in waited(lambda: text_of(browser))
+        script = """
+            const done = arguments[arguments.length - 1], seen = [];
+            const stream = new WebSocket("ws://" + location.host, arguments[0]);
+            stream.onmessage = message => seen.push(message.data.size);
+            stream.onerror = () => done(["refused", seen]);
+            stream.onopen = () => setTimeout(() => done(["open", seen]), 1000);
+        """
+        browser.set_script_timeout(30)
+        assert browser.execute_async_script(script, f"viser-v{viser.__version__}") == ["refused", []]
+        browser.get(url)
+        waited(lambda: "P0010 MOVEJ_RPY" in text_of(browser))
+        answer = browser.execute_async_script(script, f"viser-v{viser.__version__}")
+        assert answer[0] == "open"
+        assert answer[1]
 
 
 async def _first(stream):

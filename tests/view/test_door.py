@@ -1,12 +1,15 @@
 """The server: where it listens, what it says, and whom it lets in."""
 
 import socket
+import threading
 
 import pytest
+import viser
 from view.stages import CRASH, stage_of
+from websockets.asyncio import server as websocket_server
 
-from yarclang.view.server import is_own
-from yarclang.view.show import Door, PortTakenError, show
+from yarclang.view.server import GuardedServer, is_called, is_own
+from yarclang.view.show import Door, PortTakenError, _names, show
 
 
 def test_it_is_served_and_ends(capfd):
@@ -16,7 +19,7 @@ def test_it_is_served_and_ends(capfd):
     def ready(door):
         seen.append(door)
         with socket.create_connection((door.host, door.port), timeout=10) as stream:
-            stream.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+            stream.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n" % door.port)
             assert b"200 OK" in stream.recv(100)
         raise KeyboardInterrupt
 
@@ -66,3 +69,140 @@ def test_pages_of_other_sites_are_strangers(origin, host, own):
 def test_addresses_as_they_are_typed():
     assert Door("127.0.0.1", 8080).url == "http://127.0.0.1:8080"
     assert Door("::1", 80).url == "http://[::1]:80"
+
+
+NAMES = {"localhost", "127.0.0.1", "::1", "robot.lan", "192.168.0.5"}
+
+
+@pytest.mark.parametrize(
+    ("host", "known"),
+    [
+        ("localhost:8080", True),
+        ("LOCALHOST.:8080", True),
+        ("127.0.0.1:8080", True),
+        ("[::1]:8080", True),
+        ("[0:0:0:0:0:0:0:1]:8080", True),
+        ("robot.lan:8080", True),
+        ("192.168.0.5:8080", True),
+        ("[::ffff:192.168.0.5]:8080", True),
+        ("evil.example:8080", False),
+        ("127.0.0.1.evil.example:8080", False),
+        ("evil.example@127.0.0.1:8080", False),
+        ("127.0.0.1:8080@evil.example", False),
+        ("localhost", False),
+        ("localhost:80", False),
+        ("localhost:8081", False),
+        ("localhost:", False),
+        ("localhost:8080:8080", False),
+        ("localhost:٨٠٨٠", False),
+        ("192.168.0.6:8080", False),
+        ("::1:8080", False),
+        ("[::1", False),
+        ("", False),
+        (" localhost:8080", False),
+        ("localhost:8080/x", False),
+        ("a" * 70000, False),
+    ],
+)
+def test_names_that_are_its_own(host, known):
+    assert is_called(host, 8080, NAMES) is known
+    assert is_called("localhost", 80, NAMES)
+
+
+def test_names_in_the_network():
+    assert _names(Door("127.0.0.1", 0)) == _names(Door("robot.lan", 0)) == frozenset()
+    assert socket.gethostname() in _names(Door("0.0.0.0", 0))
+
+
+@pytest.fixture(scope="module")
+def served():
+    """The port of a stage that is shown."""
+    ready, ports, end = threading.Event(), [], threading.Event()
+
+    def listen(door):
+        ports.append(door.port)
+        ready.set()
+        end.wait(600)
+        raise KeyboardInterrupt
+
+    def run():
+        with pytest.raises(KeyboardInterrupt):
+            show(stage_of(CRASH), Door("127.0.0.1", 0), listen)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    assert ready.wait(120)
+    yield ports[0]
+    end.set()
+    thread.join(30)
+
+
+SOCKET = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+
+
+def answered(port, *headers, path="/", scene=False):
+    """All that the server answers to a request, as raw as it is asked; of a connection that it opens, the first part of the scene."""
+    lines = [f"GET {path} HTTP/1.1", *headers]
+    if scene:
+        lines.append(f"{SOCKET}Sec-WebSocket-Protocol: viser-v{viser.__version__}")
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as stream:
+        stream.sendall("\r\n".join([*lines, "", ""]).encode())
+        got = b""
+        while len(got) < 5000 and (part := stream.recv(65536)):
+            got += part
+    return got
+
+
+def own(port):
+    return (f"localhost:{port}", f"127.0.0.1:{port}", f"[::1]:{port}", f"LocalHost:{port}")
+
+
+@pytest.mark.parametrize("scene", [False, True])
+def test_by_its_own_names_it_answers(served, scene):
+    for host in own(served):
+        got = answered(served, f"Host: {host}", scene=scene)
+        assert got.startswith(b"HTTP/1.1 101 " if scene else b"HTTP/1.1 200 ")
+        assert len(got) >= 5000
+    got = answered(served, f"Host: localhost:{served}", f"Origin: http://127.0.0.1:{served}", scene=True)
+    assert got.startswith(b"HTTP/1.1 101 ")
+
+
+@pytest.mark.parametrize("scene", [False, True])
+@pytest.mark.parametrize(
+    "headers",
+    [
+        ("Host: evil.example:{port}",),
+        ("Host: evil.example:{port}", "Origin: http://evil.example:{port}"),
+        ("Host: evil.example:{port}", "Origin: http://127.0.0.1:{port}"),
+        ("Host: 127.0.0.1.evil.example:{port}",),
+        ("Host: 127.0.0.1",),
+        ("Host: 127.0.0.1:1",),
+        ("Host: 192.168.0.1:{port}",),
+        ("Host: localhost:{port}", "Host: evil.example:{port}"),
+        ("Host: evil.example:{port}", "Host: localhost:{port}"),
+        ("Host: localhost:{port}", "Origin: http://evil.example:{port}"),
+        ("Host: localhost:{port}", "Origin: http://localhost:9000"),
+        ("Host: localhost:{port}", "Origin: null"),
+        ("Host: localhost:{port}", "Origin: http://localhost:{port}", "Origin: http://evil.example"),
+        ("Host:",),
+        ("X-Forwarded-Host: localhost:{port}", "Host: evil.example"),
+        (),
+    ],
+)
+def test_by_another_name_it_shows_nothing(served, headers, scene):
+    got = answered(served, *(one.format(port=served) for one in headers), scene=scene)
+    assert got.startswith(b"HTTP/1.1 403 Forbidden\r\n")
+    assert len(got) < 600
+    assert b"viser" not in got
+    for path in ("/index.html", f"http://localhost:{served}/"):
+        got = answered(served, *(one.format(port=served) for one in headers), path=path, scene=scene)
+        assert got.startswith(b"HTTP/1.1 403 Forbidden\r\n")
+
+
+def test_a_library_that_does_not_ask_the_guard_is_not_used(monkeypatch):
+    serve = websocket_server.serve
+    monkeypatch.setattr(viser.ViserServer, "__init__", lambda self, **_: None)
+    monkeypatch.setattr(viser.ViserServer, "stop", lambda self: None)
+    with pytest.raises(RuntimeError, match="can't be guarded"):
+        GuardedServer("127.0.0.1", 0)
+    assert websocket_server.serve is serve

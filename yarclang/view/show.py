@@ -32,6 +32,8 @@ _TEXT_RATE = 8.0
 """How often figures and the slider follow [1/s]."""
 _MOST_CLEARANCES = 3_000
 """Places at which clearances are looked at; in between colours run into each other."""
+_ALL = {"0.0.0.0", "::"}
+"""Hosts that mean all addresses of this machine."""
 _PASSES = 20.0
 """How long a wait for an order may be [s]: only so that an interrupt is seen."""
 
@@ -88,7 +90,15 @@ def _open(door: Door) -> viser.ViserServer:
     from yarclang.view.server import GuardedServer
 
     with contextlib.redirect_stdout(io.StringIO()):  # it prints a table of its own
-        return GuardedServer(door.host, port)
+        return GuardedServer(door.host, port, _names(door))
+
+
+def _names(door: Door) -> frozenset[str]:
+    """Return the names of this machine by which others in the network call it, if they are let in by all its addresses."""
+    if door.host not in _ALL:
+        return frozenset()
+    name = socket.gethostname()
+    return frozenset({name, f"{name}.local"})
 
 
 class _Showing:

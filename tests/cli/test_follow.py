@@ -68,6 +68,22 @@ def test_another_process_steers_until_a_termination(where, workshop, simulator):
     assert not [one for one in workshop.folder.iterdir() if one.suffix == ".sock"]
 
 
+def test_a_log_that_is_removed_meanwhile_is_lost(workshop, simulator):
+    words = [word for word in FOLLOW if word != "--no-log"]
+    process = workshop.start(*words, "--to", simulator.address, "--log", "run.mcap")
+    with connected(listening(process)) as lines:
+        asked(lines, '{"velocity": {"J1": 1}}')
+        until = time.monotonic() + 20.0
+        while not (workshop.folder / "run.mcap").exists():
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        (workshop.folder / "run.mcap").unlink()
+        process.signal(signal.SIGTERM)
+        *_, message, last = lines_of(process.end(1))
+    assert (last["event"], last["status"], last["log"]) == ("ended", 1, None)
+    assert message["text"].startswith("the log is lost: run.mcap isn't there any more")
+
+
 def test_a_web_page_that_posts_an_order_moves_nothing(workshop, simulator):
     """Ten lines that aren't JSON, and then an order: that moved the robot."""
     process = workshop.start(*FOLLOW, "--to", simulator.address, "--port", "0", "--token-file", "token")

@@ -1,5 +1,6 @@
 """The log of a run: no log, no motion; and what stands in it."""
 
+import json
 import re
 import resource
 import signal
@@ -73,3 +74,49 @@ def test_a_part_stands_in_the_whole(workshop):
     replayed = workshop.here("replay", "run.mcap", "--speed", "max")
     assert re.search(r"P0020 MOVEJ  (0\.[789]|1\.\d) s of 2.1 s", replayed)
     assert workshop.yarc("run", "p.yarc", "--rate", "5", "--log", "run.mcap").count("log: run-2.mcap\n") == 1
+
+
+@pytest.mark.parametrize("what", ["file", "folder"])
+def test_a_log_that_is_removed_during_the_run_is_lost(what, workshop, simulator):
+    process = workshop.start(*logged(simulator, "logs/run.mcap"))
+    process.wait_for("P0010")
+    place = workshop.folder / "logs"
+    (place / "run.mcap").unlink()
+    if what == "folder":
+        place.rmdir()
+    text = process.end(1)
+    assert "p.yarc: done; INDUSTRIAL6 stands where it ends" in text
+    lost = (
+        "error: the log is lost: logs/run.mcap isn't there any more; it was removed or moved during the run\n"
+    )
+    assert (
+        f"{lost}  help: keep the folder of the log as it is during a run, or choose another one with --log PATH\n"
+        in text
+    )
+    assert "log: logs" not in text
+
+
+def test_a_log_that_is_removed_from_a_run_that_is_stopped_is_lost(workshop, simulator):
+    process = workshop.start(*logged(simulator, "run.mcap"))
+    process.wait_for("P0010")
+    (workshop.folder / "run.mcap").unlink()
+    process.signal(signal.SIGTERM)
+    text = process.end(1)
+    assert "error: the log is lost: run.mcap isn't there any more" in text
+    assert "log: run.mcap" not in text
+    assert_on_path(simulator.stands(), text)
+
+
+def test_a_program_without_a_terminal_tells_of_its_lost_log(workshop, simulator):
+    words = ("exec", "p.yarc", "--to", simulator.address, "--log", "run.mcap")
+    process = workshop.start(*words)
+    process.wait_for('"state": "move"')
+    (workshop.folder / "run.mcap").rename(workshop.folder / "mine.mcap")
+    *_, message, last = map(json.loads, process.end(1).splitlines())
+    assert (last["event"], last["well"], last["status"], last["log"]) == ("ended", True, 1, None)
+    assert (message["event"], message["warning"]) == ("message", True)
+    assert message["text"].startswith("the log is lost: run.mcap isn't there any more")
+    text = workshop.yarc(*words)
+    assert "the log is lost" not in text
+    last = json.loads(text.splitlines()[-1])
+    assert (last["status"], last["log"]) == (0, "run.mcap")

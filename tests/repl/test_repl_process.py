@@ -145,6 +145,23 @@ def test_motions_are_logged(place):
     assert len(list((place["cwd"] / "yarc-runs").iterdir())) == 1
 
 
+def test_a_log_that_is_removed_meanwhile_is_lost(place):
+    command = [*(one for one in REPL if one != "--no-log"), "--go"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, text=True, **pipes, **place) as process:
+        process.stdin.write("MOVEJ 10 0 0 0 20 0 [1] (deg,s)\n")
+        process.stdin.flush()
+        until = time.monotonic() + 60.0
+        while not (found := list((place["cwd"] / "yarc-runs").glob("*.mcap"))):
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        found[0].unlink()
+        out, err = process.communicate(".log\n", timeout=60)
+    assert process.returncode == 1
+    for text in (out, err):
+        assert re.search(r"the log is lost: yarc-runs/\S+\.mcap isn't there any more", text)
+
+
 def test_a_controller_that_somebody_else_drives_is_left_alone(place):
     with controller_lock("127.0.0.1", 1):
         done = read([], place, "--to", "tcp://127.0.0.1:1")

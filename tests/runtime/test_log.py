@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -287,6 +288,102 @@ def test_the_disk_is_full_at_the_last_moment(tmp_path, job):
     disk.room = 0
     log.close(Ended(True))
     assert told == [log.failure] == ["no space left on device"]
+
+
+def removed(path):
+    path.unlink()
+
+
+def moved(path):
+    path.rename(path.with_name("b.mcap"))
+
+
+def folder_removed(path):
+    shutil.rmtree(path.parent)
+
+
+def folder_moved(path):
+    path.parent.rename(path.parent.with_name("away"))
+
+
+def folder_replaced(path):
+    folder_removed(path)
+    path.parent.write_text("")
+
+
+def replaced(path):
+    path.unlink()
+    path.write_text("x" * 100_000)
+
+
+def copied_over(path):
+    shutil.copy(path, path.with_name("b.mcap"))
+    path.with_name("b.mcap").replace(path)
+
+
+def linked(path):
+    path.unlink()
+    path.symlink_to("nowhere")
+
+
+def cut(path):
+    os.truncate(path, 0)
+
+
+@pytest.mark.parametrize(
+    ("harm", "said"),
+    [
+        (removed, "isn't there any more"),
+        (moved, "isn't there any more"),
+        (folder_removed, "isn't there any more"),
+        (folder_moved, "isn't there any more"),
+        (folder_replaced, "isn't there any more"),
+        (replaced, "is another file now"),
+        (copied_over, "is another file now"),
+        (linked, "isn't there any more"),
+    ],
+)
+@pytest.mark.parametrize("full", [False, True])
+def test_a_log_that_is_gone_is_lost(tmp_path, job, harm, said, full):
+    path = tmp_path / "runs" / "a.mcap"
+    path.parent.mkdir()
+    disk = Disk(path, 10**9)
+    log = on(disk, path, job)
+    log.take(Changed(ANCHOR.clock, State.STOP, "before"))
+    wait_for(lambda: log._written == 1)
+    assert log.lost() == log.loss == log.problem == ""
+    harm(path)
+    assert said in log.lost()
+    if full:
+        disk.room = 0
+    log.close(Ended(True))
+    assert said in log.loss
+    assert log.problem.startswith(f"the log is lost: {path} {said}")
+
+
+def test_a_log_that_was_cut_is_lost(tmp_path, job):
+    log = opened(tmp_path / "a.mcap", job)
+    log.take(Changed(ANCHOR.clock, State.STOP, "before"))
+    wait_for(lambda: log._written == 1)
+    log.close(Ended(True))
+    assert log.problem == ""
+    size = log.path.stat().st_size
+    cut(log.path)
+    assert log.lost(size) == f"was cut during the run: 0 of {size:,} bytes are left"
+
+
+def test_a_log_that_was_moved_and_linked_to_is_found(tmp_path, job):
+    log = opened(tmp_path / "a.mcap", job)
+    log.path.rename(tmp_path / "b.mcap")
+    log.path.symlink_to("b.mcap")
+    log.close(Ended(True))
+    assert log.problem == ""
+
+
+def test_a_device_is_no_loss(job):
+    log = opened(Path("/dev/null"), job)
+    log.close(Ended(True))
+    assert log.problem == ""
 
 
 def test_who_wanted_to_know_may_be_gone(tmp_path, job):

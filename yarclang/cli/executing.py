@@ -28,6 +28,7 @@ from yarclang.coordinator.subscription import Subscription
 from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
+from yarclang.runtime.log import RunLog
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.session import REPLY_TIME
 
@@ -106,6 +107,19 @@ def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:
     }
 
 
+def log_told(log: RunLog | None, lines: Lines) -> tuple[str | None, bool]:
+    """Tell what is wrong with a closed log, if anything is.
+
+    Returns:
+        Where the log is, for the last event, and true if nothing is wrong with it.
+    """
+    if log is None:
+        return None, True
+    if log.problem:
+        lines.say({"event": "message", "text": f"{log.problem}; {log.remedy}", "warning": True})
+    return None if log.loss else str(log.path), not log.problem
+
+
 def execute(loaded: Loaded, address: Address, options: dict[str, Any], lines: Lines, *, own: bool) -> int:
     """Carry a program out.
 
@@ -162,16 +176,10 @@ async def _execute(
                 await asyncio.wait((telling,), timeout=_LAST_WORDS)
             ended = Ending(loaded, "", None).placed(ended)
             coordinator.engine.ended = ended
-            path = coordinator.engine.run_log.path if coordinator.engine.run_log else None
-    lines.say(
-        {
-            "event": "ended",
-            "status": int(not ended.well),
-            **events.ended_json(ended, robot),
-            "log": str(path) if path else None,
-        }
-    )
-    return int(not ended.well)
+    path, sound = log_told(coordinator.engine.run_log, lines)
+    status = int(not (ended.well and sound))
+    lines.say({"event": "ended", "status": status, **events.ended_json(ended, robot), "log": path})
+    return status
 
 
 async def _run(client: Client, loaded: Loaded, options: dict[str, Any], signals: Signals) -> Ended:

@@ -10,7 +10,7 @@ from typing import Any
 
 from yarclang.cli.address import Address
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
-from yarclang.cli.executing import Lines, Signals, refused_line, status_of, tell
+from yarclang.cli.executing import Lines, Signals, log_told, refused_line, status_of, tell
 from yarclang.cli.secret_file import secret_file
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.live.opening import Settings
@@ -108,5 +108,7 @@ async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines
             await asyncio.wait((telling,), timeout=1.0)
             stands = await client.stands()
     joints = dict(zip(robot.joint_names, (stands / robot.axis_units).round(6).tolist(), strict=True))
-    lines.say({**refused_line("a termination has come", ""), "status": 0, "well": True, "joints": joints})
-    return 0
+    path, sound = log_told(coordinator.engine.run_log, lines)
+    said = {"status": int(not sound), "well": True, "joints": joints, "log": path}
+    lines.say({**refused_line("a termination has come", ""), **said})
+    return int(not sound)

@@ -274,10 +274,11 @@ class _Run:
         Returns:
             The exit status.
         """
-        failed = log is not None and log.failure is not None
-        if log is not None:
-            self.screen.say(f"log: {log.path}{', which ends early' if failed else ''}")
+        if log is not None and not log.loss:
+            self.screen.say(f"log: {log.path}{', which ends early' if log.failure is not None else ''}")
         if not ended.well:
+            if log is not None and log.loss:
+                self._wrong(log.problem, log.remedy)
             state, under = self.session.operation.state, self.undertaking
             for line in self.ending.lines(ended, state, moved=under.moved, on_the_way=under.on_the_way):
                 self.screen.say(line)
@@ -287,9 +288,10 @@ class _Run:
         times = f" {passes} times" if passes > 1 else ""
         name = self.loaded.program.name
         _say(f"{name}: done{times}; {self.robot.name} stands where it ends, to a count", err=False)
-        if failed and log is not None:
-            _say_error(f"the log can't be written: {log.failure}", "make room on the disk")
-        return int(failed)
+        if log is None or not log.problem:
+            return 0
+        _say_error(log.problem, log.remedy)
+        return 1
 
     def _wrong(self, what: str, remedy: str) -> None:
         """Say what is wrong, behind what the screen shows."""

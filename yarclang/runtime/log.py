@@ -7,7 +7,9 @@ certificate are attached, with what is needed of the robot: a log can be read wh
 from __future__ import annotations
 
 import contextlib
+import os
 import re
+import stat
 import threading
 import time
 from collections.abc import Callable
@@ -43,6 +45,7 @@ class RunLog:
     Attributes:
         path: of the file.
         failure: why nothing is written any more; None while all is well.
+        loss: what has happened to the file, known once the log is closed; empty if it is where it was made.
     """
 
     def __init__(
@@ -58,6 +61,8 @@ class RunLog:
     ) -> None:
         self.path = path
         self.failure: str | None = None
+        self.loss = ""
+        self._made = path.stat()
         self._stream = stream
         self._on_failure = on_failure
         self._queue: SimpleQueue[Item | None] = SimpleQueue()
@@ -127,6 +132,22 @@ class RunLog:
         """Log what a person ordered, at a time of the notices' clock [s]."""
         self._put(Ordered(time, order))
 
+    @property
+    def problem(self) -> str:
+        """What is wrong with the log, as a sentence without its end; empty: nothing is."""
+        if self.loss:
+            return f"the log is lost: {self.path} {self.loss}"
+        return "" if self.failure is None else f"the log can't be written: {self.failure}"
+
+    @property
+    def remedy(self) -> str:
+        """What helps against the problem."""
+        return (
+            "keep the folder of the log as it is during a run, or choose another one with --log PATH"
+            if self.loss
+            else "make room on the disk"
+        )
+
     def close(self, ended: Ended | None = None) -> None:
         """Write what is left, and how the run has ended; may be called again, and after a failure."""
         if ended is not None:
@@ -139,6 +160,27 @@ class RunLog:
                 return
             written = self._written
             self._thread.join(_LONGEST_CLOSE)
+
+    def lost(self, size: int = 0) -> str:
+        """Look whether what is written can be found.
+
+        Args:
+            size: how much the file must have [bytes].
+
+        Returns:
+            What has happened to the file, as the end of a sentence; empty if all is well.
+        """
+        try:
+            found = self.path.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return "isn't there any more; it was removed or moved during the run"
+        except OSError as error:
+            return f"can't be looked at: {(error.strerror or str(error)).lower()}"
+        if not os.path.samestat(found, self._made):
+            return "is another file now; the log was removed or moved during the run"
+        if stat.S_ISREG(found.st_mode) and found.st_size < size:
+            return f"was cut during the run: {found.st_size:,} of {size:,} bytes are left"
+        return ""
 
     def __enter__(self) -> RunLog:
         return self
@@ -157,6 +199,9 @@ class RunLog:
         try:
             self._write_all()
             self._writer.finish()  # type: ignore[no-untyped-call]  # the library's
+            self._stream.flush()
+            # as long as it is open, no other file can have its number
+            self.loss = self.lost(self._stream.tell())
             self._stream.close()
         except OSError as error:
             self._fail((error.strerror or str(error)).lower())
@@ -185,6 +230,7 @@ class RunLog:
         self._writer.flush()  # type: ignore[no-untyped-call]  # the library's
 
     def _fail(self, reason: str) -> None:
+        self.loss = self.lost()
         self.failure = reason
         with contextlib.suppress(OSError):
             self._stream.close()

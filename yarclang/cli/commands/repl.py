@@ -54,6 +54,7 @@ def command(to: Address | None, **options: Any) -> None:
 async def _session(robot: Any, address: Address, options: dict[str, Any], *, own: bool) -> int:
     from yarclang import __version__
     from yarclang.cli.controllers import SIMULATED_REPLY_TIME
+    from yarclang.cli.ending import error_text
     from yarclang.cli.table import checked_table
     from yarclang.coordinator.engine import NO_LOG, NotReady
     from yarclang.coordinator.opened import opened
@@ -90,5 +91,9 @@ async def _session(robot: Any, address: Address, options: dict[str, Any], *, own
         return 1
     except Trouble as trouble:
         click.echo(trouble_text(trouble), err=True)
+        return 1
+    run_log = coordinator.engine.run_log
+    if run_log is not None and run_log.problem:
+        click.echo(error_text(run_log.problem, run_log.remedy), err=True)
         return 1
     return int(interpreter.failed and not terminal)

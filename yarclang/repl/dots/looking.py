@@ -61,7 +61,12 @@ def _log(interpreter: Interpreter, rest: str) -> None:
         raise Misused(f"{rest!r} isn't a number of messages")
     run_log = interpreter.coordinator.engine.run_log
     told = list(interpreter.messages)[-int(rest or _SHOWN) :]
-    interpreter.say("\n".join([*told, f"the log is {run_log.path}" if run_log else "nothing is logged yet"]))
+    if run_log is None:
+        place = "nothing is logged yet"
+    else:
+        lost = run_log.lost()
+        place = f"the log is lost: {run_log.path} {lost}" if lost else f"the log is {run_log.path}"
+    interpreter.say("\n".join([*told, place]))
 
 
 COMMANDS = (

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pty
 import re
+import socket
 import subprocess
 import sys
 import time
@@ -188,6 +190,163 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert "1 visual mesh not copied" in result.output
     assert "gone.stl of quill isn't there" in result.output
     assert "Y1359" in result.output  # the quill has no collision shape now
+
+
+def with_mesh(folder: Path, *names: str) -> Path:
+    """A URDF in a folder, with collision meshes of these names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shapes = iter(MESH.format(name) for name in names)
+    text = re.sub(r"<collision>.*?</collision>", lambda old: next(shapes, old[0]), SCARA.read_text())
+    (folder / "arm.urdf").write_text(text)
+    return folder / "arm.urdf"
+
+
+def refused(urdf: Path, code: str, *words: str, options: tuple[str, ...] = ()) -> str:
+    """`yarc robot new` writes nothing, and says why at the mesh; what it says."""
+    out = urdf.parent / "made"
+    result = yarc("robot", "new", urdf, "--yes", "-o", out, *options)
+    assert result.exit_code == 1, result.output
+    assert f"arm.urdf:{line_of(urdf)}:" in result.output
+    assert f"error {code}" in result.output
+    for word in words:
+        assert word in result.output
+    assert not out.exists()
+    return result.output
+
+
+def line_of(urdf: Path) -> int:
+    return next(number for number, line in enumerate(urdf.read_text().splitlines(), 1) if "<mesh" in line)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["/etc/passwd", "file:///etc/passwd", "../../../../../../../../etc/passwd", "package://etc/passwd"],
+)
+@pytest.mark.parametrize("options", [(), ("--meshes", "/etc"), ("--meshes", "/")])
+def test_a_file_that_is_no_mesh_is_not_copied(name, options, tmp_path):
+    """/etc/passwd, named as a mesh, was copied into the robot's folder."""
+    urdf = with_mesh(tmp_path / "a", name)
+    refused(urdf, "Y1363" if options else "Y1364", "The mesh ", "etc/passwd ", options=options)
+
+
+@pytest.mark.parametrize("kind", [".stl", ".obj", ".dae", ".ply", ".STL"])
+def test_another_files_content_by_a_meshs_name_is_not_copied(kind, tmp_path):
+    urdf = with_mesh(tmp_path, f"part{kind}")
+    (tmp_path / f"part{kind}").write_text("root:x:0:0:root:/root:/bin/bash\n")
+    refused(urdf, "Y1363", f"The mesh part{kind} ends in {kind}, but its content is something else.")
+    (tmp_path / f"part{kind}").unlink()
+    (tmp_path / f"part{kind}").symlink_to("/etc/passwd")
+    refused(urdf, "Y1364", "is outside the URDF's package and isn't copied", "--meshes /etc")
+    refused(urdf, "Y1363", "its content is something else", options=("--meshes", "/etc"))
+
+
+def test_a_mesh_elsewhere_is_copied_only_if_its_folder_is_named(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "part.stl").write_text("solid mine")
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "link.stl").symlink_to(tmp_path / "mine" / "part.stl")
+    for name in ("../mine/part.stl", str(tmp_path / "mine/part.stl"), "link.stl", "package://mine/part.stl"):
+        urdf = with_mesh(tmp_path / "a", name)
+        refused(urdf, "Y1364", f"--meshes {tmp_path / 'mine'}")
+        out = tmp_path / name.replace("/", "_")
+        result = yarc("robot", "new", urdf, "--yes", "-o", out, "--meshes", tmp_path / "mine")
+        assert result.exit_code == 0, result.output
+        assert [path.read_text() for path in (out / "meshes").iterdir()] == ["solid mine"]
+
+
+@pytest.mark.parametrize(
+    ("urdf", "package", "mesh", "name"),
+    [
+        ("arm", "", "arm/meshes", "meshes/part.stl"),
+        ("arm/urdf", "", "arm/meshes", "../meshes/part.stl"),
+        ("arm/urdf", "", "arm/meshes", "package://arm/meshes/part.stl"),
+        ("arm/deep/down/here", "arm", "arm/meshes", "package://arm/meshes/part.stl"),
+        ("arm/deep/down/here", "arm", "arm/meshes", "../../../meshes/part.stl"),
+        ("share/arm/urdf", "share/other", "share/other/meshes", "package://other/meshes/part.stl"),
+    ],
+)
+def test_the_meshes_of_a_package_come_along(urdf, package, mesh, name, tmp_path):
+    path = with_mesh(tmp_path / urdf, name)
+    (tmp_path / mesh).mkdir(parents=True)
+    (tmp_path / mesh / "part.stl").write_text("solid one")
+    if package:
+        (tmp_path / package).mkdir(parents=True, exist_ok=True)
+        (tmp_path / package / "package.xml").write_text("<package/>")
+    result = yarc("robot", "new", path, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "r" / "meshes" / "part.stl").read_text() == "solid one"
+
+
+def test_a_package_whose_files_are_all_links_is_its_own(tmp_path):
+    """As `colcon build --symlink-install` makes it."""
+    source, installed = tmp_path / "src" / "arm", tmp_path / "install" / "share" / "arm"
+    with_mesh(source / "urdf", "package://arm/meshes/part.stl")
+    (source / "meshes").mkdir()
+    (source / "meshes" / "part.stl").write_text("solid one")
+    (source / "package.xml").write_text("<package/>")
+    for name in ("urdf/arm.urdf", "meshes/part.stl", "package.xml"):
+        (installed / name).parent.mkdir(parents=True, exist_ok=True)
+        (installed / name).symlink_to(source / name)
+    result = yarc("robot", "new", installed / "urdf" / "arm.urdf", "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "r" / "meshes" / "part.stl").read_text() == "solid one"
+
+
+def test_a_package_named_by_a_way_out_is_none(tmp_path):
+    (tmp_path / "share" / "other").mkdir(parents=True)
+    (tmp_path / "share" / "other" / "package.xml").write_text("<package/>")
+    (tmp_path / "share" / "mine.stl").write_text("solid mine")
+    refused(with_mesh(tmp_path / "share/arm/urdf", "package://other/../mine.stl"), "Y1364")
+    refused(with_mesh(tmp_path / "share/arm/urdf", "package://../share/mine.stl"), "Y1364")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "socket", "folder"])
+def test_what_is_no_ordinary_file_keeps_nobody_waiting(kind, tmp_path):
+    path = tmp_path / "part.stl"
+    urdf = with_mesh(tmp_path, "part.stl")
+    match kind:
+        case "pipe":
+            os.mkfifo(path)
+        case "device":
+            path.symlink_to("/dev/zero")
+        case "socket":
+            with socket.socket(socket.AF_UNIX) as wire, contextlib.chdir(tmp_path):
+                wire.bind(path.name)
+        case "folder":
+            path.mkdir()
+    options = ("--meshes", "/dev") if kind == "device" else ()
+    refused(urdf, "Y1363", "The mesh part.stl is no ordinary file.", options=options)
+
+
+def test_a_mesh_that_is_too_large_is_not_read(tmp_path):
+    urdf = with_mesh(tmp_path, "part.stl")
+    with (tmp_path / "part.stl").open("wb") as file:
+        file.truncate(10**11)
+    refused(urdf, "Y1363", "The mesh part.stl has 100,000,000,000 bytes, more than 100,000,000.")
+
+
+def test_meshes_that_are_too_large_together_are_not_copied(tmp_path, monkeypatch):
+    monkeypatch.setattr("yarclang.robot.new.copying.LARGEST_TOGETHER", 15)
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.stl").write_text("solid one")
+    urdf = with_mesh(tmp_path, "a.stl", "a.stl", "b.stl")
+    result = yarc("robot", "new", urdf, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert "With the mesh b.stl, the meshes have more than 15 bytes together." in result.output
+    assert not (tmp_path / "r").exists()
+
+
+def test_no_name_leads_out_of_the_new_folder(tmp_path):
+    (tmp_path / "a" / "..." / "b").mkdir(parents=True)
+    for name in ("..stl", ".../b/..obj.stl", "%2e%2e%2fout.stl", "-rf.stl", "~.stl"):
+        (tmp_path / "a" / name).write_text("solid one")
+        urdf = with_mesh(tmp_path / "a", name)
+        out = tmp_path / "made" / name.replace("/", "_")
+        result = yarc("robot", "new", urdf, "--yes", "-o", out)
+        assert result.exit_code == 0, result.output
+        assert {path.name for path in out.iterdir()} == {"arm.urdf", "meshes", "robot.toml"}
+        assert len(list((out / "meshes").iterdir())) == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"a", "made"}
 
 
 @pytest.mark.parametrize(

@@ -49,20 +49,23 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
 
 
 def mesh_path(filename: str, folder: Path) -> Path | None:
-    """The file that a mesh name means, or None where there is none.
+    """Return the file that a mesh name means; None if there is none."""
+    return next((path for path in mesh_places(filename, folder) if path.is_file()), None)
+
+
+def mesh_places(filename: str, folder: Path) -> list[Path]:
+    """Return the paths that a mesh name may mean, the first one first.
 
     A plain name is seen from the URDF's folder. `package://` is looked for there and in the
     folders above, as Pinocchio does when it is given these as package folders.
     """
     url = urlparse(filename)
     if url.scheme == "file":
-        candidates = [Path(unquote(url.path))]
-    elif url.scheme == "package":
+        return [Path(unquote(url.path))]
+    if url.scheme == "package":
         rest = f"{url.netloc}{url.path}"
-        candidates = [above / rest for above in (folder, *folder.parents)]
-    else:
-        candidates = [folder / filename]
-    return next((path for path in candidates if path.is_file()), None)
+        return [above / rest for above in (folder, *folder.parents)]
+    return [folder / filename]
 
 
 def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:

@@ -19,7 +19,8 @@ from yarclang.transforms import constant
 
 SimpleShape = Box | Sphere | Cylinder | Capsule
 
-_MESHES = (".stl", ".obj", ".dae", ".ply")
+MESHES = (".stl", ".obj", ".dae", ".ply")
+"""What the names of mesh files end in."""
 
 SIZES: Mapping[str, tuple[str, ...]] = {
     "box": ("size",),
@@ -113,9 +114,9 @@ def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
 def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath) -> Mesh | None:
     """The mesh of a file in lengths of `unit` [m], which is there and isn't empty; None with a finding, or where there is no unit."""
     file, path = place
-    if FilePath(name).suffix.lower() not in _MESHES:
+    if FilePath(name).suffix.lower() not in MESHES:
         message = f"{name[:80]} isn't the name of a mesh."
-        file.say("Y1308", path, message, f"Meshes end in {', '.join(_MESHES)}.")
+        file.say("Y1308", path, message, f"Meshes end in {', '.join(MESHES)}.")
         return None
     try:
         content = (folder / name).read_bytes()

@@ -40,6 +40,13 @@ _EACH = "one for all joints, or one a joint"
 @click.option("--jerk", type=Numbers("J,...", positive=True), help=f"Jerk limits: {_EACH}.")
 @click.option("--counts", type=Numbers("K,..."), help=f"Encoder counts of a deg or mm: {_EACH}.")
 @click.option("--motors", type=Numbers("N,...", positive=True), help="The motors' numbers: one a joint.")
+@click.option(
+    "--meshes",
+    multiple=True,
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    metavar="FOLDER",
+    help="Also copy collision meshes from here (default: only from the URDF's own package). Repeatable.",
+)
 @click.option("-y", "--yes", is_flag=True, help="Ask nothing; what isn't said goes by rules.")
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     """Make a robot's folder, robot.toml and a copy of the URDF, of a URDF.
@@ -63,7 +70,8 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise click.UsageError(f"{folder} is there already and isn't empty; write elsewhere with -o")
     title = said["title"] or f"Made of {arm.path.name}"
-    made = make(arm, _given(arm, said), name, title, (bool(said["base"]), bool(said["tip"])))
+    ends = bool(said["base"]), bool(said["tip"])
+    made = make(arm, _given(arm, said), name, title, ends, said["meshes"])
     if made.value is None:
         show_findings(made.diagnostics)
         raise SystemExit(1)
@@ -167,17 +175,10 @@ def _write(folder: Path, made: NewRobot) -> None:
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
     from yarclang.collision.checklist import touching_pairs
-    from yarclang.diagnostics import Diagnostic
     from yarclang.robot.description import load_robot
     from yarclang.robot.new.writing import collision_table, guesses
 
-    files: list[tuple[Path, str | bytes]] = []
-    try:
-        files += [(folder / name, path.read_bytes()) for name, path in made.urdf.meshes]
-    except OSError as error:
-        message = f"a mesh can't be read: {(error.strerror or str(error)).lower()}"
-        show_findings([Diagnostic("Y1302", message, help="check its rights")])
-        raise SystemExit(1) from None
+    files: list[tuple[Path, str | bytes]] = [(folder / name, content) for name, content in made.urdf.meshes]
     files += [(folder / made.sketch.urdf, made.urdf.text), (folder / "robot.toml", made.toml)]
     written: list[Path] = []
     for path, content in files:

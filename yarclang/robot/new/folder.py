@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,7 +105,9 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
     return tuple(asked)
 
 
-def make(arm: Arm, given: Given, name: str, title: str, said: tuple[bool, bool]) -> Result[NewRobot]:
+def make(
+    arm: Arm, given: Given, name: str, title: str, said: tuple[bool, bool], meshes: Iterable[Path] = ()
+) -> Result[NewRobot]:
     """The files of the folder.
 
     Args:
@@ -113,11 +116,15 @@ def make(arm: Arm, given: Given, name: str, title: str, said: tuple[bool, bool])
         name: of the robot.
         title: one line about it.
         said: whether base and tip were said.
+        meshes: folders that meshes may come from, besides the URDF's own package.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
     made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
     chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
     if chain is None or has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
+    copy = copy_urdf(arm.urdf, arm.path, meshes)
+    if has_errors(arm.urdf.findings):
+        return Result(None, in_order(arm.urdf.findings))
     toml = robot_toml(made, home(chain, made, given))
-    return Result(NewRobot(made, toml, copy_urdf(arm.urdf, arm.path.parent)), in_order(arm.urdf.findings))
+    return Result(NewRobot(made, toml, copy), in_order(arm.urdf.findings))

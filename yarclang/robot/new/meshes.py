@@ -1,0 +1,181 @@
+"""What may be copied into a robot folder as a mesh: files that are meshes, from the URDF's own package.
+
+A URDF from elsewhere may name any file of this computer, and the robot folder that is made of it may be given away. So a mesh is what its whole content shows it to be, and the bytes that were
+looked at are the bytes that are copied.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import stat
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from urllib.parse import urlparse
+from xml.parsers import expat
+
+from yarclang.toml.bodies import MESHES
+
+LARGEST = 100_000_000
+"""Largest mesh file [bytes]."""
+
+LARGEST_TOGETHER = 500_000_000
+"""Largest sum of all mesh files of a robot [bytes]."""
+
+PACKAGE = "package.xml"
+"""The file that makes a folder a ROS package."""
+
+_BESIDE = {"urdf", "urdfs", "robot", "robots", "xacro", "model", "models"}
+"""Names of folders with URDFs that have their meshes in a folder beside."""
+
+_NUMBER = rb"[-+0-9.#a-z()]+"
+_SPACE = rb"[ \t\r\f\v]"
+_NO_STL_LINE = re.compile(
+    rb"^(?!%(s)s*(?:solid\b.*|facet%(s)s+normal(?:%(s)s+%(n)s){3}|outer%(s)s+loop|vertex(?:%(s)s+%(n)s){3}|endloop|endfacet|endsolid\b.*)?%(s)s*$)"
+    % {b"n": _NUMBER, b"s": _SPACE},
+    re.IGNORECASE | re.MULTILINE,
+)
+_OBJ_WORDS = set(
+    b"v vt vn vp f fo l p o g s mg usemtl mtllib usemap maplib bevel c_interp d_interp lod shadow_obj trace_obj deg cstype curv curv2 "
+    b"surf parm trim hole scrv sp end con ctech stech bmat step".split()
+)
+_LONGEST_HEADER = 100_000
+_PLY_HEADER = re.compile(
+    rb"ply\r?\nformat (?P<form>ascii|binary_little_endian|binary_big_endian) 1\.0\s*?\n"
+    rb"(?:(?:comment|obj_info|element|property)\b[^\n]*\n)*?end_header\r?\n"
+)
+_NO_NUMBER = re.compile(rb"[^-+0-9.einfa\s]", re.IGNORECASE)
+
+
+class NoMeshError(Exception):
+    """A file can't be copied as a mesh; the message is the end of a sentence that begins with its name."""
+
+
+def read_mesh(path: Path) -> bytes:
+    """Return the content of a mesh file.
+
+    Raises:
+        NoMeshError: it isn't a mesh, or isn't an ordinary file, or is too large.
+        OSError: it can't be read.
+    """
+    kind = path.suffix.lower()
+    if kind not in MESHES:
+        raise NoMeshError(f"doesn't end in {', '.join(MESHES[:-1])} or {MESHES[-1]}")
+    if not path.is_file():  # to open a pipe would wait for a writer; to open some devices does something
+        raise NoMeshError("is no ordinary file")
+    handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(handle, "rb") as file:
+        found = os.fstat(handle)
+        if not stat.S_ISREG(found.st_mode):
+            raise NoMeshError("is no ordinary file")
+        if found.st_size > LARGEST:
+            raise NoMeshError(f"has {found.st_size:,} bytes, more than {LARGEST:,}")
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise NoMeshError(f"has more than {LARGEST:,} bytes")
+    if not _LOOKS[kind](content):
+        raise NoMeshError(f"ends in {path.suffix}, but its content is something else")
+    return content
+
+
+class Surroundings:
+    """The folders that meshes may come from.
+
+    They are the URDF's folder; the one above, if the first is called urdf or alike; the ROS package of the URDF; ROS packages that `package://` names; and those
+    that the user names.
+
+    Args:
+        urdf: its file. If that is a link, what it leads to has a package as well.
+        more: folders that the user names.
+    """
+
+    def __init__(self, urdf: Path, more: Iterable[Path] = ()) -> None:
+        self._roots = {one.resolve() for one in more}
+        for here in {urdf.absolute().parent, urdf.resolve().parent}:
+            package = next((above for above in (here, *here.parents) if (above / PACKAGE).is_file()), None)
+            beside = here.parent if here.name.lower() in _BESIDE else here
+            self._roots |= {(package or beside).resolve(), here.resolve()}
+
+    def has(self, name: str, path: Path) -> bool:
+        """Return True if a mesh is in one of the folders, wherever links lead.
+
+        Args:
+            name: in the URDF.
+            path: that the name was found to mean.
+        """
+        there = path.resolve()
+        if any(there.is_relative_to(root) for root in self._roots):
+            return True
+        package = _package(name, path)
+        return package is not None and there.is_relative_to(package)
+
+
+def _package(name: str, path: Path) -> Path | None:
+    """Return the folder of the ROS package that a mesh's name begins with, if there is one."""
+    url = urlparse(name)
+    inside = Path(url.path.lstrip("/")).parts
+    if url.scheme != "package" or not url.netloc or ".." in (url.netloc, *inside):
+        return None
+    folder = path.absolute().parents[len(inside) - 1]
+    return folder.resolve() if (folder / PACKAGE).is_file() else None
+
+
+def _is_stl(content: bytes) -> bool:
+    """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for one of text."""
+    if len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little"):
+        return True
+    return content.startswith(b"solid") and _NO_STL_LINE.search(content) is None
+
+
+def _is_obj(content: bytes) -> bool:
+    """Return True for lines that all begin with a word of the format, points and faces among them."""
+    words: set[bytes] = set()
+    continued = False
+    for line in io.BytesIO(content):
+        first = line.split(maxsplit=1)[:1]
+        if first and not continued and not first[0].startswith(b"#"):
+            words.add(first[0])
+            if first[0] not in _OBJ_WORDS:
+                return False
+        continued = line.rstrip(b"\r\n").endswith(b"\\")
+    return {b"v", b"f"} <= words
+
+
+def _is_dae(content: bytes) -> bool:
+    """Return True for XML without a DOCTYPE whose root is COLLADA, with a mesh in it."""
+    tags: set[str] = set()
+    roots: list[str] = []
+
+    def begin(tag: str, _: dict[str, str]) -> None:
+        if not roots:
+            roots.append(tag.rpartition(" ")[2])
+        tags.add(tag.rpartition(" ")[2])
+
+    def refuse(*_: object) -> None:
+        raise ValueError("a DOCTYPE")
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = begin
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(content, True)
+    except (expat.ExpatError, ValueError):
+        return False
+    return roots == ["COLLADA"] and {"geometry", "mesh"} <= tags
+
+
+def _is_ply(content: bytes) -> bool:
+    """Return True for a header of the format, and, where it says so, nothing but numbers behind it."""
+    header = _PLY_HEADER.match(content, 0, _LONGEST_HEADER)
+    if header is None or b"\nelement vertex " not in header[0]:
+        return False
+    return header["form"] != b"ascii" or _NO_NUMBER.search(content, header.end()) is None
+
+
+_LOOKS: dict[str, Callable[[bytes], bool]] = {
+    ".stl": _is_stl,
+    ".obj": _is_obj,
+    ".dae": _is_dae,
+    ".ply": _is_ply,
+}

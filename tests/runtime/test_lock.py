@@ -283,6 +283,27 @@ def test_whatever_a_holder_says_of_itself_harms_nobody(answer):
         speaking.join(10)
 
 
+def test_locks_of_another_name_space_are_others(monkeypatch):
+    with controller_lock("127.0.0.1", 1025):
+        assert len(lock.own_holders()) == 1
+        for space in ("", os.environ[SPACE][:-1], "another"):
+            monkeypatch.setenv(SPACE, space)
+            assert os.getpid() not in {one.peer.pid for one in lock.own_holders()}
+
+
+def test_names_that_another_user_holds_keep_no_order_waiting(monkeypatch):
+    """A stop must find its run at once, however many silent processes of others have names like locks."""
+    with contextlib.ExitStack() as stack:
+        for number in range(100):
+            wire = stack.enter_context(socket.socket(socket.AF_UNIX))
+            wire.bind(f"\0{lock._prefix()}/x{number}:1025".encode())
+            wire.listen(0)
+        monkeypatch.setattr(os, "getuid", lambda: os.geteuid() + 1)
+        begun = time.monotonic()
+        assert lock.own_holders() == ()
+        assert time.monotonic() - begun < 2.0
+
+
 def test_callers_without_end_cost_the_holder_little():
     stop = threading.Event()
     code = (

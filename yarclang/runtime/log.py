@@ -134,14 +134,14 @@ class RunLog:
 
     @property
     def problem(self) -> str:
-        """What is wrong with the log, as a sentence without its end; empty: nothing is."""
+        """The fault of the log, as a sentence without a full stop; empty if there is none."""
         if self.loss:
             return f"the log is lost: {self.path} {self.loss}"
         return "" if self.failure is None else f"the log can't be written: {self.failure}"
 
     @property
     def remedy(self) -> str:
-        """What helps against the problem."""
+        """The remedy for the problem."""
         return (
             "keep the folder of the log as it is during a run, or choose another one with --log PATH"
             if self.loss

@@ -20,7 +20,7 @@ from yarclang.transforms import constant
 SimpleShape = Box | Sphere | Cylinder | Capsule
 
 MESHES = (".stl", ".obj", ".dae", ".ply")
-"""What the names of mesh files end in."""
+"""Endings of the names of mesh files."""
 
 SIZES: Mapping[str, tuple[str, ...]] = {
     "box": ("size",),

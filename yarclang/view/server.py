@@ -1,4 +1,4 @@
-"""viser's server, which talks to nobody but the pages that it has served itself.
+"""viser's server, which talks only to the pages that it has served itself.
 
 Any page that is open in the same browser can send requests to this port, and its site can give itself this machine's address (DNS rebinding): the browser then takes both for one
 site. But the request's Host header still has the name that the browser was sent to, and the Origin of a connection that of its page.
@@ -25,7 +25,7 @@ _HOST = re.compile(
 )
 
 Request = Callable[[Any, Any], Any]
-"""What websockets calls with a connection and its request before it answers: a response, or None to go on."""
+"""Callback of websockets for a connection and its request: it returns a response, or None to go on."""
 
 
 class GuardedServer(viser.ViserServer):

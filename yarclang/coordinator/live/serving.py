@@ -110,7 +110,7 @@ class MasterServer:
 
     Attributes:
         port: of a TCP door, once it listens.
-        path: of a Unix door, likewise.
+        path: of a Unix door's socket, once it listens.
     """
 
     def __init__(
@@ -187,7 +187,7 @@ class MasterServer:
             self._waiting.pop(task, None)
             self._tasks.discard(task)
             if writer.transport.get_write_buffer_size():
-                writer.transport.abort()  # nobody reads: closing would wait for that
+                writer.transport.abort()  # the caller doesn't read, and closing would wait for that
             else:
                 writer.close()
 

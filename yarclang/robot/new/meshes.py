@@ -1,4 +1,4 @@
-"""What may be copied into a robot folder as a mesh: files that are meshes, from the URDF's own package.
+"""Files that may be copied into a robot folder as meshes: those that are meshes, from the URDF's own package.
 
 A URDF from elsewhere may name any file of this computer, and the robot folder that is made of it may be given away. So a mesh is what its whole content shows it to be, and the bytes that were
 looked at are the bytes that are copied.
@@ -166,7 +166,7 @@ def _is_dae(content: bytes) -> bool:
 
 
 def _is_ply(content: bytes) -> bool:
-    """Return True for a header of the format, and, where it says so, nothing but numbers behind it."""
+    """Return True for a header of the format, and, where it says so, nothing but numbers after it."""
     header = _PLY_HEADER.match(content, 0, _LONGEST_HEADER)
     if header is None or b"\nelement vertex " not in header[0]:
         return False

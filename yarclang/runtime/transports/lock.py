@@ -55,7 +55,7 @@ class Holder:
     Attributes:
         peer: the process and its user, as the kernel tells; None if too many callers wait to learn it.
         since: when the process took the lock, as it says itself; None if it doesn't.
-        folder: where its control socket is, likewise.
+        folder: where its control socket is, as it says itself.
     """
 
     peer: Peer | None
@@ -123,13 +123,13 @@ def own_holders() -> tuple[Holder, ...]:
     names = {
         words[-1] for line in table.splitlines() if (words := line.split()) and words[-1].startswith(prefix)
     }
-    found = (_asked(b"\0" + name[1:].encode()) for name in sorted(names))
+    found = (_asked(b"\0" + name[1:].encode(), ours=True) for name in sorted(names))
     return tuple(one for one in found if one is not None and one.is_ours)
 
 
 def _prefix() -> str:
     space = re.sub(r"[^\w.-]", "_", os.environ.get(SPACE, ""), flags=re.ASCII)[:20]
-    return f"{_PREFIX}/{space}" if space else _PREFIX
+    return f"{_PREFIX}/{space}"
 
 
 def _names(host: str, port: int) -> list[bytes]:
@@ -221,8 +221,13 @@ def _refusal(holder: Holder, host: str, port: int) -> ControlError:
     return ControlError(text, "wait for its end, or ask its user to end it")
 
 
-def _asked(name: bytes) -> Holder | None:
-    """Return who listens at a name; None if no process does."""
+def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
+    """Return who listens at a name; None if no process does.
+
+    Args:
+        name: of a lock.
+        ours: wait for what a process says of itself only if it is one of our own user.
+    """
     with socket.socket(socket.AF_UNIX) as wire:
         wire.settimeout(_PATIENCE)
         try:
@@ -232,6 +237,8 @@ def _asked(name: bytes) -> Holder | None:
         except OSError:
             return None
         peer = peer_of(wire)
+        if ours and peer.uid != os.getuid():
+            return Holder(peer)
         try:
             return _told(peer, wire.recv(_LONGEST))  # once: no process keeps us waiting by a byte at a time
         except OSError:  # it sleeps, or is a process that doesn't speak

@@ -1,4 +1,4 @@
-"""Unix sockets for one user: the folder that only its owner may enter, listeners in it, and who is at the other end."""
+"""Unix sockets for one user: the folder that only its owner may enter, listeners, and the user at the other end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ALIVE_TIME = 0.5
 """Time in which a listener lets a caller in [s]; one that takes longer hangs, and is alive."""
 
 _CREDENTIALS = struct.Struct("3i")
-"""What SO_PEERCRED tells: process, user, group."""
+"""Process, user and group, as SO_PEERCRED tells them."""
 
 
 class ControlError(Trouble):

@@ -1,12 +1,23 @@
 """The settings that a controller gets: definitions and feedback are inverses, limits in counts, stops that stop."""
 
+import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from runtime.virtual import prepared, world_of
 
-from yarclang.backend_pmac.settings import axis_definitions, settings_text
+from yarclang.backend_pmac.settings import settings_of, settings_text
 from yarclang.robot.actuation import counts_per_joint, from_counts, to_counts
+from yarclang.runtime.performance import perform
+
+
+def axis_definitions(robot):
+    """Their lines, the coordinate system first."""
+    lines = settings_text(robot).splitlines()
+    begin = lines.index(f"&{robot.controller.coordinate_system}")
+    return lines[begin : lines.index("", begin)]
 
 
 def values(text):
@@ -21,7 +32,7 @@ def robot(request):
 
 def test_the_definitions_are_listing_1(industrial6, conformance):
     expected = conformance("actuation")["industrial6"]["definitions"]
-    assert list(axis_definitions(industrial6)) == ["&1", *expected]
+    assert axis_definitions(industrial6) == ["&1", *expected]
 
 
 def definitions(robot):
@@ -45,6 +56,10 @@ def test_coupled_axes_are_all_of_xyz_or_all_of_uvw(robot):
 
 
 def test_the_feedback_plc_inverts_the_definitions(robot):
+    assert_inverse(robot)
+
+
+def assert_inverse(robot):
     """PLC 0, evaluated as the controller would: counts from the definitions give back the joints."""
     text = settings_text(robot)
     plc = text.split("OPEN PLC 0 CLEAR\n")[1].split("CLOSE")[0].splitlines()
@@ -83,13 +98,74 @@ def test_the_abort_of_motor_1_is_that_of_its_joint(industrial6):
     assert found["I115"] == pytest.approx(25532.8278 * 240 * 1e-6, abs=1e-3)
 
 
-def test_the_software_limits_are_the_joint_limits(industrial6):
+def test_the_software_limits_are_the_first_counts_beyond_the_joint_limits(industrial6):
+    """The controller aborts a move whose target is beyond: a joint may go to its limit."""
     found = values(settings_text(industrial6))
-    assert found["I113"] == round(170 * 25532.8278)
-    assert found["I114"] == -round(170 * 25532.8278)
+    assert found["I113"] == 4340581  # 170 deg are 4340580.726
+    assert found["I114"] == -4340581
+    assert found["I214"] == -2053431  # 80 deg are 2053430 to the count, and are computed with rounding
     # motor 3 follows J2 + J3
-    assert found["I313"] == round((90 + 80) * 29308.7083)
-    assert found["I314"] == round((-80 - 170) * 29308.7083)
+    assert found["I313"] == math.ceil((90 + 80) * 29308.7083) == 4982481
+    assert found["I314"] == math.floor((-80 - 170) * 29308.7083) == -7327178
+
+
+def test_a_motion_to_a_joint_limit_is_not_stopped():
+    """360 deg of J6 are 3997635.012 counts."""
+    job, _ = prepared("P0010 MOVEJ 0 0 0 0 0 360 [10] (deg,s)\n")
+    world = world_of(job)
+    assert world.perform(perform(world.operation, job)).well
+
+
+def test_zero_as_a_limit_is_a_count_outside(industrial6):
+    """0 switches a software limit off; 1 instead for the positive one, -1 for the negative one (TSRM 96)."""
+    limits = industrial6.limits
+    lower, upper = limits.lower.copy(), limits.upper.copy()
+    lower[0], upper[3] = 0.0, 0.0
+    found = values(settings_text(replace(industrial6, limits=replace(limits, lower=lower, upper=upper))))
+    assert (found["I114"], found["I413"]) == (-1, 1)
+
+
+def test_rapid_is_no_faster_than_a_motor(industrial6):
+    actuation = replace(industrial6.actuation, velocity=np.full(6, 50e3))
+    found = values(settings_text(replace(industrial6, actuation=actuation)))
+    assert [found[f"I{motor}22"] for motor in range(1, 7)] == [50, 50, 50, 42.6608, 50, 50]
+
+
+@pytest.mark.parametrize(
+    ("title", "shown"),
+    [
+        ("arm\nM11=1", "arm?M11=1"),
+        ("arm\r#1J+", "arm?#1J+"),
+        ("arm\x0b#1J+", "arm?#1J+"),
+        ("arm\x85#1J+", "arm?#1J+"),
+        ("Schweißarm", "Schwei?arm"),
+        ('a "small"  arm; blue', 'a "small"  arm; blue'),
+    ],
+)
+def test_a_title_stays_a_comment(industrial6, title, shown):
+    """Behind a line end it would be a command."""
+    text = settings_text(replace(industrial6, title=title))
+    assert text == settings_text(industrial6).replace(industrial6.title, shown)
+
+
+def test_numbers_have_no_exponent_and_enough_digits(industrial6):
+    """Small gears and rates, large offsets, weak couplings."""
+    coupling = np.eye(6)
+    coupling[1, 2] = 2e-5
+    gear = np.array([3e-6, 7.00000000004, 1e6 / 3, -0.02, 5e4, 2.0])
+    offset = np.array([0.0, -1.5e10, 12345678.9123, 1e-5, 1234.5, 0.25])
+    actuation = replace(industrial6.actuation, gear=gear, coupling=coupling, offset=offset)
+    robot = replace(industrial6, actuation=actuation)
+    made = settings_of(robot)
+    assert re.search(r"[0-9]e[-+]?[0-9]|\.[^0-9]|[^0-9]\.", "\n".join(made.feedback.listing)) is None
+    for line in (*(one.terms for one in made.axes), *(one.value for one in (*made.motors, *made.globals))):
+        assert re.fullmatch(r"([-+]?[0-9]+(\.[0-9]+)?[A-Z]?)+", line), line
+    assert definitions(robot) == pytest.approx(counts_per_joint(robot) * robot.axis_units, rel=1e-11)
+    found = values(made.text)
+    assert found["I115"] == pytest.approx(
+        3e-6 * np.rad2deg(robot.limits.stop_acceleration[0]) * 1e-6, rel=1e-3
+    )
+    assert_inverse(robot)
 
 
 def test_the_hold_takes_the_hold_time(robot):

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from yarclang.backend_pmac.guard import watermarks
 from yarclang.hir import Array
+from yarclang.pmac.settings import AxisDefinition, ControllerSettings, IVariable, MDefinition, Plc
 from yarclang.pmac.variables import (
     ARMED,
+    FEEDBACK_PLC,
     GUARD_PLC,
     ROTARY_FULL,
     actual_position,
@@ -23,33 +26,43 @@ from yarclang.robot.model import Robot
 from yarclang.units import MS
 
 _NEVER = 0
+_MOST_DECIMALS = 20
+"""What is smaller moves no motor."""
+_CLEARANCE = 0.01
+"""The least distance from a motor's reach to its software limit [counts]: a move whose target is beyond the limit is aborted, and the controller
+rounds the targets that it computes."""
 
 
 def settings_text(robot: Robot) -> str:
-    """What a controller has to be told once about a robot, as text to download."""
-    sections = (
-        ("axis definitions: counts = K J q + a0", axis_definitions(robot)),
-        ("positions of the motors, in 1/(Ixx08*32) count, and the rotary's state", _definitions(robot)),
-        ("motors", _motor_settings(robot)),
-        ("coordinate system and controller", _system_settings(robot)),
-        ("feedback: joint positions in axis units, the inverse of the same matrix", _feedback(robot)),
-        ("guard: holds the motion when the rotary buffer runs low while a program is armed", _guard(robot)),
+    """Print what a controller has to be told once about a robot, as text to download."""
+    return settings_of(robot).text
+
+
+def settings_of(robot: Robot) -> ControllerSettings:
+    """Collect what a controller has to be told once about a robot."""
+    return ControllerSettings(
+        robot=robot.name,
+        title=_printable(robot.title),
+        fingerprint=robot.fingerprint,
+        system=robot.controller.coordinate_system,
+        axes=tuple(_axis_definitions(robot)),
+        registers=tuple(_registers(robot)),
+        motors=tuple(_motor_settings(robot)),
+        globals=tuple(_system_settings(robot)),
+        feedback=Plc(FEEDBACK_PLC, tuple(_feedback(robot))),
+        guard=Plc(GUARD_PLC, tuple(_guard(robot))),
+        plcs=IVariable("I5", "3", "foreground and background PLCs run"),
     )
-    lines = [
-        f"; settings of a Turbo PMAC for {robot.name}: {robot.title}",
-        f"; robot {robot.fingerprint}",
-        "; download once, look at the result, then SAVE",
-        "CLOSE ALL",
-    ]
-    for title, section in sections:
-        lines += ["", f"; {title}", *section]
-    return "\n".join(lines) + "\n"
 
 
-def axis_definitions(robot: Robot) -> tuple[str, ...]:
-    """The paper's Listing 1: each motor as a sum of axes, with the coordinate system addressed first."""
+def _printable(title: str) -> str:
+    """Keep a title on its line, in ASCII: behind a line end it would be a command."""
+    return "".join(one if one.isascii() and one.isprintable() else "?" for one in title)
+
+
+def _axis_definitions(robot: Robot) -> Iterator[AxisDefinition]:
+    """The paper's Listing 1: each motor as a sum of axes."""
     actuation, controller = robot.actuation, robot.controller
-    lines = [f"&{controller.coordinate_system}"]
     for motor, gear, row, offset in zip(
         controller.motors, actuation.gear, actuation.coupling, actuation.offset, strict=True
     ):
@@ -60,52 +73,68 @@ def axis_definitions(robot: Robot) -> tuple[str, ...]:
         ]
         if offset:
             terms.append(_number(offset))
-        lines.append(f"#{motor}->" + "+".join(terms).replace("+-", "-"))
-    return tuple(lines)
+        yield AxisDefinition(motor, "+".join(terms).replace("+-", "-"))
 
 
 def _number(value: float) -> str:
-    """Four decimals as in the paper where they are exact, else as many as are needed."""
+    """Print four decimals as in the paper if they are exact, else as many as are needed."""
     short = f"{value:.4f}"
-    return short if float(short) == value else f"{value:.10f}".rstrip("0")
+    if float(short) == value:
+        return short
+    text = f"{value:.{min(max(10, _decimals(value, 12)), _MOST_DECIMALS)}f}".rstrip("0")
+    return text + "0" * text.endswith(".")
 
 
-def _definitions(robot: Robot) -> Iterator[str]:
+def _decimals(value: float, digits: int) -> int:
+    """Return the decimals that show so many significant digits of a value other than 0."""
+    return digits - 1 - math.floor(math.log10(abs(value)))
+
+
+def _digits(value: float, digits: int) -> str:
+    """Print at most so many significant digits; the controller knows no exponent."""
+    text = f"{value:.{digits}g}"
+    return text if "e" not in text else f"{value:.{max(0, _decimals(value, digits))}f}"
+
+
+def _registers(robot: Robot) -> Iterator[MDefinition]:
     for motor in robot.controller.motors:
-        for variable, address in (commanded_position(motor), actual_position(motor)):
-            yield f"{variable}->{address}"
-    variable, address = rotary_full(robot.controller.coordinate_system)
-    yield f"{variable}->{address}"
+        yield MDefinition(*commanded_position(motor))
+        yield MDefinition(*actual_position(motor))
+    yield MDefinition(*rotary_full(robot.controller.coordinate_system))
 
 
-def _motor_settings(robot: Robot) -> Iterator[str]:
+def _motor_settings(robot: Robot) -> Iterator[IVariable]:
     """I-variables of the motors. The controller's own default of Ixx15 would take 6 s to abort a motion."""
     controller, limits = robot.controller, robot.limits
-    reach = np.abs(counts_per_joint(robot))
     stop = _motor_rate(robot, limits.stop_acceleration) * MS**2
     ramp = _motor_rate(robot, limits.acceleration) * MS**2
-    rapid = _motor_rate(robot, limits.velocity) * controller.rapid_share * MS
+    fastest = np.minimum(
+        _motor_rate(robot, limits.velocity) * controller.rapid_share, robot.actuation.velocity
+    )
+    rapid = fastest * MS
     least, most = _count_limits(robot)
     for row, motor in enumerate(controller.motors):
         ramp_time = max(rapid[row] / ramp[row], 50.0)
         values = {
             8: (f"{controller.ixx08}", "position scale"),
             13: (f"{_software_limit(most[row])}", "positive software limit, counts"),
-            14: (f"{_software_limit(least[row])}", "negative software limit, counts"),
-            15: (f"{stop[row]:.4f}", "abort deceleration, counts/ms^2, of the joints' stop acceleration"),
-            16: (f"{rapid[row]:.4f}", "speed of RAPID where Ixx90 is 1, counts/ms"),
-            17: (f"{ramp[row]:.4f}", "acceleration of LINEAR, counts/ms^2"),
-            19: (f"{ramp[row]:.4f}", "jog and RAPID acceleration, counts/ms^2"),
+            14: (f"{-_software_limit(-least[row])}", "negative software limit, counts"),
+            15: (_rate(stop[row]), "abort deceleration, counts/ms^2, of the joints' stop acceleration"),
+            16: (_rate(rapid[row]), "speed of RAPID where Ixx90 is 1, counts/ms"),
+            17: (_rate(ramp[row]), "acceleration of LINEAR, counts/ms^2"),
+            19: (_rate(ramp[row]), "jog and RAPID acceleration, counts/ms^2"),
             20: (f"{ramp_time:.0f}", "jog and RAPID acceleration time, ms"),
             21: (f"{ramp_time / 2:.0f}", "of which S-curve, ms"),
-            22: (f"{rapid[row]:.4f}", "jog and RAPID speed, counts/ms"),
+            22: (_rate(rapid[row]), "jog and RAPID speed, counts/ms"),
             90: ("0", "RAPID takes the jog speed"),
         }
-        if not np.any(reach[row]):
-            continue
-        yield from (
-            f"{motor_variable(motor, number)}={value} ; {what}" for number, (value, what) in values.items()
-        )
+        for number, (value, what) in values.items():
+            yield IVariable(motor_variable(motor, number), value, what)
+
+
+def _rate(value: float) -> str:
+    """Print four decimals, or more if these would round a small rate by 0.1 %."""
+    return f"{value:.{4 if value >= 0.05 else _decimals(value, 5)}f}"
 
 
 def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
@@ -134,63 +163,70 @@ def _count_limits(robot: Robot) -> tuple[Array, Array]:
     return ends.min(axis=0).sum(axis=1) + offset, ends.max(axis=0).sum(axis=1) + offset
 
 
-def _software_limit(counts: float) -> int:
-    """0 switches a limit off: none where the joint has none, and 1 count instead of zero."""
-    if not np.isfinite(counts):
+def _software_limit(reach: float) -> int:
+    """Return the first count beyond the largest position of a motor.
+
+    0 switches a limit off: that is for motors without one, and 1 stands for 0 (TSRM 96).
+    """
+    if not np.isfinite(reach):
         return _NEVER
-    return round(counts) or 1
+    return math.ceil(reach + _CLEARANCE) or 1
 
 
-def _system_settings(robot: Robot) -> Iterator[str]:
+def _system_settings(robot: Robot) -> Iterator[IVariable]:
     controller = robot.controller
     system = controller.coordinate_system
     marks = watermarks(robot, controller.largest_segment)
     # TSRM 43, 177: the time base changes by Isx95 each servo interrupt, in units of I10
     slew = max(1, round(controller.i10**2 / (2**23 * controller.hold_time / MS)))
-    yield f"I10={controller.i10} ; servo interrupt time, 1/8388608 ms"
-    yield f"I8={controller.i8} ; real-time interrupt each I8+1 servo cycles"
-    yield "I42=0 ; SPLINE takes its time from TM"
-    yield f"I16={marks.low} ; the rotary counts as low below so many lines (a program sets its own)"
-    yield f"I17={marks.full} ; and as full from so many on"
-    yield f"{system_variable(system, 13)}=0 ; no segmentation"
-    yield f"{system_variable(system, 50)}=0 ; no kinematics in the controller: the axis definitions do it"
-    yield f"{system_variable(system, 94)}={slew} ; slew rate of the override, for {controller.hold_time / MS:.0f} ms"
-    yield f"{system_variable(system, 95)}={slew} ; slew rate of the hold, for {controller.hold_time / MS:.0f} ms"
+    hold = f"{controller.hold_time / MS:.0f} ms"
+    yield IVariable("I10", f"{controller.i10}", "servo interrupt time, 1/8388608 ms")
+    yield IVariable("I8", f"{controller.i8}", "real-time interrupt each I8+1 servo cycles")
+    yield IVariable("I42", "0", "SPLINE takes its time from TM")
+    yield IVariable(
+        "I16", f"{marks.low}", "the rotary counts as low below so many lines (a program sets its own)"
+    )
+    yield IVariable("I17", f"{marks.full}", "and as full from so many on")
+    yield IVariable(system_variable(system, 13), "0", "no segmentation")
+    yield IVariable(
+        system_variable(system, 50), "0", "no kinematics in the controller: the axis definitions do it"
+    )
+    yield IVariable(system_variable(system, 94), f"{slew}", f"slew rate of the override, for {hold}")
+    yield IVariable(system_variable(system, 95), f"{slew}", f"slew rate of the hold, for {hold}")
 
 
 def _feedback(robot: Robot) -> Iterator[str]:
     """PLC 0: joint positions from actual motor positions."""
     actuation, controller = robot.actuation, robot.controller
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
-    yield "OPEN PLC 0 CLEAR"
     for variable, row in zip(controller.feedback, inverse, strict=True):
         terms = ""
+        least = 1e-12 * np.abs(row).max()
         for motor, share, gear, offset in zip(
             controller.motors, row, actuation.gear, actuation.offset, strict=True
         ):
-            if abs(share) < 1e-12:
+            if abs(share) < least:
                 continue
             counts = f"{actual_position(motor)[0]}/({motor_variable(motor, 8)}*32)"
             if offset:
-                counts = f"({counts}{-offset:+.10g})"
-            factor = "" if abs(abs(share) - 1.0) < 1e-12 else f"{abs(share):.12g}*"
+                counts = f"({counts}{_offset(-offset)})"
+            factor = "" if abs(abs(share) - 1.0) < 1e-12 else f"{_digits(abs(share), 12)}*"
             sign = "-" if share / gear < 0 else "+"
             terms += f"{sign}{factor}{counts}/{_number(abs(gear))}"
         yield f"{variable}={terms.removeprefix('+')}"
-    yield "CLOSE"
+
+
+def _offset(counts: float) -> str:
+    """Print an offset with its sign: ten digits if they tell it to a thousandth of a count, else all."""
+    text = f"{counts:+.10g}"
+    near = "e" not in text and abs(float(text) - counts) < 5e-4
+    return text if near else f"{'-' if counts < 0 else '+'}{_number(abs(counts))}"
 
 
 def _guard(robot: Robot) -> Iterator[str]:
-    yield f"; to go on after it has held ({ARMED} is 2 then): refill the buffer, {ARMED}=1, then R"
-    yield f"{ARMED}=0"
-    yield f"OPEN PLC {GUARD_PLC} CLEAR"
     yield f"IF({ARMED}=1)"
     yield f"IF({ROTARY_FULL}=0)"
     yield f"{ARMED}=2"
     yield f'CMD"&{robot.controller.coordinate_system}H"'
     yield "ENDIF"
     yield "ENDIF"
-    yield "CLOSE"
-    yield "I5=3 ; foreground and background PLCs run"
-    yield "ENABLE PLC 0"
-    yield f"ENABLE PLC {GUARD_PLC}"

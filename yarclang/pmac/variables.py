@@ -15,6 +15,9 @@ ASTRAY = "P8101"
 WAITING = "P8102"
 """1 while a program waits for an input."""
 
+FEEDBACK_PLC = 0
+"""The foreground PLC that computes the joint positions from those of the motors."""
+
 OUTPUTS_PLC = 28
 """The background PLC of a program that gives its outputs their safe values when the guard has held the motion."""
 

@@ -1,0 +1,130 @@
+"""The robot's K J and a0 in exact numbers: what motors do with joints, and which of them belong together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from yarclang.robot.model import Array, Robot
+
+Row = list[Fraction]
+ENDLESS = Fraction(36_000)
+"""Reach of a joint without limits to either side [deg or mm]: 100 turns."""
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Counts of motors by joints in axis units (deg, mm).
+
+    Attributes:
+        matrix: K J, a row for each motor, counts per axis unit.
+        offset: a0 [counts].
+        inverse: of the matrix: axis units per count, a row for each joint.
+        lower, upper: the joints' limits [axis units], None for a joint without one.
+    """
+
+    matrix: list[Row]
+    offset: Row
+    inverse: list[Row]
+    lower: list[Fraction | None]
+    upper: list[Fraction | None]
+
+    @cached_property
+    def reach(self) -> Row:
+        """Largest position of each joint to either side [axis units]."""
+        return [
+            max(ENDLESS if low is None else abs(low), ENDLESS if high is None else abs(high))
+            for low, high in zip(self.lower, self.upper, strict=True)
+        ]
+
+    @cached_property
+    def range(self) -> Row:
+        """Bound of each motor's position to either side [counts]."""
+        return [
+            sum(
+                (abs(share) * reach for share, reach in zip(row, self.reach, strict=True) if share),
+                abs(offset),
+            )
+            for row, offset in zip(self.matrix, self.offset, strict=True)
+        ]
+
+    @cached_property
+    def slack(self) -> Row:
+        """Error that each motor's position may have from rounding [counts]: a thousandth of a count, and 1e-11 of its range."""
+        return [Fraction(1, 1000) + range_ / 10**11 for range_ in self.range]
+
+    @cached_property
+    def joint_slack(self) -> Row:
+        """Error that each joint's position may have from that of the motors [axis units]."""
+        return [
+            sum(
+                (abs(share) * slack for share, slack in zip(row, self.slack, strict=True) if share),
+                Fraction(0),
+            )
+            for row in self.inverse
+        ]
+
+    @cached_property
+    def groups(self) -> list[tuple[list[int], list[int]]]:
+        """Motors and joints that belong together: rows and columns that entries other than 0 connect."""
+        left = list(range(len(self.matrix)))
+        found = []
+        while left:
+            motors, joints = {left[0]}, set[int]()
+            while True:
+                joints |= {k for m in motors for k, share in enumerate(self.matrix[m]) if share}
+                more = {m for m in left if any(self.matrix[m][k] for k in joints)} | motors
+                if more == motors:
+                    break
+                motors = more
+            left = [m for m in left if m not in motors]
+            found.append((sorted(motors), sorted(joints)))
+        return found
+
+
+def coupling_of(robot: Robot) -> Coupling | None:
+    """Return the coupling of a robot; None if K J can't be inverted."""
+    actuation, limits, units = robot.actuation, robot.limits, exact(robot.axis_units)
+    matrix = [
+        [gear * share for share in exact(row)]
+        for gear, row in zip(exact(actuation.gear), actuation.coupling, strict=True)
+    ]
+    inverse = _inverse(matrix)
+    if inverse is None:
+        return None
+    lower, upper = (
+        [None if at is None else at / unit for at, unit in zip(_finite(ends), units, strict=True)]
+        for ends in (limits.lower, limits.upper)
+    )
+    return Coupling(matrix, exact(actuation.offset), inverse, lower, upper)
+
+
+def exact(values: Array) -> Row:
+    """Return the numbers without rounding."""
+    return [Fraction(float(value)) for value in values]
+
+
+def _finite(values: Array) -> list[Fraction | None]:
+    return [None if abs(value) == float("inf") else Fraction(float(value)) for value in values]
+
+
+def _inverse(matrix: list[Row]) -> list[Row] | None:
+    """Invert by Gauss and Jordan; None for a singular matrix."""
+    size = len(matrix)
+    rows = [[*row, *(Fraction(int(at == other)) for other in range(size))] for at, row in enumerate(matrix)]
+    for at in range(size):
+        pivot = next((row for row in range(at, size) if rows[row][at]), None)
+        if pivot is None:
+            return None
+        rows[at], rows[pivot] = rows[pivot], rows[at]
+        head = rows[at][at]
+        rows[at] = [value / head if value else value for value in rows[at]]
+        for other in range(size):
+            factor = rows[other][at]
+            if other != at and factor:
+                rows[other] = [
+                    value - factor * share if share else value
+                    for value, share in zip(rows[other], rows[at], strict=True)
+                ]
+    return [row[size:] for row in rows]

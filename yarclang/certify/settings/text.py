@@ -1,0 +1,66 @@
+"""What a settings text says, as the judge reads it. Numbers are exact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A printed number: its value, and what 1 in its last digit is worth."""
+
+    value: Fraction
+    step: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """The axis definition of a motor: counts by axis, and the offset, in `line` (from 1); `terms` as they are printed."""
+
+    line: int
+    motor: int
+    terms: str
+    counts: Mapping[str, Number]
+    offset: Number
+
+
+@dataclass(frozen=True, slots=True)
+class Pointer:
+    """An M-variable and the register that it stands for."""
+
+    line: int
+    variable: str
+    address: str
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """An I-variable: its value, as it is printed too, and the remark after it."""
+
+    line: int
+    name: str
+    printed: str
+    value: Fraction
+    remark: str
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """A PLC: its number, and its statements from `line` on. `places` are the lines in the text of the statements."""
+
+    number: int
+    statements: tuple[str, ...]
+    places: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SettingsText:
+    """Everything that the text tells the controller, in order. `settings` are by their names, I5 the last."""
+
+    definitions: tuple[Definition, ...]
+    pointers: tuple[Pointer, ...]
+    settings: Mapping[str, Setting]
+    feedback: Listing
+    guard: Listing

@@ -25,7 +25,7 @@ from click.testing import CliRunner
 import yarclang
 from tests.simulator.serving import Client
 from yarclang.cli.yarc import main as yarc
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.description import load_robot
 from yarclang.runtime.performance import connect, look

@@ -7,7 +7,7 @@ import pytest
 
 from tests.cli.run_processes import run_on
 from tests.simulator.serving import Client
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.runtime.protocol import GREETING, Ask
 
 

@@ -20,7 +20,8 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.cli.address import SIM, Address, AddressType
 from yarclang.cli.commands import stop
 from yarclang.cli.yarc import main as yarc
-from yarclang.pipeline.jobs import items_of, job_of_compiled
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.settings import items_of
 from yarclang.pmac.requests import PORT
 from yarclang.runtime.notices import Changed
 from yarclang.runtime.performance import connect, look, perform

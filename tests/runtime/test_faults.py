@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from runtime.virtual import moved_along, prepared, well_behaved, world_of
 
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.messages import Ask, AskControl, Control, Write

@@ -6,7 +6,7 @@ import pytest
 from runtime.virtual import World, prepared, robot_with, world_of
 from simulator.machines import robot_machine
 
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.description import load_robot
 from yarclang.runtime.inspection import inspect

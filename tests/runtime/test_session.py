@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from runtime.virtual import place_at, prepared, robot_machine, world_of
 
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.pmac.requests import Code
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Trouble

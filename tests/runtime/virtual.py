@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 from simulator.machines import EXAMPLES, robot_machine
 
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.pipeline.jobs import items_of, job_of_compiled
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.parts import approach
+from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.robot.description import load_robot
 from yarclang.runtime.actions import Connect, Connected, Unreachable, Wait

@@ -28,15 +28,18 @@ def controller(
         stands: (n,) where a simulated robot stands [rad or m].
         rate: how fast a simulator's time passes.
         tells: whether it is said that the robot is simulated.
+
+    Raises:
+        Trouble: the robot is simulated, and its controller's settings aren't proved.
     """
     if to is not None:
         yield to
         return
-    from yarclang.backend_pmac.settings import settings_text
+    from yarclang.pipeline.settings import proved_settings
     from yarclang.simulator.commissioning import commissioned, stand
     from yarclang.simulator.embedded import EmbeddedSimulator
 
-    machine = commissioned(robot, settings_text(robot))
+    machine = commissioned(robot, proved_settings(robot).text)
     stand(machine, robot, stands)
     if tells:
         click.echo(f"{robot.name} is simulated", err=True)

@@ -19,7 +19,7 @@ from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.programs import Loaded, way_to_start
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.hir import Array
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.job import Job
 from yarclang.runtime.log import FOLDER, RunLog
@@ -129,8 +129,9 @@ class _Run:
 
     async def _in_order(self) -> int:
         session, operation = self.session, self.session.operation
+        items = items_of(self.robot)
         await session.perform(connect(operation))
-        inspection = await session.perform(look(operation, self.robot, items_of(self.robot)))
+        inspection = await session.perform(look(operation, self.robot, items))
         if inspection.errors or inspection.joints is None:
             self._refuse(inspection)
             return 1

@@ -15,11 +15,11 @@ from typing import Any, TypeVar
 
 from yarclang import __version__
 from yarclang.coordinator.ordered import OrderedSession
-from yarclang.pipeline.jobs import items_of
+from yarclang.pipeline.settings import items_of
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Lost, Script, Trouble
 from yarclang.runtime.idling import idle
-from yarclang.runtime.inspection import Inspection
+from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
 from yarclang.runtime.log import RunLog
@@ -90,6 +90,7 @@ class Engine:
         self._log_place = log
         self._on_bug = on_bug
         self._work: deque[_Work] = deque()
+        self._items: tuple[Item, ...] = ()
         self._closing = False
         self._task: asyncio.Task[None] | None = None
 
@@ -103,8 +104,9 @@ class Engine:
 
         Raises:
             NotReady: the controller isn't what the robot needs.
-            Trouble: it can't be reached, or not be looked at.
+            Trouble: the robot's settings aren't proved; the controller can't be reached, or not be looked at.
         """
+        self._items = items_of(self.robot)
         await self.session.perform(connect(self.operation))
         found = await self.look()
         if found.errors:
@@ -183,7 +185,7 @@ class Engine:
 
     async def look(self) -> Inspection:
         """Look at the controller; where all is well, a fault is forgotten."""
-        return await self.session.perform(look(self.operation, self.robot, items_of(self.robot)))
+        return await self.session.perform(look(self.operation, self.robot, self._items))
 
     def _refuse_while_under_way(self) -> None:
         if self.under_way:

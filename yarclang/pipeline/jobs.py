@@ -1,15 +1,13 @@
-"""Certified controller text to a job that the runtime streams; a robot's settings to what the runtime looks at."""
+"""Certified controller text to a job that the runtime streams."""
 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from yarclang.backend_pmac.settings import settings_text
 from yarclang.certify.assignments import assignments_of
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
@@ -17,7 +15,6 @@ from yarclang.diagnostics import Diagnostic, Result
 from yarclang.hir import Array
 from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
-from yarclang.runtime.inspection import Item
 from yarclang.runtime.job import Barrier, Job, JobCommand, Leg
 from yarclang.source import SourceFile
 from yarclang.units import MS
@@ -244,35 +241,3 @@ def _read_only(values: Array) -> Array:
     values = np.array(values, dtype=np.float64)
     values.setflags(write=False)
     return values
-
-
-def items_of(robot: Robot) -> tuple[Item, ...]:
-    """What a controller must have been told about a robot: each line of `yarc settings` that stays, as a question."""
-    remedy = f"download `yarc settings {robot.name}` and SAVE"
-    items: list[Item] = []
-    listing: list[str] = []
-    plc = ""
-    for full in settings_text(robot).splitlines():
-        line, _, remark = full.partition(";")
-        line, remark = line.strip(), remark.strip()
-        if found := re.fullmatch(r"OPEN (PLC \d+) CLEAR", line):
-            plc, listing = found[1], []
-        elif plc and line == "CLOSE":
-            items.append(Item(f"{plc}", f"LIST {plc}", "\n".join(listing), "listing", remedy))
-            plc = ""
-        elif plc:
-            listing.append(line)
-        elif found := re.fullmatch(r"(I\d+)=(\S+)", line):
-            if found[1] not in _SET_BY_PROGRAMS:
-                kind = "bits" if found[1] == "I5" else "number"
-                items.append(Item(f"{found[1]}, {remark}", found[1], found[2], kind, remedy))  # type: ignore[arg-type]
-        elif found := re.fullmatch(r"(#(\d+)->)(\S+)", line):
-            items.append(
-                Item(f"axis definition of motor {found[2]}", found[1], found[3], "definition", remedy)
-            )
-        elif found := re.fullmatch(r"(M\d+->)(\S+)", line):
-            items.append(Item(f"address of {found[1][:-2]}", found[1], found[2], "address", remedy))
-    return tuple(items)
-
-
-_SET_BY_PROGRAMS = ("I16", "I17")

@@ -23,18 +23,27 @@ def read_source(path: str) -> Result[SourceFile]:
 
     A byte order mark is taken away; what isn't UTF-8 text is one finding at the first byte that isn't.
     """
-    name = "<stdin>" if path == STANDARD_INPUT else path
+    content = read_content(path)
+    if content.value is None:
+        return Result(None, content.diagnostics)
+    return decode_source(name_of(path), content.value)
+
+
+def name_of(path: str) -> str:
+    """Return what findings call a file, or standard input."""
+    return "<stdin>" if path == STANDARD_INPUT else path
+
+
+def read_content(path: str) -> Result[bytes]:
+    """Read the bytes of a file, or of standard input (`-`)."""
     if path == STANDARD_INPUT and sys.stdin is None:
         return Result(None, (Diagnostic("Y0107", "standard input is closed", help="give a file's name"),))
     try:
         content = sys.stdin.buffer.read() if path == STANDARD_INPUT else Path(path).read_bytes()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        return Result(
-            None,
-            (Diagnostic("Y0107", f"{name} can't be read: {reason}", help="check the path and its rights"),),
-        )
-    return decode_source(name, content)
+        message = f"{name_of(path)} can't be read: {(error.strerror or str(error)).lower()}"
+        return Result(None, (Diagnostic("Y0107", message, help="check the path and its rights"),))
+    return Result(content)
 
 
 def decode_source(name: str, content: bytes) -> Result[SourceFile]:

@@ -51,9 +51,9 @@ def command(robot: str, to: Address | None, format_: str) -> None:
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)
-    with controller(to, loaded.value, loaded.value.home) as address:
+    with trouble_is_said(), controller(to, loaded.value, loaded.value.home) as address:
         # trying the guard beside a run would hold it
-        with trouble_is_said(), controller_lock(address.host, address.port):
+        with controller_lock(address.host, address.port):
             inspection, link = asyncio.run(_examine(loaded.value, address))
         _show(loaded.value, robot, address, inspection, link, format_)
     raise SystemExit(1 if inspection.errors else 0)
@@ -61,14 +61,15 @@ def command(robot: str, to: Address | None, format_: str) -> None:
 
 async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Link | None]:
     """What was found, and the link; that isn't measured while a program runs, which may need all of it."""
-    from yarclang.pipeline.jobs import items_of
+    from yarclang.pipeline.settings import items_of
     from yarclang.runtime.performance import connect, look, measured
     from yarclang.runtime.session import Session
 
+    items = items_of(robot)
     session = Session(address.host, address.port)
     try:
         await session.perform(connect(session.operation))
-        inspection = await session.perform(look(session.operation, robot, items_of(robot)))
+        inspection = await session.perform(look(session.operation, robot, items))
         if any(one.subject.startswith("coordinate system") for one in inspection.errors):
             return inspection, None
         return inspection, await session.perform(measured(session.operation, robot))

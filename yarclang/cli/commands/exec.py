@@ -33,6 +33,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, refused_line
     from yarclang.cli.loading import is_compiled, load
+    from yarclang.runtime.actions import Trouble
     from yarclang.runtime.rest import off_the_start
 
     if is_compiled(file) and (first or any(options[name] for name in ("start", "tm"))):
@@ -56,6 +57,9 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
         job = loaded.rest
         with controller(to, job.robot, job.start, options["rate"], tells=False) as address:
             raise SystemExit(execute(loaded, address, options, lines, own=to is None))
+    except Trouble as trouble:
+        lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
+        raise SystemExit(1) from None
     finally:
         lines.close()
         signal.signal(signal.SIGHUP, before)

@@ -68,6 +68,7 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
     from yarclang.cli.executing import Lines, findings_line, refused_line
     from yarclang.cli.following import follow
     from yarclang.pipeline.inputs import robot_for
+    from yarclang.runtime.actions import Trouble
 
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that is closed is nothing
     lines = Lines()
@@ -80,6 +81,9 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
             raise SystemExit(1)
         with controller(to, found.value, found.value.home, tells=False) as address:
             raise SystemExit(follow(found.value, address, options, lines, own=to is None))
+    except Trouble as trouble:
+        lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
+        raise SystemExit(1) from None
     finally:
         lines.close()
         signal.signal(signal.SIGHUP, before)

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from yarclang.cli.address import Address
+from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
 from yarclang.cli.options import Numbers, robot_option, tm_option
 
@@ -47,7 +47,7 @@ def command(to: Address | None, **options: Any) -> None:
         raise SystemExit(1)
     from yarclang.cli.controllers import controller
 
-    with controller(to, robot, placed.value, options["rate"]) as address:
+    with trouble_is_said(), controller(to, robot, placed.value, options["rate"]) as address:
         raise SystemExit(asyncio.run(_session(robot, address, options, own=to is None)))
 
 

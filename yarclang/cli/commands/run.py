@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from yarclang.cli.address import Address
+from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
 from yarclang.cli.options import planning_options, tm_option
 
@@ -41,7 +41,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.cli.performing import perform_run
 
     job = loaded.rest
-    with controller(to, job.robot, job.start, options["rate"]) as address:
+    with trouble_is_said(), controller(to, job.robot, job.start, options["rate"]) as address:
         raise SystemExit(perform_run(loaded, address, options, _again(file, to, options)))
 
 

@@ -2,23 +2,77 @@
 
 from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING
+
 import click
 
 from yarclang.cli.options import robot_argument
 
+if TYPE_CHECKING:
+    from yarclang.certify.settings import ProvedSettings
+    from yarclang.robot.model import Robot
+
 
 @click.command("settings")
 @robot_argument("robot", metavar="ROBOT")
-def command(robot: str) -> None:
+@click.option(
+    "--check",
+    "file",
+    type=click.Path(allow_dash=True),
+    metavar="FILE",
+    help="Judge a settings text that was saved or edited instead, and tell where it differs. - is standard input.",
+)
+def command(robot: str, file: str | None) -> None:
     """Print what a controller has to be told once about ROBOT (a name or a path): axis definitions,
     feedback, limits, and the guard of the rotary buffer.
+
+    The text is read back and proved before it is printed; exit status 1 says that it isn't proved, and nothing is printed.
     """
-    from yarclang.backend_pmac.settings import settings_text
     from yarclang.cli.show import show_findings
+    from yarclang.pipeline.settings import settings_of
     from yarclang.robot.description import load_robot
 
     loaded = load_robot(robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)
-    click.echo(settings_text(loaded.value), nl=False)
+    if file is not None:
+        _check(file, loaded.value)
+        return
+    judged = settings_of(loaded.value)
+    show_findings(judged.diagnostics)
+    if judged.value is None:
+        raise SystemExit(1)
+    click.echo(judged.value.text, nl=False)
+
+
+def _check(file: str, robot: Robot) -> None:
+    """Judge a file, and say what was proved of it."""
+    from yarclang.cli.show import show_findings
+    from yarclang.pipeline.settings import check_settings
+    from yarclang.pipeline.sources import name_of, read_content
+    from yarclang.source import SourceFile
+
+    content = read_content(file)
+    show_findings(content.diagnostics)
+    if content.value is None:
+        raise SystemExit(1)
+    # byte by byte: what a controller reads isn't decoded
+    judged = check_settings(SourceFile(name_of(file), content.value.decode("latin-1")), robot)
+    show_findings(judged.diagnostics)
+    if judged.value is None:
+        raise SystemExit(1)
+    click.echo(f"{name_of(file)}: proved for {robot.name}; {_bounds(judged.value, robot)}")
+
+
+def _bounds(proved: ProvedSettings, robot: Robot) -> str:
+    """Say how far axis definitions and PLC 0 are off at most, rounded up, in each unit of the robot's axes."""
+    parts = []
+    for what, bounds in (("axis definitions", proved.commanded), ("PLC 0", proved.feedback)):
+        largest: dict[str, float] = {}
+        for bound, unit in zip(bounds, robot.axis_unit_names, strict=True):
+            largest[unit] = max(float(bound), largest.get(unit, 0.0))
+        told = (f"{math.ceil(bound * 1e6) / 1e6:.6f} {unit}" for unit, bound in largest.items())
+        parts.append(f"{what} within {', '.join(told)}")
+    return ", ".join(parts)

@@ -152,8 +152,8 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
 
     if robot is None:
         return Machine(), "a bare Turbo PMAC"
-    from yarclang.backend_pmac.settings import settings_text
     from yarclang.cli.show import show_findings
+    from yarclang.pipeline.settings import settings_of
     from yarclang.robot.description import load_robot
     from yarclang.simulator.commissioning import commissioned
 
@@ -161,7 +161,11 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)
-    return commissioned(loaded.value, settings_text(loaded.value)), f"{loaded.value.name} at HOME"
+    settings = settings_of(loaded.value)
+    show_findings(settings.diagnostics)
+    if settings.value is None:
+        raise SystemExit(1)
+    return commissioned(loaded.value, settings.value.text), f"{loaded.value.name} at HOME"
 
 
 async def _serve(server: SimulatorServer, what: str) -> None:

@@ -1,0 +1,103 @@
+"""What the runtime looks at is what was judged; a wrong generator can't compare a controller with itself."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from yarclang.backend_pmac import settings as writer
+from yarclang.pipeline.settings import check_settings, items_of, proved_settings, settings_of
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+
+
+@pytest.fixture(params=["industrial6", "tracked"])
+def robot(request):
+    return request.getfixturevalue(request.param)
+
+
+@pytest.fixture
+def wrong_abort(monkeypatch):
+    """A writer that lets an abort brake twice as hard as the joints bear."""
+    rate = writer._motor_rate
+    monkeypatch.setattr(writer, "_motor_rate", lambda robot, joint_rate: 2.0 * rate(robot, joint_rate))
+
+
+def test_the_items_are_the_lines_of_the_text(robot):
+    """Each line that a controller keeps is asked for, in the order of the text, but for what programs set."""
+    text, items = proved_settings(robot).text, items_of(robot)
+    lines = [line.partition(" ;")[0] for line in text.splitlines()]
+    asked = [
+        f"{item.question}{'' if item.question.endswith('->') else '='}{item.wanted}"
+        for item in items
+        if item.kind != "listing"
+    ]
+    kept = [line for line in lines if re.match(r"(#\d+|M\d+)->|I\d+=", line)]
+    assert asked == [line for line in kept if not line.startswith(("I16=", "I17="))]
+    for item in items:
+        if item.kind == "listing":
+            assert f"OPEN {item.subject} CLEAR\n{item.wanted}\nCLOSE\n" in text
+    assert [item.subject for item in items if item.kind == "listing"] == ["PLC 0", "PLC 29"]
+    assert [item.question for item in items if item.kind == "bits"] == ["I5"]
+    assert len(items) == 14 * robot.size + 11
+    assert "I115, abort deceleration, counts/ms^2, of the joints' stop acceleration" in [
+        one.subject for one in items
+    ]
+
+
+def test_a_wrong_generator_is_refused(industrial6, wrong_abort):
+    judged = settings_of(industrial6)
+    assert judged.value is None
+    assert all(one.code == "Y1174" and "robot.toml" in one.help for one in judged.diagnostics)
+    with pytest.raises(
+        Trouble, match=r"the settings of INDUSTRIAL6 aren't proved: I115=12\.2558: an abort brakes J1"
+    ) as found:
+        items_of(industrial6)
+    assert found.value.code == "Y1174"
+    assert "yarc settings INDUSTRIAL6" in found.value.remedy
+
+
+def test_the_own_text_differs_in_nothing(robot):
+    judged = check_settings(SourceFile("mine.txt", proved_settings(robot).text), robot)
+    assert judged.value is not None
+    assert judged.diagnostics == ()
+
+
+def test_differences_are_told_line_by_line(industrial6):
+    own = proved_settings(industrial6).text
+    edited = own.replace("I113=4340581", "I113=4340582").replace("I16=5 ", "I16=9 ")
+    edited = edited.replace("P1=M162/(I108*32)/25532.8278", "P1=M162/25532.8278/(32*I108)")
+    edited = edited.replace("#1->25532.8278X", "#1->25532.82780X")
+    judged = check_settings(SourceFile("mine.txt", edited), industrial6)
+    assert judged.value is not None
+    assert {one.code for one in judged.diagnostics} == {"Y1176"}
+    assert not any(one.is_error for one in judged.diagnostics)
+    lines = edited.splitlines()
+    told = [
+        (lines[one.span.line - 1].partition(" ;")[0], one.message.rpartition("prints ")[2])
+        for one in judged.diagnostics
+    ]
+    assert told == [
+        ("#1->25532.82780X", "#1->25532.8278X"),
+        ("I113=4340582", "I113=4340581"),
+        ("I16=9", "I16=5"),
+        ("P1=M162/25532.8278/(32*I108)", "P1=M162/(I108*32)/25532.8278"),
+    ]
+
+
+def test_errors_come_alone(industrial6):
+    """What is wrong, and not what differs besides."""
+    edited = (
+        proved_settings(industrial6).text.replace("I113=4340581", "I113=4340582").replace("I42=0", "I42=1")
+    )
+    judged = check_settings(SourceFile("mine.txt", edited), industrial6)
+    assert judged.value is None
+    assert [one.code for one in judged.diagnostics] == ["Y1174"]
+
+
+def test_a_robot_that_no_settings_fit(industrial6):
+    """Also where the file's own judgement finds nothing: the generator's findings are said."""
+    slow = replace(industrial6, controller=replace(industrial6.controller, hold_time=8000.0))
+    assert [one.code for one in settings_of(slow).diagnostics] == ["Y1174", "Y1174"]
+    with pytest.raises(Trouble, match="a change of the override takes"):
+        proved_settings(slow)

@@ -72,6 +72,9 @@ def test_differences_are_told_line_by_line(industrial6):
     assert judged.value is not None
     assert {one.code for one in judged.diagnostics} == {"Y1176"}
     assert not any(one.is_error for one in judged.diagnostics)
+    assert [one.help for one in judged.diagnostics if "each run refuse" not in one.help] == [
+        "this is for programs of others: each of yarcc's sets its own"
+    ]
     lines = edited.splitlines()
     told = [
         (lines[one.span.line - 1].partition(" ;")[0], one.message.rpartition("prints ")[2])

@@ -71,6 +71,8 @@ def _differences(
                 f"{name}{text} is proved too, but `yarc settings {robot.name}` prints {name}{told[name][1]}"
             )
             help_ = "download what it prints: `yarc doctor` and each run refuse another value"
+            if name.rstrip("=") in _SET_BY_PROGRAMS:
+                help_ = "this is for programs of others: each of yarcc's sets its own"
             span = Span.on_line(line, 1, len(source.line(line)) + 1)
             yield Diagnostic("Y1176", message, source, span, help_)
 

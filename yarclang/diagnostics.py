@@ -88,23 +88,27 @@ def in_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(sorted(dict.fromkeys(diagnostics), key=key))
 
 
-def grouped(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """One finding for all that say the same code at the same span: the first, with its place and how many more there are."""
+def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tuple[Diagnostic, ...]:
+    """One finding for all that say the same code at the same span: the first, with its place and how many more there are.
+
+    `at_least` is True if not all was looked at, so that there may be more.
+    """
     groups: dict[tuple[str, str, Span | None], list[Diagnostic]] = {}
     for one in diagnostics:
         # without a place nothing was unrolled: two findings are two
         name = one.source.name if one.source else ""
         key = (one.code, name, one.span) if one.place else (one.code + one.message, name, one.span)
         groups.setdefault(key, []).append(one)
-    return tuple(_first(found) for found in groups.values())
+    return tuple(_first(found, at_least) for found in groups.values())
 
 
-def _first(found: list[Diagnostic]) -> Diagnostic:
+def _first(found: list[Diagnostic], at_least: bool) -> Diagnostic:
     first = found[0]
     if not first.place:
         return first
     more = len(found) - 1
-    again = f", and {more:,} more time{'s' * (more != 1)}" if more else ""
+    least = "at least " if at_least else ""
+    again = f", and {least}{more:,} more time{'s' * (more != 1)}" if more else ""
     return replace(first, message=f"{first.message} (at {first.place}{again})")
 
 

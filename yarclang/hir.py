@@ -328,7 +328,8 @@ class Program:
     """A checked program: where the robot stands at first, and what it does.
 
     `start` is (n,) in rad (m), within the joint limits. `cell` are the surroundings that a CELL line names. A program with
-    a Gap has errors: it is planned for the sake of further findings, and never emitted.
+    a Gap has errors: it is planned for the sake of further findings, and never emitted. `is_cut` is True if loops and calls were carried out in
+    part only, because there are errors or only a first look was wanted; then there is a Gap as well.
     """
 
     source: SourceFile
@@ -336,3 +337,4 @@ class Program:
     steps: tuple[Step, ...]
     outputs: tuple[Output, ...] = ()
     cell: Cell | None = None
+    is_cut: bool = False

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from programs import checked, codes, planned
 
 from yarclang.diagnostics import grouped
-from yarclang.semantics import repeats, unroll
+from yarclang.semantics import counting, repeats
 
 DEFAULT = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
 
@@ -116,7 +116,7 @@ def test_a_fault_in_a_long_loop_is_one_finding():
 
 
 def test_most_commands(monkeypatch):
-    for module in (unroll, repeats):
+    for module in (counting, repeats):
         monkeypatch.setattr(module, "MOST_COMMANDS", 100)
     loop = "REPEAT 10\nREPEAT {}\nP0010 MOVEJ HOME\nEND\nEND"
     empty = "REPEAT 50\nREPEAT 50\nEND\nEND\nP0010 STOP"

@@ -103,9 +103,9 @@ FINDINGS = (
         "Y0112",
         "too-deep",
         "error",
-        "too many blocks or brackets stand inside each other",
-        "Blocks go 100 deep, and so do operators, functions and brackets in one expression. A file that has more was most "
-        "likely written by a program that went wrong; nobody could read it.",
+        "too many blocks, CALLs or brackets stand inside each other",
+        "Blocks go 100 deep, and so do operators, functions and brackets in one expression; the CALLs of SUBs that call others, with the blocks "
+        "around them, 150. A file that has more was most likely written by a program that went wrong; nobody could read it.",
     ),
     Finding(
         "Y0113",

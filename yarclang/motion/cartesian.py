@@ -11,7 +11,7 @@ import numpy as np
 from yarclang.hir import Array
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.inverse import follow
-from yarclang.robot.kinematics.track import Broken, Track, track
+from yarclang.robot.kinematics.track import Broken, Reason, Track, track
 from yarclang.robot.model import Chain, Limits, Tolerance
 
 _LIKE = Tolerance()
@@ -117,10 +117,17 @@ def extent_of(frame: FramePath) -> tuple[float, bool]:
 
 
 def along(
-    chain: Chain, limits: Limits, flange_from_moving: Array, frame: FramePath, q_start: Array
+    chain: Chain,
+    limits: Limits,
+    flange_from_moving: Array,
+    frame: FramePath,
+    q_start: Array,
+    *,
+    reason: Reason = "measured",
 ) -> CartesianPath | Broken:
-    """Follow a path from where the robot stands, `q_start` (n,), keeping the configuration."""
-    tracked = track(chain, limits, flange_poses_of(frame, flange_from_moving), q_start)
+    """Follow a path from where the robot stands, `q_start` (n,), keeping the configuration; `reason` as of `track`."""
+    poses = flange_poses_of(frame, flange_from_moving)
+    tracked = track(chain, limits, poses, q_start, reason=reason)
     if isinstance(tracked, Broken):
         return tracked
     return CartesianPath(chain, flange_from_moving, frame, q_start, tracked)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
-from yarclang.diagnostics import Collector, Diagnostic, Result
+from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Stop
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.motion import messages
@@ -51,16 +51,17 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
         The plan, or None where a motion can't be done. After an error the planning goes on
         from where the robot would stand, as far as that is known, so that each fault is found.
     """
-    made, is_whole, found = plan_in_part(program, robot, settings)
+    made, is_whole, found = plan_in_part(program, robot, settings, ENOUGH_LINKED)
     return Result(made if is_whole else None, found)
 
 
 def plan_in_part(
-    program: Program, robot: Robot, settings: Settings
+    program: Program, robot: Robot, settings: Settings, enough: int | None = None
 ) -> tuple[MotionPlan, bool, tuple[Diagnostic, ...]]:
     """Plan the motions of a program that can be planned, whether that is the whole program without an error, and the findings.
 
-    In a plan in part, a motion need not begin where the one before it ends: it is for showing, never for a controller.
+    In a plan in part, a motion need not begin where the one before it ends: it is for showing, never for a controller. Of a program with errors, chains
+    of motions are planned up to `enough` motions in them (None: all).
     """
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
@@ -91,7 +92,15 @@ def plan_in_part(
         if isinstance(step, Motion):
             flows = step.blend is not None
     motions: list[PlannedMotion] = []
+    has_gaps = any(isinstance(step, Gap) for step in steps)
+    if not (has_gaps or any(map(has_errors, found))):
+        enough = None
+    in_chains = 0
     for numbers, chain in chained(robot, steps, links, ways, found):
+        if len(chain) > 1:
+            in_chains += len(chain)
+            if enough is not None and in_chains > enough:
+                continue
         for number, piece in zip(numbers, planner.pieces(chain), strict=True):
             step, route = steps[number], router.done[number].route
             assert isinstance(step, Motion)
@@ -115,7 +124,7 @@ def plan_in_part(
     everything = tuple(one for findings_of_step in found for one in findings_of_step)
     complete = (
         len(motions) == sum(isinstance(step, Motion) for step in steps)
-        and not any(isinstance(step, Gap) for step in steps)
+        and not has_gaps
         and not any(one.is_error for one in everything)
     )
     return MotionPlan(program, robot, tuple(motions)), complete, everything
@@ -220,6 +229,11 @@ class _Planner:
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
             findings.add(*time_off_the_grid(link.duration, piece.curve, step.origin))
 
+
+ENOUGH_LINKED = 12
+"""Motions without a stop between them that are planned of a program with errors. What is found there besides are stops at corners and times that
+aren't kept, and a long chain takes seconds.
+"""
 
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""

@@ -26,6 +26,7 @@ from yarclang.hir import (
     JointMove,
     LineMove,
     Motion,
+    Origin,
     PoseGoal,
     PoseSplineMove,
     SplineMove,
@@ -42,6 +43,7 @@ from yarclang.motion.leading.solving import Solver, flange_at, is_free
 from yarclang.motion.path import Path
 from yarclang.motion.recalling import told_before
 from yarclang.robot.model import Robot
+from yarclang.source import SourceFile, Span
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,11 +103,16 @@ class Router:
     done: list[_Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
     """What was taken instead of the nearest, by step."""
+    _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
+    """The commands for which was searched, and nothing found."""
 
-    @property
-    def solver(self) -> Solver:
-        """What solves poses."""
-        return Solver(self.robot, self.cell)
+    def _solver(self, origin: Origin) -> Solver:
+        """What solves the poses of a command. It searches long only in the first round of a loop, and for how far poses are out of reach for some
+        commands of a program.
+        """
+        is_again = (origin.source, origin.span) in self._in_vain
+        measures = not is_again and len(self._in_vain) < MOST_MEASURED
+        return Solver(self.robot, self.cell, measures, is_again)
 
     def advance(self) -> None:
         """Route the next step; where it can't be done from here, from another solution of an earlier target if one serves."""
@@ -125,7 +132,7 @@ class Router:
             return
         step = self.steps[chosen]
         assert isinstance(step, Motion)
-        for q in self.solver.others(goal, near, step):
+        for q in Solver(self.robot, self.cell).others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
             had = self._choices.get(chosen)
@@ -167,9 +174,14 @@ class Router:
         findings = Collector(step.origin.source)
         findings.place = step.origin.place
         if isinstance(step, Motion):
+            solver = self._solver(step.origin)
             if before.q is None:
-                return self._from_anywhere(step, before, findings)
-            return self._motion(number, step, before, before.q, findings)
+                done = self._from_anywhere(solver, step, before, findings)
+            else:
+                done = self._motion(solver, number, step, before, before.q, findings)
+            if any(one.code in _IN_VAIN for one in done.found):
+                self._in_vain.add((step.origin.source, step.origin.span))
+            return done
         behind = self._flow(step, before, findings) if isinstance(step, Action) else before
         return _Done(before, behind, None, tuple(findings.found))
 
@@ -199,7 +211,9 @@ class Router:
         """Whether two joint positions are one for the controller: far below a count."""
         return bool((np.abs(one - other) <= 1e-9 * self.robot.axis_units).all())
 
-    def _motion(self, number: int, step: Motion, before: _Stand, q: Array, findings: Collector) -> _Done:
+    def _motion(
+        self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
+    ) -> _Done:
         """Route one motion from `q` (n,)."""
         choice, taken = before.choice, self._choices.get(number)
         if isinstance(step, SplineMove):
@@ -207,10 +221,19 @@ class Router:
         elif isinstance(step, JointMove | AvoidMove) and not isinstance(step.goal, JointDelta):
             choice = number if is_free(step.goal) else None
         chosen = None if taken is None else taken.tobytes()
-        key = ("route", self.robot, self.cell, q.tobytes(), chosen, key_of(step))
+        key = (
+            "route",
+            self.robot,
+            self.cell,
+            q.tobytes(),
+            chosen,
+            key_of(step),
+            solver.measures,
+            solver.is_again,
+        )
 
         def make() -> tuple[Led, Route | None]:
-            led = self._led(step, q, taken, findings)
+            led = self._led(solver, step, q, taken, findings)
             if led.path is None or led.waypoints is None:
                 return led, None
             return led, Route(led.path, led.waypoints)
@@ -221,34 +244,55 @@ class Router:
         behind = replace(before, q=led.end, choice=choice)
         return _Done(before, behind, route, tuple(findings.found), led.broken)
 
-    def _led(self, step: Motion, q: Array, taken: Array | None, findings: Collector) -> Led:
+    @staticmethod
+    def _led(solver: Solver, step: Motion, q: Array, taken: Array | None, findings: Collector) -> Led:
         match step:
             case JointMove():
-                return joint_motion(self.solver, step, q, findings, taken)
+                return joint_motion(solver, step, q, findings, taken)
             case AvoidMove():
-                return avoiding_motion(self.solver, step, q, findings, taken)
+                return avoiding_motion(solver, step, q, findings, taken)
             case SplineMove():
-                return spline_motion(self.solver, step, q, findings, taken)
+                return spline_motion(solver, step, q, findings, taken)
             case LineMove() | ArcMove() | PoseSplineMove():
-                return frame_motion(self.solver, step, q, findings)
+                return frame_motion(solver, step, q, findings)
 
-    def _from_anywhere(self, step: Motion, before: _Stand, findings: Collector) -> _Done:
+    def _from_anywhere(self, solver: Solver, step: Motion, before: _Stand, findings: Collector) -> _Done:
         """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all, and the way of its frame."""
+        flange = None if before.flange is None else before.flange.tobytes()
+        key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
+
+        def make() -> tuple[Array | None, Array | None, FrameWay | None]:
+            return self._goals_from_anywhere(solver, step, before, findings)
+
+        q, flange_after, way = told_before(self.memory, key, step.origin, findings, make)
+        behind = replace(before, q=q, choice=None, flange=flange_after)
+        return _Done(before, behind, None, tuple(findings.found), way=way)
+
+    def _goals_from_anywhere(
+        self, solver: Solver, step: Motion, before: _Stand, findings: Collector
+    ) -> tuple[Array | None, Array | None, FrameWay | None]:
+        """Return where a motion from an unknown place leads: joint positions (n,) if they are written, the flange's pose (4, 4), and the way of its frame."""
         goals = step.waypoints if isinstance(step, SplineMove | PoseSplineMove) else (step.goal,)
         way = None
         if before.flange is not None and isinstance(step, LineMove | ArcMove | PoseSplineMove):
             way, last = frame_way(step, before.flange, findings)
             goals = (*goals[:-1], last)
         reached = [
-            self.solver.nearest(goal, self.robot.home, step, findings) is not None
+            solver.nearest(goal, self.robot.home, step, findings) is not None
             for goal in goals
             if isinstance(goal, PoseGoal)
         ]
         last_goal = goals[-1]
         q = last_goal.q if isinstance(last_goal, JointGoal) else None
         flange = flange_at(last_goal) if isinstance(last_goal, PoseGoal) and all(reached) else None
-        behind = replace(before, q=q, choice=None, flange=flange)
-        return _Done(before, behind, None, tuple(findings.found), way=way)
+        return q, flange, way
+
+
+_IN_VAIN = ("Y0501", "Y0503", "Y0923")
+"""Codes of findings after a search that found nothing."""
+
+MOST_MEASURED = 20
+"""Commands of a program for which is searched how far they are out of reach: each search takes about 0.1 s."""
 
 
 def _last_goal(step: Step) -> PoseGoal | None:

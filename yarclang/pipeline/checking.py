@@ -21,7 +21,8 @@ from yarclang.pipeline.followers import without_followers
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
-from yarclang.pipeline.stages import Compiled, Progress, certified, check_program, plan_checked
+from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
+from yarclang.progress import Progress
 from yarclang.source import SourceFile
 
 
@@ -118,7 +119,9 @@ def _begun(opened: Opened, found: tuple[Diagnostic, ...], project: Project) -> B
 
 
 def _unplanned(begun: Begun) -> Checked:
-    found = (*begun.found, *grouped(begun.program.diagnostics))
+    assert begun.program.value is not None  # a check always gives a program
+    told = grouped(begun.program.diagnostics, at_least=begun.program.value.is_cut)
+    found = (*begun.found, *told)
     diagnostics = settled(
         (*found, *told_by_rules(begun.said, begun.around, found)), begun.source, begun.project
     )

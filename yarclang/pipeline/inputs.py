@@ -16,8 +16,9 @@ from yarclang.pipeline.kept import robot_kept
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
-from yarclang.pipeline.stages import Progress, Request
+from yarclang.pipeline.stages import Request
 from yarclang.pmac.program import Target
+from yarclang.progress import Progress
 from yarclang.robot.description import load_robot, read_robot
 from yarclang.robot.library import find_robot, list_robots
 from yarclang.robot.model import Robot, Tolerance

@@ -18,7 +18,7 @@ from yarclang.certify.certificate import Certificate
 from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import ArcMove, Array, AvoidMove, LineMove, Program
+from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Program, Step
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
@@ -28,6 +28,7 @@ from yarclang.pipeline.segments import segment_grid
 from yarclang.pmac.header import Header
 from yarclang.pmac.program import PmacProgram, Target
 from yarclang.pmac.seal import sealed
+from yarclang.progress import Progress
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
@@ -35,9 +36,6 @@ from yarclang.semantics.context import Context
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 from yarclang.units import MS
-
-Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and how much there is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +45,7 @@ class Request:
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
     the modules that the program uses, `load_cell` its cell. `index_needed` says whether a command must have an index. `memory`
-    keeps what the stages work out, for the next time.
+    keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough.
     """
 
     robot: Robot
@@ -61,6 +59,7 @@ class Request:
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
     index_needed: bool = True
     memory: Memory = NO_MEMORY
+    enough: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +88,8 @@ def context_of(request: Request) -> Context:
         request.load_cell,
         request.index_needed,
         request.memory,
+        request.enough,
+        request.progress,
     )
 
 
@@ -130,10 +131,29 @@ def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
 def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPlan]:
     """What a check has given to motion plan, with the findings of both."""
     assert checked.value is not None  # a check always gives a program
-    planned = plan_program(checked.value, request)
-    told = name_arguments_of_times(planned.diagnostics, checked.value.steps)
-    diagnostics = in_order(grouped((*checked.diagnostics, *told)))
+    program = checked.value
+    if has_errors(checked.diagnostics):
+        program = _shortened(program)
+    planned = plan_program(program, request)
+    told = name_arguments_of_times(planned.diagnostics, program.steps)
+    diagnostics = in_order(grouped((*checked.diagnostics, *told), at_least=program.is_cut))
     return Result(None if has_errors(diagnostics) else planned.value, diagnostics)
+
+
+ENOUGH_MOTIONS = 300
+"""Motions in loops and SUBs that are planned of a program with errors."""
+
+
+def _shortened(program: Program) -> Program:
+    """Return a program with errors as far as it is planned: lines in loops and SUBs, which come again, up to a number of motions."""
+    left, steps = ENOUGH_MOTIONS, list[Step]()
+    for step in program.steps:
+        if isinstance(step, Motion) and step.origin.place:
+            left -= 1
+            steps.append(step if left >= 0 else Gap())
+        else:
+            steps.append(step)
+    return program if left >= 0 else replace(program, steps=tuple(steps), is_cut=True)
 
 
 def compile_module(module: Module, request: Request) -> Result[Compiled]:

@@ -55,15 +55,16 @@ def name_arguments_of_times(findings: Iterable[Diagnostic], steps: Iterable[Step
 
 
 def _said(items: Iterable[Computed | ComputedPercent], given: Given) -> str:
-    names = dict.fromkeys(name for item in items for name in _names(item.expression))
+    names = dict.fromkeys(name for item in items for name in names_in(item.expression))
     return "; ".join(given[name] for name in names if name in given)
 
 
-def _names(expression: Expression) -> Iterator[str]:
+def names_in(expression: Expression) -> Iterator[str]:
+    """Yield the names in an expression, in upper case."""
     if isinstance(expression, Name):
         yield expression.name
     for part in parts_of(expression):
-        yield from _names(part)
+        yield from names_in(part)
 
 
 def _overlap(one: Span, other: Span) -> bool:

@@ -27,5 +27,6 @@ def check(module: Module, context: Context) -> Result[Program]:
         findings.add("Y0104", "the file has no command", Span.on_line(1, 1, 2), "was another file meant?")
     known = (context.start, unrolled.start, context.fallback_start, context.robot.home)
     start = next(one for one in known if one is not None)
-    program = Program(module.source, start, tuple(unrolled.steps), tuple(unrolled.outputs), unrolled.cell)
+    steps, outputs = tuple(unrolled.steps), tuple(unrolled.outputs)
+    program = Program(module.source, start, steps, outputs, unrolled.cell, unrolled.is_cut)
     return Result(program, (*findings.found, *unrolled.findings))

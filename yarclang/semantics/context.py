@@ -9,6 +9,7 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
 from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
+from yarclang.progress import Progress
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
 from yarclang.source import SourceFile
@@ -35,6 +36,10 @@ class Context:
     """Whether a command needs an index (the live interpreter does without)."""
     memory: Memory = NO_MEMORY
     """Keeps the steps of commands."""
+    enough: int | None = None
+    """Lines in loops and SUBs after which a loop makes no further round; None: all are carried out."""
+    progress: Progress | None = None
+    """Told how many lines were checked."""
 
 
 @dataclass(frozen=True, slots=True)

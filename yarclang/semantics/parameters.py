@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 import numpy as np
 
 from yarclang.diagnostics import Collector, suggest
@@ -65,6 +67,46 @@ def bind(
         where = Where(source, head.span(parameter.place))
         fine &= _bind_one(parameter, value, inner, statement, scope, where, findings)
     return fine
+
+
+def bind_some(
+    statement: Statement,
+    scope: Scope,
+    source: SourceFile,
+    head: Statement,
+    inner: Scope,
+    names: Container[str],
+) -> tuple[Named | None, ...] | None:
+    """Declare some parameters of a SUB as what a CALL gives for them, without findings.
+
+    Args:
+        statement: the CALL.
+        scope: the names that are known there.
+        source: the CALL's file.
+        head: the SUB's first line.
+        inner: the scope of its body.
+        names: the parameters, in upper case; frames are never declared.
+
+    Returns:
+        What they mean, or None if an argument doesn't fit.
+    """
+    wanted, given = parameters_of(head), values_of(statement)[1:]
+    if len(given) != len(wanted):
+        return None
+    where, silent = Where(source, head.whole_span), Collector(source)
+    found: list[Named | None] = []
+    for name, parameter, value in zip(names_of_parameters(head), wanted, given, strict=True):
+        if name in names:
+            if not _bind_one(parameter, value, inner, statement, scope, where, silent):
+                return None
+            found.append(inner.declared(name))
+    return tuple(found)
+
+
+def names_of_parameters(head: Statement) -> list[str]:
+    """Return the names of a SUB's parameters in upper case; empty for a frame."""
+    words = map(_word, parameters_of(head))
+    return [word.name if word is not None else "" for word in words]
 
 
 def _bind_one(

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from yarclang.diagnostics import Collector
+from yarclang.semantics.files import values_of
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.units import amount, number_fault
-from yarclang.syntax.ast import Computed, Number, Statement, Value
+from yarclang.syntax.ast import Computed, Number, Statement, Value, Word
 
 MOST_COMMANDS = 1_000_000
 """Unrolled commands of a program."""
+
+
+def counted(head: Statement) -> tuple[Word | None, list[Value]]:
+    """Return the name that a REPEAT counts with, if it has one, and the values after the name."""
+    values = values_of(head)
+    word = values[0] if values and isinstance(values[0], Word) else None
+    return word, values[1:] if word else values
 
 
 def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:

@@ -1,6 +1,7 @@
 """Loops, conditions and calls carried out: a file's blocks to a flat list of steps.
 
-Every command knows its place: what led to it, from outside in, as `P0020(I=2)>P0010`.
+Every command knows its place: what led to it, from outside in, as `P0020(I=2)>P0010`. What a loop or a call comes to is counted before
+(counting.py). Where a program has errors, or only a first look at it is wanted, loops and calls are carried out up to a number of lines (extent.py).
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
-from yarclang.diagnostics import Diagnostic
+from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import read_action, read_when
@@ -16,40 +17,48 @@ from yarclang.semantics.amounts import Amount
 from yarclang.semantics.arguments import name_arguments, said_of_time
 from yarclang.semantics.calling import Calls
 from yarclang.semantics.context import Context, Defaults
+from yarclang.semantics.counting import DEEPEST, Count, Counter, TooMuch, Uncounted, too_deep, too_much_so_far
 from yarclang.semantics.declaring import Declaring
 from yarclang.semantics.evaluate import EvaluationError, evaluate
-from yarclang.semantics.files import File, values_of
+from yarclang.semantics.extent import ENOUGH_WITH_ERRORS, Extent
+from yarclang.semantics.files import File, Sub
 from yarclang.semantics.names import ACTIONS, CommandNames, ResolvedName
 from yarclang.semantics.naming import may_be_declared
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
-from yarclang.semantics.places import Place, at, looped, shown
+from yarclang.semantics.places import Place, at, index_of, looped, shown
 from yarclang.semantics.recalling import step_before
-from yarclang.semantics.repeats import MOST_COMMANDS, repeats
+from yarclang.semantics.repeats import counted, repeats
 from yarclang.semantics.scope import Scope, Where
 from yarclang.semantics.to_hir import origin_of, to_step
-from yarclang.source import Span
-from yarclang.syntax.ast import Block, Module, Node, Statement, Word
+from yarclang.syntax.ast import Block, Module, Node, Statement
 from yarclang.syntax.words import DECLARATIONS
-
-
-class TooManyCommands(Exception):  # noqa: N818 - ends the unrolling, and is told as a finding
-    """The program is longer than is ever planned."""
 
 
 @dataclass(slots=True)
 class Unrolled:
-    """What comes of a file: steps, the start that it gives, its outputs, and all findings."""
+    """What comes of a file: steps, the start that it gives, its outputs, and all findings.
+
+    `is_cut` is True if not all rounds of loops and not all calls were carried out.
+    """
 
     steps: list[Step]
     start: Array | None
     outputs: list[Output]
     cell: Cell | None
     findings: list[Diagnostic]
+    is_cut: bool
 
 
 def unroll(module: Module, context: Context) -> Unrolled:
-    """Carry out a program's declarations, loops, conditions and calls."""
-    return _Unroller(context).program(module)
+    """Carry out a program's declarations, loops, conditions and calls.
+
+    A long program is carried out in part at first: what is wrong with it is mostly found there.
+    """
+    least = context.enough or ENOUGH_WITH_ERRORS
+    unrolled = _Unroller(context, least).program(module)
+    if not unrolled.is_cut or context.enough is not None or has_errors(unrolled.findings):
+        return unrolled
+    return _Unroller(context, None).program(module)
 
 
 def declared_names(module: Module, context: Context) -> Scope:
@@ -66,45 +75,64 @@ def declared_names(module: Module, context: Context) -> Scope:
     return file.scope
 
 
+_NO_COMMANDS = DECLARATIONS - {"WHEN"}
+"""Words of lines that don't count as a command."""
+
+
 class _Unroller:
-    def __init__(self, context: Context) -> None:
+    """Carries out a program: of loops and SUBs `enough` lines, or all of them (None)."""
+
+    def __init__(self, context: Context, enough: int | None) -> None:
         self._context = context
         self._steps: list[Step] = []
         self._names = CommandNames(context.profiles)
         self._declaring = Declaring(context, self._names, self._steps)
         self._calls = Calls()
+        self._counter = Counter(context.enough, context.progress)
+        self._extent = Extent(self._declaring.collectors, enough, context.progress)
+        self._shown_once: set[Sub] = set()
+        """The SUBs that were called since the extent was reached."""
         self._commands = 0
+        self._counted = Count()
+        """The commands and lines up to here, those of loops and calls as they were counted."""
+        self._depth = 0
+        """Blocks and calls that are being carried out."""
         self._whens = 0
         self._ended: str | None = None
         self._told_unreachable = False
+        self._is_too_much = False
 
     def program(self, module: Module) -> Unrolled:
         """The whole program."""
         declaring, cells = self._declaring, self._declaring.cells
         file = declaring.file(module, is_program=True)
-        try:
-            nodes = declaring.arranged(module, file)
-            self._nodes(nodes, file, file.scope, ())
-        except TooManyCommands:
-            self._steps.clear()  # what isn't whole needn't be planned
-            message = f"the program has more than {MOST_COMMANDS:,} commands when its loops are unrolled"
-            file.findings.place = ""
-            file.findings.add(
-                "Y1004", message, Span.on_line(1, 1, 2), "make the loops shorter, or several programs"
-            )
-            self._steps.append(Gap())
+        nodes = declaring.arranged(module, file)
+        if module.unreadable_lines:
+            self._extent.expect_syntax_errors()
+        self._nodes(nodes, file, file.scope, ())
         if module.unreadable_lines:
             self._steps.append(Gap())
-        if cells.broken:
-            self._steps[:] = [Gap()]  # poses and positions that aren't what they should be needn't be planned
+        if cells.broken or self._is_too_much:
+            self._steps[:] = [Gap()]  # what isn't whole, or not what it should be, needn't be planned
         found = [one for collector in declaring.collectors for one in collector.found]
         told = cells.without_followers(found)
-        return Unrolled(self._steps, declaring.start, declaring.outputs, cells.cell, told)
+        return Unrolled(
+            self._steps, declaring.start, declaring.outputs, cells.cell, told, self._extent.is_reached
+        )
 
     def _nodes(self, nodes: tuple[Node, ...], file: File, scope: Scope, place: Place) -> None:
-        where = shown(place)
+        where, source = shown(place), file.findings.source
         for node in nodes:
             file.findings.place = where
+            head = node.head if isinstance(node, Block) else node
+            size = self._counter.size(head, source)
+            self._extent.add(size, again=bool(place))
+            if not place and head.name.name not in (
+                "REPEAT",
+                "CALL",
+            ):  # which are counted with all that is in them
+                is_command = head.index is not None or head.name.name not in _NO_COMMANDS
+                self._add_counted(Count(int(is_command), size), head, file)
             if isinstance(node, Block):
                 self._block(node, file, scope, place)
             elif node.index is None and node.name.name in DECLARATIONS:
@@ -113,6 +141,7 @@ class _Unroller:
                 self._command(node, file, scope, place)
 
     def _block(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        self._depth += 1
         match block.head.name.name:
             case "SUB":
                 self._declaring.declare_sub(block, file, scope)
@@ -122,6 +151,7 @@ class _Unroller:
                 self._if(block, file, scope, place)
             case _:
                 self._when(block, file, scope, place)
+        self._depth -= 1
 
     def _if(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         head = block.head
@@ -138,14 +168,14 @@ class _Unroller:
     def _repeat(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         head = block.head
         refuse_parts(head, NOT_FOR_BLOCKS, file.findings)
-        values = values_of(head)
-        word = values[0] if values and isinstance(values[0], Word) else None
-        count = repeats(head, values[1:] if word else values, scope, file.findings)
+        word, values = counted(head)
+        count = repeats(head, values, scope, file.findings)
         if word is not None and not may_be_declared(head, word, scope, self._context.robot, file.findings):
             word = None
         if count is None:
             self._steps.append(Gap())
             return
+        self._count(block, file, scope, place)
         where = None if word is None else Where(file.findings.source, head.span(word.place))
         for number in range(count):
             inner = Scope(scope)
@@ -155,7 +185,46 @@ class _Unroller:
             before = self._commands
             self._nodes(block.body, file, inner, looped(place, label))
             if self._commands == before:
-                self._count_command()  # loops around nothing end as well
+                self._count_command(head, file)  # loops around nothing end as well
+                self._extent.add(1, again=True)
+            if self._told_unreachable:
+                break
+            if self._extent.is_reached and number + 1 < count:
+                self._steps.append(Gap())
+                break
+
+    def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
+        """Count what a loop or a CALL comes to that is in no other; a finding if it is too much."""
+        if place or self._is_too_much or self._ended is not None:
+            return
+        head = node.head if isinstance(node, Block) else node
+        try:
+            count = self._counter.count(node, file, scope, self._depth)
+        except TooMuch as error:
+            # a line elsewhere says nothing about how it was come to
+            is_own = error.file is file and head.line <= error.statement.line <= _last_line(node)
+            self._tell_too_much(error, "" if is_own else index_of(head))
+            return
+        except Uncounted:
+            return
+        self._add_counted(count, head, file)
+
+    def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
+        """Add what a line comes to that is in no loop and no SUB; a finding if the program then has too much."""
+        before = self._counted
+        self._counted = Count(before.commands + count.commands, before.lines + count.lines)
+        error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
+        if error is not None:
+            self._tell_too_much(error)
+
+    def _tell_too_much(self, error: TooMuch, place: str = "") -> None:
+        """Add a finding, and carry out as little as there can be of what follows."""
+        findings = error.file.findings
+        before, findings.place = findings.place, place
+        findings.add(error.code, error.message, error.statement.whole_span, error.help)
+        findings.place = before
+        self._is_too_much = True
+        self._extent.reach()
 
     def _when(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         when = read_when(block.head, scope, file.findings)
@@ -163,7 +232,7 @@ class _Unroller:
             self._steps.append(Gap())
             return
         self._steps.append(when)
-        self._count_command()
+        self._count_command(block.head, file)
         self._whens += 1
         self._nodes(block.body, file, Scope(scope), place)
         if block.otherwise is not None:
@@ -178,19 +247,37 @@ class _Unroller:
         findings = file.findings
         findings.place = shown(at(place, statement)) if place else ""
         refuse_parts(statement, NOT_FOR_BLOCKS, findings)
+        self._count(statement, file, scope, place)
         begun = self._calls.begin(statement, file, scope)
         if begun is None:
             self._steps.append(Gap())
             return
         sub, inner = begun
         try:
-            self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
+            if self._is_left_out(sub, statement, file):
+                self._steps.append(Gap())
+            else:
+                self._depth += 1
+                self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
+                self._depth -= 1
         finally:
             self._calls.end()
 
+    def _is_left_out(self, sub: Sub, statement: Statement, file: File) -> bool:
+        """Return True if a SUB isn't carried out: it was, and that is enough; or it is too deep in others."""
+        if self._depth >= DEEPEST:
+            if not self._is_too_much:
+                self._tell_too_much(too_deep(file, statement), file.findings.place)
+            return True
+        if self._extent.is_reached:
+            if sub in self._shown_once:
+                return True
+            self._shown_once.add(sub)
+        return False
+
     def _command(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
         file.command_seen = True
-        self._count_command()
+        self._count_command(statement, file)
         if self._ended is not None:
             if not self._told_unreachable:
                 message = f"this is never reached: {self._ended} ends the program"
@@ -237,7 +324,17 @@ class _Unroller:
             return make(file.defaults, scope)
         return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
 
-    def _count_command(self) -> None:
+    def _count_command(self, statement: Statement, file: File) -> None:
+        """Count a command that is carried out: more than were counted before there are only where lines have mistakes."""
         self._commands += 1
-        if self._commands > MOST_COMMANDS:
-            raise TooManyCommands
+        error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))
+        if error is not None:
+            self._tell_too_much(error)
+
+
+def _last_line(node: Node) -> int:
+    """Return the last line of a statement, or of a block with all that is in it."""
+    if isinstance(node, Statement):
+        return node.line + node.rows - 1
+    last = node.end or (*node.body, *(node.otherwise or ()), node.head)[-1]
+    return last.line if isinstance(last, Statement) else _last_line(last)

@@ -108,7 +108,7 @@ def test_where_no_way_leads_to_the_nearest_the_next_is_taken(monkeypatch):
 
     (nearest,), _ = ends(GO, FAR)
 
-    def found(room, start, goal):
+    def found(room, start, goal, **_):
         return NoWay() if np.allclose(np.degrees(goal), nearest) else Way(goal[None])
 
     monkeypatch.setattr(joint_motions, "find_way", found)

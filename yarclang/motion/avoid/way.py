@@ -57,8 +57,11 @@ class NoWay:
     between: Obstruction | None = None
 
 
-def find_way(room: Room | None, start: Array, goal: Array) -> Way | NoWay:
-    """The way from `start` to `goal` (n,) [rad or m], both within limits; the same for the same question, always."""
+def find_way(room: Room | None, start: Array, goal: Array, *, is_short: bool = False) -> Way | NoWay:
+    """Find the way from `start` to `goal` (n,) [rad or m], both within limits; the same for the same question, always.
+
+    `is_short` is True for no more than the first effort.
+    """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
         return straight
@@ -68,7 +71,7 @@ def find_way(room: Room | None, start: Array, goal: Array) -> Way | NoWay:
     at_start, at_goal = room.obstruction(start), room.obstruction(goal)
     if at_start is not None or at_goal is not None:
         return NoWay(at_start, at_goal)
-    for effort in EFFORTS:
+    for effort in EFFORTS[:1] if is_short else EFFORTS:
         waypoints = _found(room, start, goal, effort)
         if waypoints is not None:
             return Way(constant(waypoints), between)

@@ -15,6 +15,7 @@ from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.paths.line import line_between
 from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline, through_poses
 from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.kinematics.track import Reason
 from yarclang.units import MM
 
 CartesianMove = LineMove | ArcMove | PoseSplineMove
@@ -31,12 +32,17 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
         return NOWHERE
     if frame.length < 1e-12 and frame.angle == 0.0:
         return Led(JointPath(stands, stands), stands, stands[None])
-    path = along(robot.chain, robot.limits, tool, frame, stands)
+    path = along(robot.chain, robot.limits, tool, frame, stands, reason="any")
     if isinstance(path, CartesianPath):
         return Led(path, path.end, path.end[None])
     end = solver.nearest(goal, stands, step, findings)
-    if end is not None:  # the goal can be reached, but not along the path
-        findings.add(*messages.broken_path(robot, path, frame, step))
+    if end is None:  # nor is it from elsewhere
+        return NOWHERE
+    if not path.is_measured:
+        reason: Reason = "measured" if solver.measures else "kind"
+        path = along(robot.chain, robot.limits, tool, frame, stands, reason=reason)
+        assert not isinstance(path, CartesianPath)
+    findings.add(*messages.broken_path(robot, path, frame, step))
     return Led(None, end, None, path.kind != "reach")
 
 

@@ -42,11 +42,11 @@ def avoiding_motion(
     if end is None or any(one.is_error for one in findings.found):
         return Led(None, end, None)
     room = solver.room(step)
-    way = find_way(room, stands, end)
+    way = find_way(room, stands, end, is_short=solver.is_again)
     if isinstance(way, NoWay) and way.start is None and choice is None and isinstance(step.goal, PoseGoal):
         others = solver.others(step.goal, stands, step) if is_free(step.goal) else []
         for other in others[: _CONFIGURATIONS - 1]:
-            found = find_way(room, stands, other)
+            found = find_way(room, stands, other, is_short=solver.is_again)
             if isinstance(found, Way):
                 findings.add(*configuration_without_way(solver.robot, step, other, end, way))
                 end, way = other, found

@@ -29,7 +29,8 @@ _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a v
 def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
     """A pose without a joint position."""
     if solved.kind == "reach":
-        message = f"{which}out of reach by {miss_text(solved.miss, solved.miss_angle)}"
+        by = f" by {miss_text(solved.miss, solved.miss_angle)}" if solved.is_measured else ""
+        message = f"{which}out of reach{by}"
         return (
             "Y0501",
             message,
@@ -82,7 +83,8 @@ def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianM
     where = f"at {broken.s * 100:.3g} % of the way (x {point[0]:.1f}, y {point[1]:.1f}, z {point[2]:.1f} mm)"
     joint = broken.joint
     if broken.kind == "reach":
-        message = f"the {what} leaves the workspace {where}: it is out of reach by up to {miss_text(broken.amount, broken.angle)}"
+        by = f": it is out of reach by up to {miss_text(broken.amount, broken.angle)}"
+        message = f"the {what} leaves the workspace {where}{by if broken.is_measured else ''}"
         return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
     if broken.kind == "limits" and joint is not None:
         message = f"the {what} takes {beyond_text(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"

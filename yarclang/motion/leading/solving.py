@@ -19,10 +19,16 @@ from yarclang.robot.model import Robot
 
 @dataclass(frozen=True, slots=True)
 class Solver:
-    """Solves poses for a robot in its cell."""
+    """Solves poses for a robot in its cell.
+
+    `measures` is True to search for how far poses are out of reach; `is_again` if a search for this command has found nothing before, in an earlier round
+    of a loop: then the next one is short.
+    """
 
     robot: Robot
     cell: Cell | None = None
+    measures: bool = True
+    is_again: bool = False
 
     def room(self, step: Motion) -> Room | None:
         """What is around while a motion is under way."""
@@ -33,7 +39,8 @@ class Solver:
     ) -> Array | None:
         """The joint position nearest to `near` that takes the moving frame to its goal, whatever is in the way there; None with a finding where there is none."""
         near = near if goal.near is None else goal.near
-        solved = nearest_solutions(self.robot.chain, self.robot.limits, flange_at(goal), near)
+        chain, limits = self.robot.chain, self.robot.limits
+        solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=self.measures)
         if isinstance(solved, Unreachable):
             findings.add(*messages.unreachable(self.robot, solved, step.origin, which))
             return None
@@ -61,7 +68,7 @@ class Solver:
     def solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
         """All solutions within limits with all their full turns, the nearest to `near` first."""
         chain, limits = self.robot.chain, self.robot.limits
-        solved = nearest_solutions(chain, limits, flange_at(goal), near)
+        solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=False)
         if isinstance(solved, Unreachable):
             return []
         turns = np.concatenate([full_turns(chain, limits, q) for q in solved.q])

@@ -51,7 +51,7 @@ class Unreachable:
     """Why no joint position reaches a pose.
 
     kind "reach": the frame misses by `miss` [m] at least, its orientation held; where the arm can't
-    even hold that, `miss_angle` [rad] is what is left. kind "limits": the solution that needs least has
+    even hold that, `miss_angle` [rad] is what is left. Neither is known unless `is_measured`. kind "limits": the solution that needs least has
     `joint` (from 0) beyond its limit by `excess` [rad or m], above the upper one if positive, below the
     lower one if negative. `q` (n,) is the joint position in question [rad or m].
     """
@@ -62,10 +62,16 @@ class Unreachable:
     miss_angle: float = 0.0
     joint: int | None = None
     excess: float = 0.0
+    is_measured: bool = True
 
 
 def nearest_solutions(
-    chain: Chain, limits: Limits, base_from_flange: Array, reference: Array
+    chain: Chain,
+    limits: Limits,
+    base_from_flange: Array,
+    reference: Array,
+    *,
+    measures: bool = True,
 ) -> Solutions | Unreachable:
     """All solutions within limits, by their sum of squared joint differences from `reference`.
 
@@ -78,6 +84,7 @@ def nearest_solutions(
         limits: its limits.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
+        measures: True to search for how far a pose is out of reach.
 
     Returns:
         The solutions, or the reason why there is none.
@@ -88,6 +95,8 @@ def nearest_solutions(
     else:
         found = _in_closed_form(chain, limits, base_from_flange, reference)
     if not len(found):
+        if not measures:
+            return Unreachable("reach", _sealed(reference), is_measured=False)
         return _out_of_reach(chain, base_from_flange, reference)
     lifted = nearest_turn(chain, limits, found, reference)
     excess = beyond(limits, lifted)

@@ -23,6 +23,10 @@ from yarclang.robot.kinematics.strands import Strand, follow_branches
 from yarclang.robot.model import Array, Chain, Limits
 
 BreakKind = Literal["reach", "limits", "singular", "configuration"]
+Reason = Literal["any", "kind", "measured"]
+"""How much is found out of why a path that keeps to joint limits can't be followed: nothing (any kind stands there), its kind, or also how far
+the path is out of reach. The last two are searches of some 0.1 s."""
+
 PathPoses = Callable[[Array], Array]
 
 ON_PATH = 1e-6
@@ -75,7 +79,7 @@ class Broken:
     `s` is how far it got, `q` (n,) [rad or m] the joint position there.
 
     kind "reach": further on the path is out of reach, at the worst by `amount` [m], the orientation
-    held; where the arm can't hold that, `angle` [rad] is left as well.
+    held; where the arm can't hold that, `angle` [rad] is left as well. Neither is known unless `is_measured`.
     kind "limits": `joint` (from 0) leaves its limits here and would exceed them on the way by up to
     `amount` [rad or m], above the upper one if positive, below the lower one if negative; and further on
     there is a pose that no other configuration reaches within limits either.
@@ -92,10 +96,17 @@ class Broken:
     joint: int | None = None
     amount: float = 0.0
     angle: float = 0.0
+    is_measured: bool = True
 
 
 def track(
-    chain: Chain, limits: Limits, pose_at: PathPoses, q_start: Array, *, samples: int = 33
+    chain: Chain,
+    limits: Limits,
+    pose_at: PathPoses,
+    q_start: Array,
+    *,
+    samples: int = 33,
+    reason: Reason = "measured",
 ) -> Track | Broken:
     """Follow a path by continuity.
 
@@ -105,6 +116,7 @@ def track(
         pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
         q_start: (n,) [rad or m], stands at pose_at(0) within 1e-6.
         samples: how many places are looked at first, at equal distances.
+        reason: how much is found out of why a path can't be followed.
 
     Returns:
         The joint positions all along the path, or where and why they end.
@@ -132,7 +144,9 @@ def track(
     if strand.end == "whole":
         bend = _sealed(_spline(strand.s, strand.q)) if chain.size > 6 else None
         return Track(_sealed(strand.s), _sealed(strand.q), bend)
-    return _break(chain, pose_at, strand)
+    if reason == "any":
+        return Broken(float(strand.s[-1]), "reach", _sealed(strand.q[-1]), is_measured=False)
+    return _break(chain, pose_at, strand, measures=reason == "measured")
 
 
 def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -> Broken | None:
@@ -167,7 +181,7 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
     return Broken(float(before), kind, _sealed(inside), joint, amount)
 
 
-def _break(chain: Chain, pose_at: PathPoses, strand: Strand) -> Broken:
+def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) -> Broken:
     """What a strand that ends on the way ends of."""
     s, q = float(strand.s[-1]), _sealed(strand.q[-1])
     if strand.end == "jump":
@@ -184,6 +198,8 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand) -> Broken:
     free = fit(chain, np.repeat(poses[worst : worst + 1], len(spread), axis=0), spread)
     if free.total.min() < reached_within(chain):
         return Broken(s, "configuration", q)
+    if not measures:
+        return Broken(s, "reach", q, is_measured=False)
     _, miss, turn = nearest_miss(chain, poses[worst], spread)
     return Broken(s, "reach", q, amount=miss, angle=turn)
 

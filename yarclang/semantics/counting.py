@@ -1,0 +1,379 @@
+"""How many commands a loop or a call comes to, counted before it is carried out.
+
+A loop whose rounds are all alike is counted once and multiplied, and a SUB is counted once for all calls that give it the same numbers. Rounds
+that differ are counted one after the other, up to the limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from yarclang.diagnostics import Collector
+from yarclang.progress import Progress
+from yarclang.semantics.amounts import Amount
+from yarclang.semantics.arguments import names_in
+from yarclang.semantics.evaluate import EvaluationError, evaluate
+from yarclang.semantics.files import File, Sub, values_of
+from yarclang.semantics.parameters import bind_some, names_of_parameters
+from yarclang.semantics.repeats import MOST_COMMANDS, counted, repeats
+from yarclang.semantics.scope import Routine, Scope
+from yarclang.source import SourceFile
+from yarclang.syntax.ast import Block, Computed, Node, Statement, Word
+from yarclang.syntax.words import DECLARATIONS
+
+MOST_LINES = 5 * MOST_COMMANDS
+"""Lines that a program carries out, declarations and heads of blocks among them; a long line counts as several."""
+
+LINE = 120
+"""Characters of a line that counts as one."""
+
+DEEPEST = 150
+"""Blocks and calls inside each other."""
+
+_EVERY = 1000
+"""Rounds between two looks at whether to go on."""
+
+_FAULTS = 20
+"""After so many mistakes nothing more is counted: they are reported when the lines are carried out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """What lines come to: `commands`, and `lines` that are carried out."""
+
+    commands: int = 0
+    lines: int = 0
+
+
+_Tally = tuple[int, int, int]
+"""Commands, lines, and how many blocks and calls are inside each other."""
+
+_NOTHING = (0, 0, 0)
+
+
+class TooMuch(Exception):  # noqa: N818 - ends the counting, and becomes a finding
+    """More than is ever carried out.
+
+    Attributes:
+        file: the file with the line that multiplies.
+        statement: that line.
+        code: of the finding.
+        message: its sentence.
+        help: what to do.
+    """
+
+    def __init__(self, file: File, statement: Statement, code: str, message: str, help_: str) -> None:
+        super().__init__(message)
+        self.file = file
+        self.statement = statement
+        self.code = code
+        self.message = message
+        self.help = help_
+
+
+class Counter:
+    """Counts the commands of blocks and calls of a program.
+
+    Args:
+        most: rounds that are counted one after the other (None: as many as there are).
+        progress: told how many of these were counted.
+    """
+
+    def __init__(self, most: int | None = None, progress: Progress | None = None) -> None:
+        self._most = most
+        self._progress = progress
+        self._one_by_one = 0
+        self._sizes: dict[int, int] = {}
+        self._read: dict[int, frozenset[str]] = {}
+        self._subs: dict[tuple[Sub, tuple[object, ...]], _Tally] = {}
+        self._inside: list[Sub] = []
+        self._reading = 0
+        self._faults = 0
+
+    def count(self, node: Node, file: File, scope: Scope, depth: int) -> Count:
+        """Count the commands of a block or a CALL.
+
+        Args:
+            node: the block or CALL.
+            file: its file.
+            scope: the names that are known there.
+            depth: the blocks and calls around it.
+
+        Returns:
+            The count. Lines with mistakes count as nothing.
+
+        Raises:
+            TooMuch: it is more than a program may have.
+            Uncounted: there are many mistakes, or more rounds that differ than are to be looked at.
+        """
+        self._faults = 0
+        self._inside.clear()
+        commands, lines, _ = self._node(node, file, scope, depth, self._needed((node,), scope))
+        return Count(commands, lines)
+
+    def size(self, statement: Statement, source: SourceFile) -> int:
+        """How many lines a statement counts as."""
+        size = self._sizes.get(id(statement))
+        if size is None:
+            first = statement.line - 1
+            characters = sum(map(len, source.lines[first : first + statement.rows]))
+            size = self._sizes[id(statement)] = 1 + characters // LINE
+        return size
+
+    def _nodes(
+        self, nodes: tuple[Node, ...], file: File, scope: Scope, depth: int, needed: frozenset[str]
+    ) -> _Tally:
+        commands, lines, deepest = 0, 0, 0
+        source = file.findings.source
+        for node in nodes:
+            if isinstance(node, Statement):
+                if node.index is None and node.name.name in DECLARATIONS:
+                    lines += self.size(node, source)
+                    self._declare(node, scope, needed)
+                    continue
+                if node.name.name != "CALL":
+                    commands, lines = commands + 1, lines + self.size(node, source)
+                    continue
+            more = self._node(node, file, scope, depth, needed)
+            commands, lines, deepest = commands + more[0], lines + more[1], max(deepest, more[2])
+            if commands > MOST_COMMANDS or lines > MOST_LINES:
+                raise _too_many_together(file, _head(node), commands, lines)
+        return commands, lines, deepest
+
+    def _node(self, node: Node, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
+        """Count a block or a CALL, which is `depth` inside others."""
+        if depth >= DEEPEST:
+            raise too_deep(file, _head(node))
+        head = _head(node)
+        size = self.size(head, file.findings.source)
+        if isinstance(node, Statement):
+            commands, lines, deepest = self._call(node, file, scope, depth)
+            return commands + 1, lines + size, deepest + 1
+        match head.name.name:
+            case "REPEAT":
+                commands, lines, deepest = self._repeat(node, file, scope, depth, needed)
+            case "IF":
+                commands, lines, deepest = self._if(node, file, scope, depth, needed)
+            case "WHEN":
+                both = (*node.body, *(node.otherwise or ()))
+                commands, lines, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
+                commands += 1
+            case _:
+                return _NOTHING
+        return commands, lines + size, deepest + 1
+
+    def _if(self, block: Block, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
+        assert block.head.expression is not None
+        try:
+            holds = bool(evaluate(block.head.expression, scope).value)
+        except EvaluationError:
+            return self._fault()
+        chosen = block.body if holds else block.otherwise
+        return self._nodes(chosen, file, Scope(scope), depth + 1, needed) if chosen else _NOTHING
+
+    def _repeat(self, block: Block, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
+        head = block.head
+        word, values = counted(head)
+        number = repeats(head, values, scope, Collector(file.findings.source))
+        if number is None:
+            return self._fault()
+        if not number:
+            return _NOTHING
+        inner = Scope(scope)
+        if word is None or word.name not in self._needed(block.body, scope):
+            if word is not None:
+                inner.declare(word.name, Amount(0.0))
+            commands, lines, deepest = self._nodes(block.body, file, inner, depth + 1, needed)
+            commands, lines = max(1, commands), lines + 1
+            if number * commands > MOST_COMMANDS or number * lines > MOST_LINES:
+                raise _too_many_alike(file, head, number, commands, lines)
+            return number * commands, number * lines, deepest
+        commands, lines, deepest = 0, 0, 0
+        for done in range(number):
+            inner = Scope(scope)
+            inner.declare(word.name, Amount(float(done)))
+            more = self._nodes(block.body, file, inner, depth + 1, needed)
+            commands, lines = commands + (more[0] or 1), lines + more[1] + 1
+            deepest = max(deepest, more[2])
+            if commands > MOST_COMMANDS or lines > MOST_LINES:
+                raise _too_many_rounds(file, head, done + 1, number, commands)
+            self._one_by_one += 1
+            if self._one_by_one % _EVERY == 0:
+                self._look()
+        return commands, lines, deepest
+
+    def _look(self) -> None:
+        if self._most is not None and self._one_by_one > self._most:
+            raise Uncounted
+        if self._progress is not None:
+            self._progress("counting the rounds of loops", self._one_by_one, 0)
+
+    def _call(self, statement: Statement, file: File, scope: Scope, depth: int) -> _Tally:
+        values = values_of(statement)
+        found = scope.name(values[0].name) if values and isinstance(values[0], Word) else None
+        sub = found.sub if isinstance(found, Routine) else None
+        if not isinstance(sub, Sub) or sub in self._inside:
+            return self._fault()
+        needed = self._needed(sub.block.body, sub.scope)
+        inner = Scope(sub.scope)
+        given = bind_some(statement, scope, file.findings.source, sub.block.head, inner, needed)
+        if given is None:
+            return self._fault()
+        tally = self._subs.get((sub, given))
+        if tally is None:
+            self._inside.append(sub)
+            before = self._faults
+            tally = self._nodes(sub.block.body, sub.file, inner, depth + 1, needed)
+            self._inside.pop()
+            if self._faults == before:  # a mistake may be there because another SUB is being counted
+                self._subs[sub, given] = tally
+        if depth + tally[2] >= DEEPEST:
+            raise too_deep(file, statement)
+        return tally
+
+    def _declare(self, statement: Statement, scope: Scope, needed: frozenset[str]) -> None:
+        """Carry out a LET on which a count depends."""
+        if statement.name.name != "LET" or statement.expression is None:
+            return
+        (word,) = values_of(statement)
+        if isinstance(word, Word) and word.name in needed:
+            try:
+                scope.declare(word.name, evaluate(statement.expression, scope))
+            except EvaluationError:
+                scope.declare(word.name, Amount(1.0))  # as in naming.py
+
+    def _fault(self) -> _Tally:
+        """A line with a mistake, which comes to nothing."""
+        self._faults += 1
+        if self._faults > _FAULTS:
+            raise Uncounted
+        return _NOTHING
+
+    def _needed(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
+        """The names on which the count of some lines depends, as far as they stand in these lines."""
+        key = id(nodes) if len(nodes) != 1 else id(nodes[0])
+        found = self._read.get(key)
+        if found is None:
+            if self._reading > DEEPEST:  # then the calls are too deep, and nothing is multiplied
+                return frozenset()
+            self._read[key] = frozenset()  # of a SUB that calls itself
+            self._reading += 1
+            found = self._read[key] = self._names(nodes, scope)
+            self._reading -= 1
+        return found
+
+    def _names(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
+        names: set[str] = set()
+        # backwards: what a LET says counts only if its name is needed below
+        for node in _backwards(nodes):
+            word = node.name.name
+            if word in ("REPEAT", "IF"):
+                names.update(_names_in(node))
+            elif word == "CALL":
+                names.update(self._names_given(node, scope))
+            elif (
+                word == "LET"
+                and node.index is None
+                and any(one.text.upper() in names for one in values_of(node))
+            ):
+                names.update(_names_in(node))
+        return frozenset(names)
+
+    def _names_given(self, statement: Statement, scope: Scope) -> Iterator[str]:
+        """The names in a CALL's arguments on which the count of its SUB depends."""
+        values = values_of(statement)
+        found = scope.name(values[0].name) if values and isinstance(values[0], Word) else None
+        if not isinstance(found, Routine) or not isinstance(sub := found.sub, Sub):
+            return
+        needed = self._needed(sub.block.body, sub.scope)
+        for name, value in zip(names_of_parameters(sub.block.head), values[1:], strict=False):
+            if name in needed and isinstance(value, Computed):
+                yield from names_in(value.expression)
+
+
+class Uncounted(Exception):  # noqa: N818 - ends the counting
+    """There are many mistakes, so that a count would say nothing; or more rounds that differ than may be looked at."""
+
+
+def _head(node: Node) -> Statement:
+    return node.head if isinstance(node, Block) else node
+
+
+def _backwards(nodes: tuple[Node, ...]) -> Iterator[Statement]:
+    """The statements of some lines and of the blocks in them, from the last to the first."""
+    for node in reversed(nodes):
+        if isinstance(node, Block):
+            yield from _backwards(node.otherwise or ())
+            yield from _backwards(node.body)
+            yield node.head
+        else:
+            yield node
+
+
+def _names_in(statement: Statement) -> Iterator[str]:
+    """Yield the names in what a REPEAT, IF or LET computes."""
+    if statement.expression is not None:
+        yield from names_in(statement.expression)
+    for value in values_of(statement):
+        if isinstance(value, Computed):
+            yield from names_in(value.expression)
+
+
+def _too_many_together(file: File, statement: Statement, commands: int, lines: int) -> TooMuch:
+    """Return what is wrong with the lines of a body up to a statement, if they come to too much together."""
+    what = _commands(commands) if commands > MOST_COMMANDS else _lines(lines)
+    message = f"with this {statement.name.name} the lines around it come to {what}{_at_most(commands)}"
+    return TooMuch(file, statement, "Y1004", message, SHORTER)
+
+
+def _too_many_alike(file: File, head: Statement, number: int, commands: int, lines: int) -> TooMuch:
+    """Return what is wrong with a REPEAT whose rounds are alike and come to too much."""
+    if number * commands > MOST_COMMANDS:
+        message = f"{number:,} rounds of {_commands(commands)} are {_commands(number * commands)}"
+    else:
+        message = f"{number:,} rounds of {_lines(lines)} are {_lines(number * lines)}"
+    fit = min(MOST_COMMANDS // commands, MOST_LINES // lines)
+    help_ = f"at most {fit:,} round{'s fit' if fit != 1 else ' fits'}: {SHORTER}"
+    return TooMuch(file, head, "Y1004", message + _at_most(number * commands), help_)
+
+
+def _too_many_rounds(file: File, head: Statement, done: int, number: int, commands: int) -> TooMuch:
+    """Return what is wrong with a REPEAT that comes to too much in round `done` of `number`."""
+    most = f"{MOST_COMMANDS:,} commands" if commands > MOST_COMMANDS else f"{MOST_LINES:,} lines"
+    message = f"in round {done:,} of {number:,} this loop exceeds {most}{_at_most(commands)}"
+    return TooMuch(file, head, "Y1004", message, SHORTER)
+
+
+def too_much_so_far(file: File, statement: Statement, count: Count) -> TooMuch | None:
+    """Return what is wrong with a line up to which the program comes to `count`; None if that isn't too much."""
+    if count.commands <= MOST_COMMANDS and count.lines <= MOST_LINES:
+        return None
+    what = _commands(count.commands) if count.commands > MOST_COMMANDS else _lines(count.lines)
+    message = f"with this {statement.name.name} the program comes to {what}{_at_most(count.commands)}"
+    return TooMuch(file, statement, "Y1004", message, SHORTER)
+
+
+def too_deep(file: File, statement: Statement) -> TooMuch:
+    """Return what is wrong with a CALL that is inside too many others."""
+    message = f"more than {DEEPEST} blocks and CALLs are inside each other here"
+    return TooMuch(file, statement, "Y0112", message, "let the program call the inner SUBs itself")
+
+
+def _commands(number: int) -> str:
+    return f"{number:,} command{'s' * (number != 1)}"
+
+
+def _lines(number: int) -> str:
+    return f"{number:,} line{'s' * (number != 1)}"
+
+
+def _at_most(commands: int) -> str:
+    """The limit that is exceeded: that of commands, else that of lines."""
+    if commands > MOST_COMMANDS:
+        return f"; a program has at most {MOST_COMMANDS:,} commands"
+    return f"; a program carries out at most {MOST_LINES:,} lines"
+
+
+SHORTER = "make the loops shorter, or several programs"
+"""What to do if a program has too many commands."""

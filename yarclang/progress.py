@@ -1,8 +1,57 @@
-"""Who is told how far work has come."""
+"""How far work has come: told to whoever listens, who may end it.
+
+Doors listen around a piece of work (`told_to`); long loops below them tell how much is done (`tell`), or that they go on (`go_on`). An exception that
+the listener raises ends the work. Nothing depends on whether somebody listens.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
-Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and how much there is (0: unknown). An exception that it raises ends the work."""
+Listener = Callable[[str, int, int], None]
+"""Called with what is being done, how much of it is done, and how much there is (0: unknown)."""
+
+
+class _Told:
+    """A listener, and what it was told last."""
+
+    __slots__ = ("done", "listener", "total", "what")
+
+    def __init__(self, listener: Listener) -> None:
+        self.listener = listener
+        self.what, self.done, self.total = "", 0, 0
+
+
+_TOLD: ContextVar[_Told | None] = ContextVar("told", default=None)
+
+
+@contextmanager
+def told_to(listener: Listener | None) -> Iterator[None]:
+    """Let somebody listen to what is done in this block, by this thread; None: as before."""
+    if listener is None:
+        yield
+        return
+    token = _TOLD.set(_Told(listener))
+    try:
+        yield
+    finally:
+        _TOLD.reset(token)
+
+
+def tell(what: str, done: int, total: int = 0) -> None:
+    """Tell what is being done, and how much of it is done."""
+    told = _TOLD.get()
+    if told is not None:
+        told.what, told.done, told.total = what, done, total
+        told.listener(what, done, total)
+
+
+def go_on(done: int | None = None, total: int = 0) -> None:
+    """Tell again what was told last, or how much of that is done by now: called often where something takes long."""
+    told = _TOLD.get()
+    if told is not None:
+        if done is not None:
+            told.done, told.total = done, total
+        told.listener(told.what, told.done, told.total)

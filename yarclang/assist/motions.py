@@ -131,7 +131,7 @@ def pace_in(view: View, number: int) -> Pace | None:
     if checked is None or checked.opened is None or planned is None or not isinstance(step, Motion):
         return None
     assert view.program is not None
-    request = replace(checked.opened.request, progress=None)
+    request = checked.opened.request
     return pace_of(view.program, step, planned[0].path.start, planned[0], request)
 
 

@@ -14,6 +14,7 @@ from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
 from yarclang.pmac.variables import ARMED, ASTRAY, OUTPUTS_PLC, commanded_position
+from yarclang.progress import go_on
 
 _ROWS_AT_ONCE = 1000
 # the zeros first, then the point: half the time of one expression for both
@@ -67,6 +68,7 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
     line = 1
     for item in program.body:
         if isinstance(item, Moves):
+            go_on()
             key = ("moves", program.axes, program.decimals, item.values.tobytes())
             pieces.append(recall(memory, key, partial(_moves, program, item.values)))
             end = line + len(item.values)

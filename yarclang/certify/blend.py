@@ -26,6 +26,7 @@ from yarclang.certify.flows import Corner, frame_of
 from yarclang.certify.joint import by_kind
 from yarclang.certify.layout import CHUNK, Layout
 from yarclang.certify.proofs import Proofs
+from yarclang.progress import go_on
 from yarclang.robot.model import Array
 from yarclang.units import DEG, MM
 
@@ -45,6 +46,7 @@ def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Bl
         else:
             rounded.append(corner)
     for corners in _chunks(rounded):
+        go_on()
         found.update(_of_frames(judged, layout, proofs, corners))
     return found
 

@@ -20,6 +20,7 @@ from yarclang.certify.pieces import Pieces, arm_bounds, frame_motion, hull
 from yarclang.certify.pose import angle_of_chord
 from yarclang.certify.programmed import Bounds, FramePaths, Motion, Poses, Rows
 from yarclang.certify.speed import Programmed, Speeds, finer_for_speed, judged, speed_bounds, turn_bounds
+from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
@@ -131,7 +132,9 @@ def _followed(
 ) -> Followed:
     cut = Pieces.cut(stretch.cubics, arm.command, pieces)
     motion = frame_motion(robot.chain, cut, paths.flange_from_moving[cut.owner])
+    go_on()
     speeds = _speeds(stretch, arm, cut, motion)
+    go_on()
     count = len(stretch.first)
     position, angle, rest, angle_rest = (np.zeros(count) for _ in range(4))
     covered = np.tile([0.0, 1.0], (count, 1))
@@ -193,6 +196,7 @@ def _bounds(
     else:
         s, s_rate = _claimed(*claims, cut, stretch.cubics.h)
     left, right, d = cut.left, cut.left + 1, cut.d
+    go_on()
     path = paths.at(cut.owner, s)
     e, e_rate, turn, turn_rate = _errors(motion, path, s_rate)
     bezier_s = np.stack(hermite_bezier(s[left], s_rate[left], s[right], s_rate[right], d), axis=1)
@@ -213,6 +217,7 @@ def _bounds(
         least = np.maximum(low - behind, np.minimum(low, 0.0))
         most = np.minimum(high + behind, np.maximum(high, 1.0))
         lifted = paths.bounds(cut.command, least, most)
+    go_on()
     rest, chord_rest = _remainders(bezier_s, d, steep)
     rest = rest + HERMITE * d**4 * arm.origin[cut.segment]
     chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[cut.segment]

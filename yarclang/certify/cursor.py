@@ -12,6 +12,7 @@ import numpy as np
 from yarclang.certify.text import Sent
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.pmac.requests import MOST_LINE
+from yarclang.progress import go_on
 from yarclang.robot.model import Array, Controller
 
 _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
@@ -124,6 +125,7 @@ class Cursor(Lines):
                 points, length, decimals = recall(self._memory, key, partial(self._moves, text))
             if not length:
                 break
+            go_on()
             pieces.append(points)
             self.sent.append(Sent(self.line, self._text[self._place : self._place + length - 1]))
             self._place += length

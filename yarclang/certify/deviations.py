@@ -16,6 +16,7 @@ from yarclang.certify.layout import Layout, Place, row_chunks
 from yarclang.certify.pose import distance
 from yarclang.certify.proofs import Proofs, law_of
 from yarclang.certify.spline import NaturalSpline, SplineBound, spline_deviation
+from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
 
@@ -39,8 +40,10 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
         for rows in row_chunks(chosen[kind]):
             frame_moves(judged, layout, rows, flanges, around, proofs)
     for one in chosen[hir.PoseSplineMove]:
+        go_on()
         frame_moves(judged, layout, [one], flanges, around, proofs)
     for row, place in (*chosen[hir.SplineMove], *chosen[hir.AvoidMove]):
+        go_on()
         proofs.deviations[place.step] = _spline_move(judged, layout, row, place, proofs)
     for place in layout.places:
         _judge_deviation(judged, place, proofs.deviations[place.step])

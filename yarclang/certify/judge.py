@@ -23,6 +23,7 @@ from yarclang.certify.unsourced import told_program, unjudged
 from yarclang.certify.zones import NO_ZONES, InZones
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
+from yarclang.progress import tell
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile
 
@@ -68,6 +69,7 @@ def certify(
         step, reason = layout
         judge.find("Y1153", reason, step)
         return Result(None, tuple(judge.findings))
+    tell("certifying", 0)
     judge.any_jerk(content, claims.any_jerk)
     judge.rests(content, start, {output.signal.variable for output in program.outputs})
     judge.flow(content)
@@ -75,6 +77,7 @@ def certify(
     judged = Judged(robot, tolerance, claims, judge.find)
     proofs = recalled(memory, judge, layout, claims, lambda part: _prove(judge, judged, part))
     judge.slowed(layout, {step: proof.speed for step, proof in proofs.items()}, judged.share_of)
+    tell("certifying: zones", 0)
     # how close a speed in a zone is told depends on what it is looked at with
     zones = {} if judge.breaks_limits else judge.zones(layout)
     commands = tuple(
@@ -106,13 +109,18 @@ def _certified(
 
 def _prove(judge: Judge, judged: Judged, layout: Layout) -> dict[int, Proved]:
     """What is proved of each step of a layout, but for zones."""
+    tell("certifying: limits", 0)
     loads = judge.limits(layout)
+    tell("certifying: paths", 0)
     # the bounds of a motion that nobody would plan may be without end
     with np.errstate(over="ignore", invalid="ignore"):
         proofs = find_deviations(judged, layout)
+        tell("certifying: blends", 0)
         blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)
+    tell("certifying: clearances", 0)
     apart = {} if judge.breaks_limits else judge.clearances(layout)
+    tell("certifying: torques", 0)
     torques = {} if judge.breaks_limits else judge.torques(layout)
     return {
         step: Proved(

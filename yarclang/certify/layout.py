@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from yarclang import hir
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.progress import go_on
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -326,9 +327,11 @@ def row_chunks(rows: list[tuple[int, Place]]) -> Iterator[list[tuple[int, Place]
     """The same for commands with a number each."""
     chunk: list[tuple[int, Place]] = []
     size = 0
-    for row, place in rows:
+    go_on(0, len(rows))
+    for number, (row, place) in enumerate(rows):
         if chunk and size + place.size > CHUNK:
             yield chunk
+            go_on(number, len(rows))
             chunk, size = [], 0
         chunk.append((row, place))
         size += place.size

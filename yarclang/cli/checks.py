@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,7 +52,7 @@ class Done:
 
 
 def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
-    """Check files, in their order. The progress of the options is told where no other process does the work."""
+    """Check files, in their order."""
     workers = min(len(files), len(os.sched_getaffinity(0)))
     if len(files) < _MANY or workers < 2:
         yield from (check_one(path, task) for path in files)
@@ -61,7 +61,6 @@ def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
-    task = replace(task, options=replace(task.options, progress=None))
     size = max(1, min(8, len(files) // (4 * workers)))
     try:
         # not forked: a library that has threads already may wait for them for ever

@@ -78,8 +78,8 @@ def _compiled_before(file: str, options: dict[str, Any]) -> Result[Loaded]:
 
 
 def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Loaded]:
-    with Progress() as progress:
-        checked = check_program_file(file, options_from(options, progress))
+    with Progress():
+        checked = check_program_file(file, options_from(options))
         if checked.opened is None or checked.compiled is None:
             return Result(None, checked.diagnostics)
         name = "stdin" if file == STANDARD else Path(file).name

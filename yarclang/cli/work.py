@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,50 +14,84 @@ from typing import Any
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.pipeline.inputs import Options
+from yarclang.progress import told_to
 
 _SILENT = 1.0
 """Work shorter than this [s] shows no progress."""
 
+_EACH = 0.1
+"""The bar is drawn anew each so many seconds."""
+
 
 class Progress:
-    """A progress bar on standard error: only on a terminal, and only for long work."""
+    """A progress bar on standard error for all that is told of work in its block: only on a terminal, and only for long work.
+
+    A thread draws the bar, so that long steps between two reports show as well.
+    """
 
     def __init__(self) -> None:
         self._wanted = sys.stderr.isatty()
         self._since = time.monotonic()
+        self._told: tuple[str, int, int] | None = None
         self._bar: Any = None
         self._task: Any = None
+        self._lock = threading.Lock()
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._draw, name="progress", daemon=True)
+        self._listening = told_to(self)
 
     def __enter__(self) -> Progress:
+        self._listening.__enter__()
+        if self._wanted:
+            self._thread.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._listening.__exit__(kind, error, trace)
+        self._over.set()
         self.pause()
+        if self._wanted:
+            self._thread.join()
 
     def __call__(self, what: str, done: int, total: int) -> None:
         """Say what is being done, and how much of it is done."""
-        if not self._wanted or time.monotonic() - self._since < _SILENT:
-            return
+        self._told = what, done, total
+        if self._wanted and self._bar is None:
+            self._draw_now()
+
+    def pause(self) -> None:
+        """Take the bar away, so that something else can be written."""
+        with self._lock:
+            self._told = None
+            self._since = time.monotonic()
+            if self._bar is not None:
+                self._bar.stop()
+                self._bar = None
+
+    def _draw(self) -> None:
+        while not self._over.wait(_EACH):
+            self._draw_now()
+
+    def _draw_now(self) -> None:
+        """Draw the bar, if there is something to show for long enough."""
+        with self._lock:
+            if self._told is not None and time.monotonic() - self._since >= _SILENT:
+                self._show(*self._told)
+
+    def _show(self, what: str, done: int, total: int) -> None:
         if self._bar is None:
             from rich.console import Console
             from rich.progress import Progress as Bar
 
             self._bar = Bar(console=Console(stderr=True), transient=True)
             self._bar.start()
-            self._task = self._bar.add_task(what, total=total)
-        self._bar.update(self._task, description=what, completed=done, total=total)
-
-    def pause(self) -> None:
-        """Take the bar away, so that something else can be written."""
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
-        self._since = time.monotonic()
+            self._task = self._bar.add_task(what, total=None)
+        self._bar.update(self._task, description=what, completed=done, total=total or None)
 
 
-def options_from(planning: dict[str, Any], progress: Progress | None = None) -> Options:
+def options_from(planning: dict[str, Any]) -> Options:
     """The options of a command line."""
     tolerance = planning.get("tolerance")
     return Options(
@@ -65,7 +100,6 @@ def options_from(planning: dict[str, Any], progress: Progress | None = None) -> 
         tm=planning.get("tm"),
         tolerance=None if tolerance is None else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
         target=planning.get("target", "rotary"),
-        progress=progress,
     )
 
 

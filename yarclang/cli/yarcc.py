@@ -66,7 +66,7 @@ def main(
     failed = False
     reports: list[dict[str, Any]] = []
     with Progress() as progress:
-        options = options_from(planning, progress)
+        options = options_from(planning)
         for file in files:
             destination = destinations[file]
             checked = check_program_file(file, options)

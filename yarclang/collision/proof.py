@@ -18,6 +18,7 @@ from yarclang.collision.placing import Placed, box_gaps, distances, place, relat
 from yarclang.collision.planes import least_gap
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.travel import accelerations, travel
+from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 SLACK = 1e-5
@@ -155,6 +156,7 @@ class _Search:
 
     def look(self, pieces: _Pieces, piece: Rows, pair: Rows) -> tuple[Rows, Rows]:
         """Look at pairs (R,) on pieces (R,); those of them that aren't known yet."""
+        go_on()
         scene, base = self.scene, int(piece[0])
         chosen = slice(base, int(piece[-1]) + 1)
         begin, end = pieces.begin[chosen], pieces.end[chosen]

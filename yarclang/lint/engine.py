@@ -8,6 +8,7 @@ from typing import Any
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.lint.registry import rules
 from yarclang.lint.rule import Remark, Rule, Surroundings
+from yarclang.progress import go_on
 from yarclang.source import SourceFile
 
 Remarks = Mapping[Rule[Any], tuple[Remark, ...]]
@@ -34,11 +35,12 @@ def lint(
 def remarks(products: Iterable[object], surroundings: Surroundings, silent: Collection[str]) -> Remarks:
     """What the rules that read these products have to say, whatever the stages have found; else as `lint`."""
     by_type = {type(product): product for product in products}
-    return {
-        rule: tuple(rule.look(by_type[rule.reads], surroundings))
-        for rule in rules()
-        if rule.reads in by_type and rule.finding.code not in silent
-    }
+    said: dict[Rule[Any], tuple[Remark, ...]] = {}
+    for rule in rules():
+        if rule.reads in by_type and rule.finding.code not in silent:
+            go_on()
+            said[rule] = tuple(rule.look(by_type[rule.reads], surroundings))
+    return said
 
 
 def told(said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic]) -> tuple[Diagnostic, ...]:

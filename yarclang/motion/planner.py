@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
@@ -28,19 +27,16 @@ from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
 from yarclang.motion.zones import SlowZones, slow_zones
+from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How to plan: the segment times that the controller takes, the tolerance, who wants to hear of progress, and what was planned before.
-
-    `progress` is called with the number of steps done.
-    """
+    """How to plan: the segment times that the controller takes, the tolerance, and what was planned before."""
 
     grid: Grid
     tolerance: Tolerance
-    progress: Callable[[int], None] | None = None
     memory: Memory = NO_MEMORY
 
 
@@ -69,14 +65,14 @@ def plan_in_part(
     router = Router(robot, steps, program.start, program.cell, settings.memory)
     planner = _Planner(robot, settings, bounds_of(robot), program.cell)
     for number in range(end):
-        planner.tell(number / 2)
+        tell("planning", number // 2, end)
         router.advance()
     found: list[list[Diagnostic]] = [list(done.found) for done in router.done]
     links: dict[int, Link] = {}
     ways: dict[int, Path | FrameWay] = {}
     flows = False
     for number, (step, done) in enumerate(zip(steps, router.done, strict=True)):
-        planner.tell((end + number) / 2)
+        tell("planning", (end + number) // 2, end)
         if done.way is not None:
             ways[number] = done.way
         if isinstance(step, Motion) and done.route is not None:
@@ -146,11 +142,6 @@ class _Planner:
     settings: Settings
     bounds: Bounds
     cell: Cell | None
-
-    def tell(self, done: float) -> None:
-        """Tell who wants to hear of progress."""
-        if self.settings.progress is not None:
-            self.settings.progress(int(done))
 
     def zones(self, step: Motion, path: Path, *, leaves: bool) -> SlowZones | None:
         """The slow zones that a motion may get into; `leaves` says that it may leave its path to flow into another one."""

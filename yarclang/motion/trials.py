@@ -18,6 +18,7 @@ from yarclang.motion.curve import knot_values, middle_values, through_knots
 from yarclang.motion.limits import Bounds, Demand
 from yarclang.motion.path import Path
 from yarclang.motion.profile import Form, Law
+from yarclang.progress import go_on
 from yarclang.robot.model import Tolerance
 
 _SHARE_OF_TOLERANCE = 0.7
@@ -61,6 +62,7 @@ class Trials:
 
     def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
         """The same for many at once: their joint positions are solved together."""
+        go_on()
         missing = [one for one in dict.fromkeys(wanted) if one not in self._made]
         controls = [self.law.control(segments, form) for segments, form in missing]
         for (segments, form), control, points in zip(missing, controls, self._points(controls), strict=True):

@@ -22,7 +22,7 @@ from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
-from yarclang.progress import Progress
+from yarclang.progress import tell
 from yarclang.source import SourceFile
 
 
@@ -99,14 +99,18 @@ def check_text(source: SourceFile, folder: Path, options: Options, *, plans: boo
     return _planned(begun) if plans else _unplanned(begun)
 
 
-def check_further(checked: Checked, progress: Progress | None = None) -> Checked:
-    """What a check of the same text with planning gives, from one without, and nothing is done twice.
-
-    Args:
-        checked: of a text, without planning.
-        progress: called while motions are planned.
-    """
-    return checked if checked.begun is None else _planned(checked.begun, progress)
+def check_further(checked: Checked) -> Checked:
+    """Return what a check of the same text with planning gives, from one without; nothing is done twice, but that loops are carried out in full."""
+    begun = checked.begun
+    if begun is None:
+        return checked
+    request = begun.opened.request
+    if request.enough is not None:
+        opened = replace(begun.opened, request=replace(request, enough=None))
+        assert begun.program.value is not None  # a check always gives a program
+        is_whole = not begun.program.value.is_cut
+        begun = replace(begun, opened=opened) if is_whole else _begun(opened, begun.found, begun.project)
+    return _planned(begun)
 
 
 def _begun(opened: Opened, found: tuple[Diagnostic, ...], project: Project) -> Begun:
@@ -128,11 +132,9 @@ def _unplanned(begun: Begun) -> Checked:
     return Checked(diagnostics, begun.source, begun.opened, begun.program.value, begun=begun)
 
 
-def _planned(begun: Begun, progress: Progress | None = None) -> Checked:
+def _planned(begun: Begun) -> Checked:
     """What all stages make. Lines that couldn't be read are missing from the plan: what such a program does isn't proved."""
     request, source, project = begun.opened.request, begun.source, begun.project
-    if progress is not None:
-        request = replace(request, progress=progress)
     planned = plan_checked(begun.program, request)
     found, compiled, products = (*begun.found, *planned.diagnostics), None, list[object]()
     if planned.value is not None:
@@ -142,6 +144,7 @@ def _planned(begun: Begun, progress: Progress | None = None) -> Checked:
             found, compiled = (*found, *made.diagnostics), made.value
             if compiled is not None:
                 products.append(compiled.certificate)
+    tell("looking for what else is worth saying", 0)
     said = {**begun.said, **remarks(products, begun.around, _silent(project))}
     found = (*found, *told_by_rules(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import lru_cache
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile
@@ -75,6 +77,15 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     lost_end = any(first != "END" and _is_like(first, "END") for first in firsts.values())
     no_command = {one.span.line for one in found if one.code == "Y0202" and one.span is not None}
     no_module = any(one.code == "Y0213" for one in found)
+    first_open = min(open_blocks, default=math.inf)
+    first_no_command = min(
+        (each for each in no_command & causes if firsts[each] not in DECLARATIONS), default=math.inf
+    )
+    no_frame = any(one.code == "Y0301" for one in found)
+    first_said: dict[str, int] = {}
+    for line, said in sorted(words.items()):
+        for word in said:
+            first_said.setdefault(word, line)
     lost_name = any(one.code in _UNKNOWN | {"Y0202", "Y0213"} for one in found)
 
     def follows(one: Diagnostic) -> bool:
@@ -83,13 +94,13 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
             case "Y0206" if line in misplaced:
                 return True
             case code if code in _INDICES:
-                return any(each < line for each in open_blocks)
+                return first_open < line
             case code if code.startswith(_PLANNED):
                 return _rests_on(one, line, source, doubtful)
             case "Y0105":
                 return line in no_command
             case "Y0208":
-                return any(each < line and firsts[each] not in DECLARATIONS for each in no_command & causes)
+                return first_no_command < line
             case "Y0113":
                 return lost_end
             case "Y0114":
@@ -102,12 +113,10 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
                 return firsts.get(line, "") != "CELL"
             case code if code in _UNKNOWN:
                 name = _name(one)
-                told = {word for each, said in words.items() if each < line or not line for word in said}
-                if one.code == "Y0303" and line not in causes and any(each.code == "Y0301" for each in found):
+                if one.code == "Y0303" and line not in causes and no_frame:
                     return True
-                return bool(name) and (
-                    name in told or name.partition(".")[0] in told or ("." in name and no_module)
-                )
+                told = (first_said.get(each, math.inf) for each in (name, name.partition(".")[0]))
+                return bool(name) and (min(told) < (line or math.inf) or ("." in name and no_module))
         return False
 
     return _said_once([one for one in found if not follows(one)])
@@ -157,6 +166,7 @@ def _words(line: str) -> set[str]:
     return {word.upper() for word in _WORD.findall(code_of(line))} - DECLARATIONS
 
 
+@lru_cache(maxsize=4096)
 def _is_like(word: str, meant: str) -> bool:
     return word == meant or bool(get_close_matches(word, [meant], n=1, cutoff=0.7))
 

@@ -28,6 +28,7 @@ from yarclang.memory import Recent
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.checking import Checked, check_further, check_text
 from yarclang.pipeline.inputs import Options
+from yarclang.progress import told_to
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
@@ -90,6 +91,10 @@ class Analysis:
         return self.program.steps if self.program else ()
 
 
+ENOUGH_AT_FIRST = 1_000
+"""Lines in loops and SUBs that a quick look carries out: some 0.1 s."""
+
+
 class _Cancelled(Exception):  # noqa: N818 - ends work that nobody waits for
     """The work was given up."""
 
@@ -118,23 +123,24 @@ class Analyst:
         Args:
             source: the text.
             folder: where modules, cells and settings are looked for.
-            quick: only what needs no planning (`yarc check --no-plan`).
+            quick: only what needs no planning, and of loops and SUBs no more than ENOUGH_AT_FIRST lines.
             begun: what such a look has found in this text, if there was one: then the look goes on from there.
-            cancelled: asked between motions whether to give up.
+            cancelled: asked often whether to give up.
 
         Returns:
             None where the work was given up; what was worked out up to there is remembered.
         """
 
-        def go_on(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a progress
+        def listen(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a listener
             if cancelled is not None and cancelled():
                 raise _Cancelled
 
-        options = self.options if cancelled is None else replace(self.options, progress=go_on)
         try:
-            if begun is not None and not quick:
-                return Analysis(check_further(begun, options.progress))
-            return Analysis(check_text(source, folder, options, plans=not quick))
+            with told_to(listen):
+                if begun is not None and not quick:
+                    return Analysis(check_further(begun))
+                options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
+                return Analysis(check_text(source, folder, options, plans=not quick))
         except _Cancelled:
             return None
 

@@ -18,7 +18,6 @@ from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Request
 from yarclang.pmac.program import Target
-from yarclang.progress import Progress
 from yarclang.robot.description import load_robot, read_robot
 from yarclang.robot.library import find_robot, list_robots
 from yarclang.robot.model import Robot, Tolerance
@@ -34,7 +33,7 @@ class Options:
     """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
     `tolerance` in mm and deg (None: the robot's own). `texts` are files that are open somewhere, by their absolute
     paths: modules, cells and robots are read from there before what is saved. `memory` keeps what is worked out, for the
-    next time (pipeline/incremental.py makes one).
+    next time (pipeline/incremental.py makes one). `enough` is the number of lines in loops and SUBs after which a first look has seen enough (None: all).
     """
 
     robot: str | None = None
@@ -42,9 +41,9 @@ class Options:
     tm: float | None = None
     tolerance: tuple[float, float | None] | None = None
     target: Target = "rotary"
-    progress: Progress | None = None
     texts: Mapping[Path, SourceFile] = field(default_factory=lambda: NO_TEXTS)
     memory: Memory = NO_MEMORY
+    enough: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,10 +107,10 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         tm=options.tm,
         tolerance=tolerance_of(robot, options.tolerance),
         target=options.target,
-        progress=options.progress,
         load=loader(folder, options.texts),
         load_cell=cell_loader(folder, robot, options.texts, options.memory),
         memory=options.memory,
+        enough=options.enough,
     )
     return Result(Opened(module, request), diagnostics)
 

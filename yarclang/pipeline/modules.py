@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
@@ -22,17 +23,24 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
     open somewhere, by their absolute paths: they go before what is saved.
     """
 
-    def load(name: str) -> Result[Module]:
+    @cache  # of one check: what is there by then
+    def library() -> list[Path]:
+        return modules_in(library_folder())
+
+    @cache
+    def places() -> list[Path]:
         unsaved = [path for path in texts if path.parent == folder.absolute() and path.suffix == SUFFIX]
-        places = [*unsaved, *modules_in(folder), *modules_in(library_folder())]
-        for path in places:
+        return [*unsaved, *modules_in(folder), *library()]
+
+    def load(name: str) -> Result[Module]:
+        for path in places():
             if path.stem.upper() == name:
                 if (text := texts.get(path.absolute())) is not None:
                     return parse(text)
                 read = read_source(str(path))
                 return Result(None, read.diagnostics) if read.value is None else parse(read.value)
-        known = sorted({path.stem.upper() for path in modules_in(library_folder())})
-        help_ = suggest(name, [path.stem.upper() for path in places])
+        known = sorted({path.stem.upper() for path in library()})
+        help_ = suggest(name, [path.stem.upper() for path in places()])
         help_ = (
             help_
             or f"a module is a file beside the program; the standard library has {', '.join(known) or 'none'}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import PurePath
@@ -18,7 +18,7 @@ from yarclang.certify.certificate import Certificate
 from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
-from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Program, Step
+from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
@@ -28,7 +28,7 @@ from yarclang.pipeline.segments import segment_grid
 from yarclang.pmac.header import Header
 from yarclang.pmac.program import PmacProgram, Target
 from yarclang.pmac.seal import sealed
-from yarclang.progress import Progress
+from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
@@ -54,7 +54,6 @@ class Request:
     tm: float | None = None
     tolerance: Tolerance | None = None
     target: Target = "rotary"
-    progress: Progress | None = None
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
     index_needed: bool = True
@@ -89,13 +88,12 @@ def context_of(request: Request) -> Context:
         request.index_needed,
         request.memory,
         request.enough,
-        request.progress,
     )
 
 
 def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
     """Checked program to motion plan, in segment times that the controller takes."""
-    settings = _settings(program, request)
+    settings = _settings(request)
     if settings.value is None:
         return Result(None, settings.diagnostics)
     return plan(program, request.robot, settings.value)
@@ -103,24 +101,15 @@ def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
 
 def shown_plan(program: Program, request: Request) -> MotionPlan | None:
     """As much of a program with errors as can be planned, to be shown; None where the settings are wrong."""
-    settings = _settings(program, request)
+    settings = _settings(request)
     return None if settings.value is None else plan_in_part(program, request.robot, settings.value)[0]
 
 
-def _settings(program: Program, request: Request) -> Result[Settings]:
+def _settings(request: Request) -> Result[Settings]:
     grid = segment_grid(request.robot, request.tm)
     if grid.value is None:
         return Result(None, grid.diagnostics)
-    total = len(program.steps)
-    report = request.progress
-    return Result(
-        Settings(
-            grid.value,
-            request.tolerance or request.robot.tolerance,
-            (lambda done: report("planning", done, total)) if report else None,
-            request.memory,
-        )
-    )
+    return Result(Settings(grid.value, request.tolerance or request.robot.tolerance, request.memory))
 
 
 def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
@@ -172,11 +161,11 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Motion plan to controller text, read back and proved."""
     tolerance = request.tolerance or request.robot.tolerance
+    tell("writing the controller's text", 0)
     lowered = lower(planned, request.target, tolerance)
     emitted = emit(lowered, request.memory)
     header = _header(lowered, planned, request)
-    if request.progress:
-        request.progress("certifying", 0, 1)
+    tell("certifying: reading the text", 0)
     text = emitted.text(header.lines())
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):

@@ -9,7 +9,6 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
 from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
-from yarclang.progress import Progress
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
 from yarclang.source import SourceFile
@@ -38,8 +37,6 @@ class Context:
     """Keeps the steps of commands."""
     enough: int | None = None
     """Lines in loops and SUBs after which a loop makes no further round; None: all are carried out."""
-    progress: Progress | None = None
-    """Told how many lines were checked."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from yarclang.diagnostics import Collector
-from yarclang.progress import Progress
+from yarclang.progress import tell
 from yarclang.semantics.amounts import Amount
 from yarclang.semantics.arguments import names_in
 from yarclang.semantics.evaluate import EvaluationError, evaluate
@@ -77,12 +77,10 @@ class Counter:
 
     Args:
         most: rounds that are counted one after the other (None: as many as there are).
-        progress: told how many of these were counted.
     """
 
-    def __init__(self, most: int | None = None, progress: Progress | None = None) -> None:
+    def __init__(self, most: int | None = None) -> None:
         self._most = most
-        self._progress = progress
         self._one_by_one = 0
         self._sizes: dict[int, int] = {}
         self._read: dict[int, frozenset[str]] = {}
@@ -206,8 +204,7 @@ class Counter:
     def _look(self) -> None:
         if self._most is not None and self._one_by_one > self._most:
             raise Uncounted
-        if self._progress is not None:
-            self._progress("counting the rounds of loops", self._one_by_one, 0)
+        tell("counting the rounds of loops", self._one_by_one)
 
     def _call(self, statement: Statement, file: File, scope: Scope, depth: int) -> _Tally:
         values = values_of(statement)

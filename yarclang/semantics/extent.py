@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from yarclang.diagnostics import Collector, has_errors
-from yarclang.progress import Progress
+from yarclang.progress import tell
 
 ENOUGH_WITH_ERRORS = 10_000
 """Lines in loops and SUBs that are carried out of a program with errors."""
@@ -25,20 +25,17 @@ class Extent:
     Args:
         collectors: the findings of each file so far.
         enough: lines in loops and SUBs, whatever is found; None: all of them.
-        progress: told how many lines were carried out.
     """
 
-    def __init__(
-        self, collectors: Sequence[Collector], enough: int | None, progress: Progress | None
-    ) -> None:
+    def __init__(self, collectors: Sequence[Collector], enough: int | None) -> None:
         self.is_reached = False
         """True if there are enough lines."""
         self._collectors = collectors
         self._enough = enough
-        self._progress = progress
         self._looked_at: dict[Collector, int] = {}
         self._lines = 0
         self._again = 0
+        self._expected = 0
         self._next = _EVERY
 
     def add(self, lines: int, *, again: bool) -> None:
@@ -48,6 +45,10 @@ class Extent:
             self._again += lines
         if self._lines >= self._next:
             self._look()
+
+    def expect(self, lines: int) -> None:
+        """Take it that so many lines follow."""
+        self._expected = self._lines + lines
 
     def expect_syntax_errors(self) -> None:
         """Take it that there are lines that can't be read."""
@@ -59,8 +60,7 @@ class Extent:
 
     def _look(self) -> None:
         self._next = self._lines + _EVERY
-        if self._progress is not None:
-            self._progress("checking", self._lines, 0)
+        tell("checking", self._lines, max(self._lines, self._expected))
         if any(map(self._has_new_errors, self._collectors)):
             self._limit(ENOUGH_WITH_ERRORS)
         if self._enough is not None and self._again > self._enough:

@@ -88,8 +88,8 @@ class _Unroller:
         self._names = CommandNames(context.profiles)
         self._declaring = Declaring(context, self._names, self._steps)
         self._calls = Calls()
-        self._counter = Counter(context.enough, context.progress)
-        self._extent = Extent(self._declaring.collectors, enough, context.progress)
+        self._counter = Counter(context.enough)
+        self._extent = Extent(self._declaring.collectors, enough)
         self._shown_once: set[Sub] = set()
         """The SUBs that were called since the extent was reached."""
         self._commands = 0
@@ -207,6 +207,7 @@ class _Unroller:
             return
         except Uncounted:
             return
+        self._extent.expect(count.lines)
         self._add_counted(count, head, file)
 
     def _add_counted(self, count: Count, statement: Statement, file: File) -> None:

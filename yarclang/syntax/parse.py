@@ -12,6 +12,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.progress import tell
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module, Place, Statement
 from yarclang.syntax.build import statement
@@ -24,6 +25,9 @@ from yarclang.syntax.words import DECLARATIONS
 
 LONGEST_LINE = 100_000
 """Characters; a longer line is no program line but a file gone wrong."""
+
+_EVERY = 16
+"""Statements between two reports: one that can't be read takes a millisecond."""
 
 _OPENS_STATEMENT = re.compile(
     rf"\s*(?:[Pp][0-9]+|{'|'.join(sorted(DECLARATIONS))})(?![^\s;\[\](){{}}!,\"])", re.I
@@ -41,7 +45,9 @@ def parse(source: SourceFile) -> Result[Module]:
     diagnostics: list[Diagnostic] = []
     unreadable: list[int] = []
     comment_lines: list[tuple[int, str]] = []
-    for line, text in _statements(source):
+    for number, (line, text) in enumerate(_statements(source)):
+        if number % _EVERY == 0:
+            tell("reading", line, len(source.lines))
         if len(text) > LONGEST_LINE and max(map(len, text.split("\n"))) > LONGEST_LINE:
             diagnostics.append(_too_long(source, line, text))
             unreadable.append(line)

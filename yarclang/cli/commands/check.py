@@ -77,7 +77,7 @@ def command(
 
     with Progress() as progress:
         task = Task(
-            options_from(planning, progress),
+            options_from(planning),
             plans,
             fix or diff,
             _shown(select, ignore),

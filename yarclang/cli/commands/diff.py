@@ -123,8 +123,8 @@ def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnost
             )
         made = executed(read.value.text, found.value, file)
         return made.value, (*found.diagnostics, *made.diagnostics)
-    with Progress() as progress:
-        checked = check_program_file(file, options_from({"robot": robot}, progress))
+    with Progress():
+        checked = check_program_file(file, options_from({"robot": robot}))
     compiled = checked.compiled
     if compiled is None:
         # warnings are for who compiles it

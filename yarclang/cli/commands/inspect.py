@@ -80,7 +80,7 @@ def _of_program(
     from yarclang.report.inspection.inspected import study
 
     with Progress() as progress:
-        checked = check_program_file(file, options_from(planning, progress))
+        checked = check_program_file(file, options_from(planning))
         progress.pause()
         studied, findings = study(checked), checked.diagnostics
         if studied is None:

@@ -54,7 +54,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
 
     name = "<stdin>" if file == STANDARD else file
     with Progress() as progress:
-        opened = open_program(file, options_from(planning, progress))
+        opened = open_program(file, options_from(planning))
         diagnostics, plan = opened.diagnostics, None
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)

@@ -67,7 +67,7 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
     if given and (is_log(file) or is_compiled(file)):
         raise click.UsageError(f"{', '.join(given)}: {file} is planned already")
     with Progress() as progress:
-        found = opened(file, options_from(planning, progress), robot_of_text)
+        found = opened(file, options_from(planning), robot_of_text)
         progress.pause()
     show_findings(found.diagnostics)
     if found.value is None:

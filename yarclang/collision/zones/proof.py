@@ -23,6 +23,7 @@ from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 MOST = 500_000
@@ -99,6 +100,7 @@ class _Search:
         done = 0
         waiting = [(self.pieces.take(near), self.ends.of(item, near))]
         while waiting:
+            go_on()
             pieces, ends = waiting.pop()
             if not len(pieces.segment):
                 continue
@@ -186,6 +188,7 @@ class _Search:
         """Settle a joint window on all motions."""
         pieces = self.pieces
         while len(pieces.segment):
+            go_on()
             least, most = room_on(window, pieces, self.course)
             q = joints(self.course, pieces.segment, pieces.middle)[0]
             seen = room(window, q).min(axis=1)

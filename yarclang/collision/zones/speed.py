@@ -22,6 +22,7 @@ from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 Flags = NDArray[np.bool_]
@@ -136,6 +137,7 @@ class _Search:
         pieces = self.pieces.take(rows)
         ends = self.whole.ends.of(self.item, rows) if len(rows) else None
         while ends is not None:
+            go_on()
             pieces, ends = self._look(pieces, ends)
             if self.stops and (self.segment >= 0).all():
                 break

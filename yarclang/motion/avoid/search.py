@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.hir import Array
+from yarclang.progress import go_on
 from yarclang.robot.model import Limits
 
 
@@ -83,7 +84,18 @@ def polyline(question: Question, effort: Effort) -> Array | None:
     planner.setProblemDefinition(problem)
     planner.setup()
     left = iter(range(effort.samples))
-    planner.solve(base.PlannerTerminationCondition(lambda: next(left, None) is None))
+    given_up: list[Exception] = []
+
+    def is_over() -> bool:
+        try:
+            go_on()
+        except Exception as reason:  # it must not pass through C++
+            given_up.append(reason)
+        return bool(given_up) or next(left, None) is None
+
+    planner.solve(base.PlannerTerminationCondition(is_over))
+    if given_up:
+        raise given_up[0]
     if not problem.hasExactSolution():
         return None
     path = problem.getSolutionPath()

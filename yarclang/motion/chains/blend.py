@@ -19,6 +19,7 @@ from yarclang.motion.curve import knot_values, solve_tridiagonal
 from yarclang.motion.leading.led import FrameWay
 from yarclang.motion.path import Path
 from yarclang.motion.trials import Trial
+from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.inverse import follow
 from yarclang.robot.model import Chain
@@ -165,6 +166,7 @@ def _poses_of_both(
 
 def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
     """Along the first path to its end and on along the second: the ways that both have gone are added."""
+    go_on()
     lengths = way_length(first), way_length(second)
     gone = done * lengths[0] + begun * lengths[1]
     behind = gone > lengths[0]

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.progress import go_on
 from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form, next_to
 from yarclang.robot.kinematics.fk import links_of, walk
 from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
@@ -67,6 +68,7 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
     q = np.empty((len(seeds), chain.size))
     miss_position, miss_angle = np.empty(len(seeds)), np.empty(len(seeds))
     for start in range(0, len(seeds), BLOCK):
+        go_on()
         piece = slice(start, start + BLOCK)
         poses, seed = base_from_flange[piece], np.ascontiguousarray(seeds[piece].T)
         nearest = _nearest_branch(arm, poses, seed)

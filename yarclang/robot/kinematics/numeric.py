@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import walk_with_jacobian
 from yarclang.robot.model import Array, Chain
 
@@ -148,6 +149,7 @@ def _fit_block(
     for _ in range(rounds):
         if not len(active):
             break
+        go_on()
         step = damped_step(jacobian, error, factor * now + FLOOR)
         largest = np.abs(step).max(axis=0)
         step *= np.minimum(1.0, STEP / np.maximum(largest, 1e-300))

@@ -14,6 +14,20 @@ Listener = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and how much there is (0: unknown)."""
 
 
+class GivenUp(Exception):  # noqa: N818 - ends work that nobody waits for
+    """The work was given up."""
+
+
+def unless(is_over: Callable[[], bool]) -> Listener:
+    """Return a listener that gives the work up once it is over."""
+
+    def listen(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a listener
+        if is_over():
+            raise GivenUp
+
+    return listen
+
+
 class _Told:
     """A listener, and what it was told last."""
 

@@ -22,6 +22,7 @@ class Slow:
         self.begun = threading.Event()
         self.told_at_once: tuple[Diagnostic, ...] | None = None
         self.go_on = threading.Event()
+        self.is_slow_at_first = False
 
     def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
         return self.told_at_once
@@ -30,7 +31,7 @@ class Slow:
         self, document: Document, plans: bool, begun: Checked | None, is_stale: Callable[[], bool]
     ) -> Checked | None:
         assert plans == (begun is not None)  # what was found without planning is gone on from
-        if plans:
+        if plans or self.is_slow_at_first:
             self.begun.set()
             while not self.go_on.wait(0.005):
                 if is_stale():
@@ -86,6 +87,31 @@ def test_what_needs_no_planning_is_there_while_motions_are_planned():
     run(work)
 
 
+def test_the_first_look_at_a_text_does_not_wait_for_the_motions_of_another():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        analyses.put(Document("busy", 1, ""))
+        await begun(checks)
+        analyses.put(Document("a", 1, ""))
+        found = await analyses.whole("a", 0.0)
+        assert (found.document.uri, found.is_whole) == ("a", False)
+        assert not analyses.of("busy").is_whole
+
+    run(work)
+
+
+def test_a_new_text_ends_the_first_look_at_the_old_one():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        checks.is_slow_at_first = True
+        for version in range(1, 4):
+            analyses.put(Document("a", version, ""))
+            await begun(checks)
+        checks.go_on.set()
+        await analyses.whole("a", None)
+        assert checks.done == [("a", 3, False), ("a", 3, True)]
+
+    run(work)
+
+
 def test_syntax_errors_of_long_texts_are_told_at_once():
     """They come first, with what was said of other lines, and nobody takes them for all that is to be said."""
 
@@ -93,10 +119,11 @@ def test_syntax_errors_of_long_texts_are_told_at_once():
         analyses.put(Document("busy", 1, ""))
         await begun(checks)
         checks.told_at_once = (Diagnostic("Y0101", "what is this?"),)
+        checks.is_slow_at_first = True
         analyses.put(Document("a", 1, ""))
         while not any(one.shown for one in arrived):
             await asyncio.sleep(0.002)
-        assert analyses.of("a") is None  # while the other text is still looked at
+        assert analyses.of("a") is None  # while its names are still looked up
         checks.go_on.set()
         assert (await analyses.whole("a", None)).checked.diagnostics == ()
         told = [[one.code for one in each.shown] for each in arrived if each.document.uri == "a"]

@@ -1,6 +1,7 @@
-"""What the pipeline says of the open texts: found in a thread, newest first, given up where a text has changed meanwhile.
+"""What the pipeline says of the open texts: found in threads, newest first, given up where a text has changed meanwhile.
 
-Each version of a text is looked at twice: first what needs no planning, then all of it. Who asks gets what is there.
+Each version of a text is looked at twice: first what needs no planning, then all of it. Each has a thread of its own, so that the first look at one text
+doesn't wait for the motions of another. Who asks gets what is there.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import asyncio
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.lsp.carried import Planned, carried, planned_alone
@@ -43,6 +45,7 @@ class _Desk:
     document: Document
     generation: int = 0
     analysis: Analysis | None = None
+    begun: Checked | None = None
     planned: Planned | None = None
     whole: asyncio.Event = field(default_factory=asyncio.Event)
     some: asyncio.Event = field(default_factory=asyncio.Event)
@@ -58,11 +61,16 @@ class Analyses:
         self._checks = checks
         self._arrived = arrived
         self._desks: dict[str, _Desk] = {}
-        self._waiting: list[str] = []
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="analysis")
+        self._touched: list[str] = []
+        """The texts that wait for a look, the one that was touched last at the end."""
+        self._unread: set[str] = set()
+        """Those of them that weren't looked at without planning."""
+        self._checking = ThreadPoolExecutor(1, thread_name_prefix="checking")
+        self._planning = ThreadPoolExecutor(1, thread_name_prefix="planning")
         self._reading = ThreadPoolExecutor(1, thread_name_prefix="reading")
         self._tasks: set[asyncio.Task[None]] = set()
-        self._running = False
+        self._running: set[bool] = set()
+        """Which looks are being made: without planning, or with it."""
 
     def put(self, document: Document) -> None:
         """A text was opened or changed: it is looked at anew."""
@@ -81,11 +89,12 @@ class Analyses:
         if desk is None:
             return
         desk.generation += 1
+        desk.begun = None
         desk.whole.clear()
         desk.some.clear()
-        if uri in self._waiting:
-            self._waiting.remove(uri)
-        self._waiting.append(uri)
+        self._take_out(uri)
+        self._touched.append(uri)
+        self._unread.add(uri)
         self._go_on()
 
     def drop(self, uri: str) -> None:
@@ -94,8 +103,13 @@ class Analyses:
         if desk is not None:
             desk.whole.set()
             desk.some.set()
-        if uri in self._waiting:
-            self._waiting.remove(uri)
+        self._take_out(uri)
+
+    def _take_out(self, uri: str) -> None:
+        """Let a text wait for nothing."""
+        self._unread.discard(uri)
+        if uri in self._touched:
+            self._touched.remove(uri)
 
     def of(self, uri: str) -> Analysis | None:
         """What is known of the newest version of a text; None where nothing is yet."""
@@ -126,21 +140,26 @@ class Analyses:
         """End all work."""
         for uri in list(self._desks):
             self.drop(uri)
-        for pool in (self._pool, self._reading):
+        for pool in (self._checking, self._planning, self._reading):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    # the thread's work
+    # the threads' work
 
     def _go_on(self) -> None:
-        if self._running or not self._waiting:
-            return
-        uri = self._waiting.pop()
-        self._running = True
-        task = asyncio.ensure_future(self._look(uri))
-        task.add_done_callback(self._looked)
+        if self._unread and False not in self._running:
+            uri = next(one for one in reversed(self._touched) if one in self._unread)
+            self._unread.remove(uri)
+            self._begin(uri, plans=False)
+        elif self._touched and not self._unread and not self._running:
+            self._begin(self._touched.pop(), plans=True)
 
-    def _looked(self, task: asyncio.Task[None]) -> None:
-        self._running = False
+    def _begin(self, uri: str, *, plans: bool) -> None:
+        self._running.add(plans)
+        task = asyncio.ensure_future(self._look(uri, plans))
+        task.add_done_callback(partial(self._looked, plans))
+
+    def _looked(self, plans: bool, task: asyncio.Task[None]) -> None:
+        self._running.discard(plans)
         self._go_on()
         task.result()  # a bug is reported by the loop, and the next text is looked at all the same
 
@@ -159,35 +178,37 @@ class Analyses:
         if found is not None and is_wanted():
             self._arrived(_of_syntax(desk, document, generation, found))
 
-    async def _look(self, uri: str) -> None:
-        """Look at a text, without planning and then with it."""
-        loop = asyncio.get_running_loop()
-        desk = self._desks[uri]
+    async def _look(self, uri: str, plans: bool) -> None:
+        """Look at a text, without planning or then with it."""
+        desk = self._desks.get(uri)
+        if desk is None:
+            return
         document, generation = desk.document, desk.generation
+        begun = desk.begun if plans else None
 
         def is_stale() -> bool:
             return self._desks.get(uri) is not desk or desk.generation != generation
 
-        checked: Checked | None = None
-        for plans in (False, True):
-            if is_stale():
-                return
-            try:
-                checked = await loop.run_in_executor(
-                    self._pool, self._checks.check, document, plans, checked, is_stale
-                )
-            except Exception:
-                # a bug: nobody shall wait for what doesn't come
-                desk.some.set()
-                desk.whole.set()
-                raise
-            if is_stale():
-                return
-            if checked is None:
-                continue
+        pool = self._planning if plans else self._checking
+        try:
+            checked = await asyncio.get_running_loop().run_in_executor(
+                pool, self._checks.check, document, plans, begun, is_stale
+            )
+        except Exception:
+            # a bug: nobody shall wait for what doesn't come
+            if not is_stale():
+                self._take_out(uri)
+            desk.some.set()
+            desk.whole.set()
+            raise
+        if is_stale():
+            return
+        if checked is not None:
             self._put_down(desk, Analysis(document, generation, checked, plans))
             assert desk.analysis is not None  # it was put down
             self._arrived(desk.analysis)
+        if not plans:
+            desk.begun = checked
 
     @staticmethod
     def _put_down(desk: _Desk, found: Analysis) -> None:

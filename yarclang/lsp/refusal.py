@@ -15,6 +15,13 @@ class Refusal(JsonRpcException):
     MESSAGE = "refused"
 
 
+class Outdated(Refusal):
+    """The text has changed since a request about it came; editors ask again if they still want to know."""
+
+    CODE = types.LSPErrorCodes.ContentModified.value
+    MESSAGE = "outdated"
+
+
 def keep_quiet_about_refusals() -> None:
     """The library logs what is no fault: refusals, with their whole way, and that an editor gave up a question while its answer was on the way."""
     logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_fault)

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from tempfile import TemporaryDirectory
+from threading import Event
 from typing import Any
 
 from lsprotocol import types
@@ -29,8 +30,10 @@ from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document, changed
 from yarclang.lsp.feature import Feature
 from yarclang.lsp.modules import Modules
+from yarclang.lsp.refusal import Outdated
 from yarclang.lsp.translation import uri_of
 from yarclang.pipeline.inputs import Options
+from yarclang.progress import GivenUp, go_on, told_to, unless
 
 _LOG = logging.getLogger(__name__)
 
@@ -152,9 +155,29 @@ class Server(LanguageServer):
         self._folder = TemporaryDirectory(prefix="yarc-lsp-")
         return Path(self._folder.name)
 
-    async def answer(self, work: Any, *arguments: Any) -> Any:
-        """Do some work in a thread, so that the next message is read meanwhile."""
-        return await asyncio.get_running_loop().run_in_executor(self.answering, work, *arguments)
+    async def answer(self, uri: str, work: Any, *arguments: Any) -> Any:
+        """Do some work about a text in a thread, so that the next message is read meanwhile.
+
+        Raises:
+            Outdated: the text has changed meanwhile.
+        """
+        document, is_given_up = self.documents.get(uri), Event()
+
+        def is_over() -> bool:
+            return is_given_up.is_set() or self.documents.get(uri) is not document
+
+        def done() -> Any:
+            with told_to(unless(is_over)):
+                go_on()
+                return work(*arguments)
+
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self.answering, done)
+        except GivenUp:
+            raise Outdated("the text has changed") from None
+        except asyncio.CancelledError:
+            is_given_up.set()
+            raise
 
     # texts
 

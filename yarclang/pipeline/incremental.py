@@ -28,7 +28,7 @@ from yarclang.memory import Recent
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.checking import Checked, check_further, check_text
 from yarclang.pipeline.inputs import Options
-from yarclang.progress import told_to
+from yarclang.progress import GivenUp, told_to, unless
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
@@ -95,10 +95,6 @@ ENOUGH_AT_FIRST = 1_000
 """Lines in loops and SUBs that a quick look carries out: some 0.1 s."""
 
 
-class _Cancelled(Exception):  # noqa: N818 - ends work that nobody waits for
-    """The work was given up."""
-
-
 class Analyst:
     """Looks at texts for options that hold for all of them, and remembers what comes again.
 
@@ -130,18 +126,15 @@ class Analyst:
         Returns:
             None where the work was given up; what was worked out up to there is remembered.
         """
-
-        def listen(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a listener
-            if cancelled is not None and cancelled():
-                raise _Cancelled
-
         try:
-            with told_to(listen):
+            with told_to(unless(cancelled) if cancelled is not None else None):
                 if begun is not None and not quick:
                     return Analysis(check_further(begun))
                 options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
                 return Analysis(check_text(source, folder, options, plans=not quick))
-        except _Cancelled:
+        except GivenUp:
+            if cancelled is None:
+                raise
             return None
 
     def forget(self) -> None:

@@ -42,8 +42,11 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
             made += _renumber(server, document)
         if _wanted(FIX_ALL, only) and _fixable(document, analysis.checked):
             made.append(_fix_all(uri))
-            if only is not None or not _resolves(server):
+            # nobody who only looks what there is waits for motions to be planned
+            if only is not None or (not _resolves(server) and analysis.is_whole):
                 await _resolve(server, made[-1])
+            elif not _resolves(server):
+                made.pop()
     return [one for one in made if one.edit is not None or one.data is not None]
 
 
@@ -130,7 +133,7 @@ async def _resolve(server: Server, action: types.CodeAction) -> types.CodeAction
     analysis = await server.analyses.whole(str(uri), None) if document else None
     if document is None or analysis is None or analysis.document is not document:
         return action
-    text = await server.answer(_fixed, server, document, analysis.checked)
+    text = await server.answer(document.uri, _fixed, server, document, analysis.checked)
     edits = text_edits(document.source, changes_to(document.source, text), server.encoding)
     action.edit = types.WorkspaceEdit(changes={document.uri: edits})
     return action

@@ -76,7 +76,7 @@ async def _inspect(server: Server, *arguments: Any) -> dict[str, str] | None:
     if view is None or analysis is None:
         _told(server, "the program isn't open")
         return None
-    text = await server.answer(_inspection, view, line)
+    text = await server.answer(uri, _inspection, view, line)
     if not text:
         _told(server, f"no command that is understood stands in line {line}")
         return None
@@ -109,7 +109,7 @@ async def _plot(server: Server, *arguments: Any) -> dict[str, str] | None:
         _told(server, "nothing to draw: the program has errors, or no motion")
         return None
     path = server.files / f"{Path(analysis.document.source.name).stem}.svg"
-    await server.answer(_draw, plan, path)
+    await server.answer(uri, _draw, plan, path)
     _show(server, path)
     return {"path": str(path)}
 

@@ -16,11 +16,12 @@ if TYPE_CHECKING:
 
 
 async def _hover(server: Server, params: types.HoverParams) -> types.Hover | None:
-    view = server.program_view(params.text_document.uri)
+    uri = params.text_document.uri
+    view = server.program_view(uri)
     if view is None:
         return None
     source = view.sketch.source
-    found = await server.answer(hover_at, view, *place_of(source, params.position, server.encoding))
+    found = await server.answer(uri, hover_at, view, *place_of(source, params.position, server.encoding))
     if found is None:
         return None
     text = server.client_capabilities.text_document

@@ -24,7 +24,7 @@ async def _hints(server: Server, params: types.InlayHintParams) -> list[types.In
     source = view.sketch.source
     first, _ = place_of(source, params.range.start, server.encoding)
     last, _ = place_of(source, params.range.end, server.encoding)
-    found = await server.answer(_listed, server, view, first, last)
+    found = await server.answer(uri, _listed, server, view, first, last)
     return [
         types.InlayHint(
             position=position_of(source, one.line, one.column, server.encoding),

@@ -33,7 +33,7 @@ async def _document(server: Server, params: types.DocumentSymbolParams) -> list[
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return []
-    return list(await server.answer(_symbols, server, document))
+    return list(await server.answer(document.uri, _symbols, server, document))
 
 
 def _symbols(server: Server, document: Document) -> list[types.DocumentSymbol]:
@@ -52,7 +52,7 @@ def _symbol(server: Server, source: SourceFile, entry: Entry) -> types.DocumentS
 
 
 async def _workspace(server: Server, params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
-    sketches = await server.answer(server.modules.everywhere, server.roots())
+    sketches = await server.answer("", server.modules.everywhere, server.roots())
     query = params.query.upper()
     return [
         types.WorkspaceSymbol(
@@ -92,7 +92,7 @@ async def _folding(server: Server, params: types.FoldingRangeParams) -> list[typ
             end_line=one.last - 1,
             kind=types.FoldingRangeKind.Comment if one.is_comment else types.FoldingRangeKind.Region,
         )
-        for one in await server.answer(lambda: folds(document.sketch))
+        for one in await server.answer(document.uri, lambda: folds(document.sketch))
     ]
 
 

@@ -43,7 +43,7 @@ async def _whole(server: Server, params: types.SemanticTokensParams) -> types.Se
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return None
-    found: types.SemanticTokens = await server.answer(_tokens, server, document, 1, None)
+    found: types.SemanticTokens = await server.answer(document.uri, _tokens, server, document, 1, None)
     return found
 
 
@@ -53,7 +53,7 @@ async def _part(server: Server, params: types.SemanticTokensRangeParams) -> type
         return None
     first, _ = place_of(document.source, params.range.start, server.encoding)
     last, _ = place_of(document.source, params.range.end, server.encoding)
-    found: types.SemanticTokens = await server.answer(_tokens, server, document, first, last)
+    found: types.SemanticTokens = await server.answer(document.uri, _tokens, server, document, first, last)
     return found
 
 

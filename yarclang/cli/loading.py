@@ -52,11 +52,11 @@ def _compiled_before(file: str, options: dict[str, Any]) -> Result[Loaded]:
     read = read_controller_text(file)
     if read.value is None:
         return Result(None, read.diagnostics)
-    with Progress() as progress:
+    with Progress():
         made = judge_text(
             read.value,
             Path(file).parent,
-            options_from(options, progress),
+            options_from(options),
             options.get("cell"),
             options.get("source"),
         )

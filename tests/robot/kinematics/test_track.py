@@ -211,6 +211,31 @@ def test_broken_by_a_singularity_at_the_start(way, amount):
     check_break(chain, limits, pose_at, found)
 
 
+@pytest.mark.parametrize("length", [1e-8, 1e-6, 1e-4, 1e-3, 5e-3, 0.05, 0.2])
+def test_a_singularity_at_the_start_breaks_short_ways_as_it_does_long_ones(length):
+    """A short way has samples within the few 1e-10 rad in which the held angle goes over to the one that the pose determines."""
+    chain, limits = arms.industrial6()
+    pose_at = line(chain.base_from_flange, moved(chain.base_from_flange, (length, 0, 0)))
+    found = track(chain, limits, pose_at, np.zeros(6))
+    assert isinstance(found, Broken)
+    assert found.kind == "singular"
+    assert found.s * length < 1e-9
+    assert found.joint in {3, 5}
+    assert abs(abs(found.amount) - np.pi / 2) < 0.05
+    check_break(chain, limits, pose_at, found)
+
+
+@pytest.mark.parametrize("length", [1e-9, 1e-7, 1e-5, 1e-3, 0.1])
+def test_a_short_way_straight_through_the_straight_wrist_is_followed(length):
+    """Along the arm's own plane q5 passes zero and q4 stays."""
+    chain, limits = arms.industrial6()
+    start = np.array([0.0, 0.2, -0.5, 0.0, 0.0, 0.0])
+    first = flange_poses(chain, start[None])[0]
+    pose_at = line(first, moved(first, (0, 0, length)))
+    q = check(chain, limits, pose_at, start, track(chain, limits, pose_at, start))
+    assert np.abs(q[:, 3]).max() < 1e-5
+
+
 def test_broken_by_a_singularity_on_the_way():
     """Into the straight wrist in one plane and out of it in another."""
     chain, limits = arms.industrial6()

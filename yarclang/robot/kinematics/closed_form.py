@@ -29,19 +29,29 @@ REACH_TOLERANCE = 1e-10
 
 TURN = 2.0 * math.pi
 
+FREE_JOINTS = (0, 3)
+"""The joints that a singularity frees: q1 with the wrist centre over axis 1, q4 at a straight wrist."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Branches:
     """The closed form's answer, samples last.
 
     `q` (6, 8, N) [rad] in (-pi, pi]; where a branch doesn't reach the pose (`valid` (8, N) is false) it
-    has the pose that stretches towards it. `singular` (8, N): the wrist, or the shoulder, no longer
+    has the pose that stretches towards it. `free` (2, 8, N): the wrist centre over axis 1, or the straight wrist, no longer
     determines its angle, and the held one stands in.
     """
 
     q: Array
     valid: NDArray[np.bool_]
-    singular: NDArray[np.bool_]
+    free: NDArray[np.bool_]
+
+    @property
+    def singular(self) -> NDArray[np.bool_]:
+        """True (8, N) if any angle is held."""
+        over, straight = self.free
+        either: NDArray[np.bool_] = over | straight
+        return either
 
 
 def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branches:
@@ -60,12 +70,12 @@ def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branch
     if count <= BLOCK:
         return _block(arm, base_from_flange, hold)
     q = np.empty((6, 8, count))
-    valid, singular = np.empty((8, count), bool), np.empty((8, count), bool)
+    valid, free = np.empty((8, count), bool), np.empty((2, 8, count), bool)
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
         part = _block(arm, base_from_flange[piece], hold if hold.shape[1] == 1 else hold[:, piece])
-        q[:, :, piece], valid[:, piece], singular[:, piece] = part.q, part.valid, part.singular
-    return Branches(q, valid, singular)
+        q[:, :, piece], valid[:, piece], free[:, :, piece] = part.q, part.valid, part.free
+    return Branches(q, valid, free)
 
 
 def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
@@ -105,9 +115,9 @@ def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
     q -= TURN * np.round(q * (1.0 / TURN))
     valid = np.empty((2, 4, count), bool)
     valid[:] = np.repeat(reached, 2, axis=0) & bendable
-    singular = np.empty((2, 4, count), bool)
-    singular[:] = straight | over.singular
-    return Branches(q, valid.reshape(8, count), singular.reshape(8, count))
+    free = np.empty((2, 2, 4, count), bool)
+    free[0], free[1] = over.singular, straight
+    return Branches(q, valid.reshape(8, count), free.reshape(2, 8, count))
 
 
 @dataclass(frozen=True, slots=True)

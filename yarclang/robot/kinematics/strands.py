@@ -4,6 +4,10 @@ All branches of all samples come at once. From sample to sample the strand stays
 that would need more than a small move, the place is looked at more closely, down to a billionth of the
 path. If there another branch goes on smoothly, the path passes exactly through a singularity and the
 strand changes over; if none does, a joint would have to jump.
+
+Within a singularity the pose leaves one angle free, which is held. Closed forms go over from the held angle to the one that
+the pose determines within a few 1e-10 rad, and a short path has samples in there. What the free angle
+turns by on the way out isn't the path's doing: if it is much, the joint would have to jump.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.robot.kinematics.closed_form import TURN, closed_form, next_to
+from yarclang.robot.kinematics.closed_form import FREE_JOINTS, TURN, closed_form, next_to
 from yarclang.robot.kinematics.geometry import WristedArm
 from yarclang.robot.model import Array
 
@@ -57,13 +61,30 @@ class Strand:
 
 @dataclass(slots=True, eq=False)
 class _Samples:
-    """All branches at all places so far, the places first: `q` (M, 8, 6), `valid` and `singular` (M, 8)."""
+    """All branches at all places so far, the places first: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M, 8, 2)."""
 
     s: Array
     poses: Array
     q: Array
     valid: NDArray[np.bool_]
     singular: NDArray[np.bool_]
+    free: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Held:
+    """A singularity that the strand is in: the sample `before` it, where the joints stand at `q` (6,), and the
+    `joints` that it frees.
+    """
+
+    before: int
+    q: Array
+    joints: list[int]
+
+    def turned(self, q: Array) -> Array:
+        """How far the free joints are (K,) at joint positions `q` (K, 6) from where they are held [rad]."""
+        away: Array = np.abs(q[:, self.joints] - self.q[self.joints]).max(axis=1)
+        return away
 
 
 def follow_branches(arm: WristedArm, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
@@ -99,6 +120,7 @@ def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, A
     farthest = np.abs(moves).max(axis=2)
     farthest[~samples.valid[1:] | samples.singular[1:] | samples.singular[:-1]] = np.inf
     here, branch = 0, -1
+    held: _Held | None = None
     end: End = "whole"
     beyond = q_start
     while here < count - 1:
@@ -131,16 +153,27 @@ def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, A
         elif move > NEAR:
             end, beyond = "jump", target
             break
+        if straight and held is None:
+            freed = np.flatnonzero(samples.free[here + 1, choice]).tolist()
+            held = _Held(here, q[here].copy(), [FREE_JOINTS[one] for one in freed])
         here += 1
         q[here] = target
         branch = -1 if straight else choice
+        first = here
         if straight:
             run = int(
                 np.argmin(np.append(samples.singular[here:, choice] & samples.valid[here:, choice], False))
             )
-            held = _held_run(arm, samples, here, here + run, choice, target)
-            q[here : here + len(held)] = held
-            here += len(held) - 1
+            along = _held_run(arm, samples, here, here + run, choice, target)
+            q[here : here + len(along)] = along
+            here += len(along) - 1
+        if held is not None:
+            turned = held.turned(q[first : here + 1]) > NEAR
+            if turned.any():
+                end, beyond = "jump", q[first + int(np.argmax(turned))]
+                here = held.before
+                break
+            held = held if straight else None
     reached = here + 1
     return Strand(s[:reached], q[:reached], end, beyond), (np.concatenate(cuts) if cuts else np.empty(0))
 
@@ -206,6 +239,7 @@ def _sampled(arm: WristedArm, poses: Array, s: Array, hold: Array) -> _Samples:
         np.ascontiguousarray(found.q.transpose(2, 1, 0)),
         found.valid.T.copy(),
         found.singular.T.copy(),
+        found.free.T.copy(),
     )
 
 
@@ -219,4 +253,5 @@ def _merged(samples: _Samples, extra: _Samples) -> _Samples:
         np.concatenate([samples.q, extra.q])[order],
         np.concatenate([samples.valid, extra.valid])[order],
         np.concatenate([samples.singular, extra.singular])[order],
+        np.concatenate([samples.free, extra.free])[order],
     )

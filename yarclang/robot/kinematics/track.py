@@ -36,7 +36,10 @@ START = 1e-3
 """How far the polished start may be from the given one [rad or m]."""
 
 CLEAR = 1e-6
-"""How far behind a singularity the jump over it is measured, as a share of the path."""
+"""How far after a singularity the jump over it is measured, as a share of the path ..."""
+
+CLEAR_WAY = 1e-7
+"""... and at least [m and rad together]: nearer, the closed form goes over from one angle to the other."""
 
 EDGE = 1e-8
 """A joint that is beyond its limit by no more [rad or m] counts as on it."""
@@ -207,7 +210,10 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) 
 def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -> Broken:
     """What a strand ends of whose nearest continuation is away from `q` (n,)."""
     # a little further on, where the joints stand clear of the singularity
-    further = follow(chain, pose_at(np.array([min(s + CLEAR, 1.0)])), beyond[None])
+    ends = pose_columns(pose_at(np.array([s, 1.0])))
+    way = sum(float(one[-1]) for one in misses(ends[:, :, :1], ends[:, :, 1:]))
+    ahead = max(CLEAR, (1.0 - s) * CLEAR_WAY / max(way, CLEAR_WAY))
+    further = follow(chain, pose_at(np.array([min(s + ahead, 1.0)])), beyond[None])
     if max(further[1][0], further[2][0]) < reached_within(chain):
         beyond = further[0][0]
     jump = beyond - q

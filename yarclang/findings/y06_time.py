@@ -93,4 +93,12 @@ FINDINGS = (
         "P0010 DMOVE {TCP} 0 0 -6 0 0 0 [V 500] (mm,deg,s) {B}",
         "P0010 DMOVE {TCP} 0 0 -60 0 0 0 [V 50] (mm,deg,s) {B}",
     ),
+    Finding(
+        "Y0614",
+        "no-law-found",
+        "error",
+        "no time-optimal law is found along the path",
+        "_TOPP searches its law numerically, from place to place. Where a path is so jagged that joints have to turn by much in no way at all, "
+        "as beside a singularity, the search can give up. The message names the place. The other laws need no search.",
+    ),
 )

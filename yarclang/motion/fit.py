@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from yarclang.motion.curve import Curve, knot_values
+from yarclang.motion.curve import FEWEST_SEGMENTS, Curve, knot_values
 from yarclang.motion.limits import Bounds, Demand, Grid
 from yarclang.motion.path import Path
-from yarclang.motion.profile import Profile
+from yarclang.motion.profile import NoLaw, Profile
 from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials
 from yarclang.robot.model import Tolerance
 
@@ -26,6 +26,12 @@ MOST_MORE = 3 * MORE_SEGMENTS
 
 FEW_SEGMENTS = 100
 """Up to so many, solving the joint positions of several trials together takes hardly longer than those of one."""
+
+_MUCH = 1.5
+"""A duration that is so many times as long as that of the law ..."""
+
+_FEW = 0.02
+"""... and longer by this [s] misses it by far: a few segments more are usual."""
 
 MOST_SEGMENTS = 100_000
 """A motion of more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no bound."""
@@ -65,7 +71,7 @@ class TooLong:
 
 def fit(
     path: Path, profile: Profile, duration: float | None, bounds: Bounds, grid: Grid, tolerance: Tolerance
-) -> Curve | TooFast | NotHeld | TooLong:
+) -> Curve | TooFast | NotHeld | TooLong | NoLaw:
     """Choose segments, form and segment time of a motion along a path.
 
     Args:
@@ -81,7 +87,10 @@ def fit(
     """
     if not profile.has_jerk_limit:
         bounds = bounds.without_jerk()
-    trials = Trials(path, profile.law(path, bounds), bounds, tolerance)
+    law = profile.law(path, bounds)
+    if isinstance(law, NoLaw):
+        return law
+    trials = Trials(path, law, bounds, tolerance)
     quick = replace(grid, largest=max(grid.smallest, min(grid.largest, profile.longest_segment)))
     fitter = _Fitter(trials, profile, grid, quick)
     if duration is None:
@@ -153,8 +162,29 @@ class _Fitter:
     def shortest_trial(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
         """The curve of the shortest duration, and the trial that it is made of; looked for once."""
         if self._shortest is None:
-            self._shortest = self._search()
+            self._shortest = self._coarser(self._search())
         return self._shortest
+
+    def _coarser(
+        self, found: tuple[Curve, Trial] | NotHeld | TooLong
+    ) -> tuple[Curve, Trial] | NotHeld | TooLong:
+        """Return a curve with longer segments if there is one that is faster by far, for a law whose own duration is missed by far.
+
+        Beside a singularity, short segments find peaks that longer ones pass over, within the tolerance.
+        """
+        least = self.trials.law.shortest
+        if least is None or (isinstance(found, tuple) and found[0].duration <= _MUCH * least + _FEW):
+            return found
+        segments = self.quick.fewest(least)
+        while segments > FEWEST_SEGMENTS:
+            segments = max(FEWEST_SEGMENTS, segments // 2)
+            trial = self.best_of(segments)
+            segment = self.quick.not_below(trial.demand.segment)
+            if segment > self.grid.largest or self.trials.segments_for_tolerance(trial) is not None:
+                continue
+            if not isinstance(found, tuple) or _MUCH * trial.segments * segment < found[0].duration:
+                found = curve_of(trial, segment), trial
+        return found
 
     def _search(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
         segments = MANY_SEGMENTS

@@ -10,6 +10,7 @@ from yarclang.motion.cruise import CruiseBroken
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
+from yarclang.motion.profile import NoLaw
 from yarclang.motion.singular import Nearest
 from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
@@ -152,6 +153,15 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
         "unit than was meant; else divide the motion"
     )
     return "Y0604", message, origin.time_span or origin.span, help_, None
+
+
+def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = None) -> Message:
+    """A path along which the search for a law gives up."""
+    message = f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % of the way"
+    if near is not None:
+        message += f"; {_beside(robot, near)}"
+    help_ = "take _SCURVE, which needs no search; a way farther from singularities helps too: another pose, or a via"
+    return "Y0614", message, step.origin.span, help_, None
 
 
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:

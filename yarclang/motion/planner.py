@@ -22,7 +22,7 @@ from yarclang.motion.limits import Bounds, Grid, bounds_of
 from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.plan import MotionPlan, PlannedMotion
-from yarclang.motion.profile import load_profile
+from yarclang.motion.profile import NoLaw, load_profile
 from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
@@ -170,7 +170,7 @@ class _Planner:
         bounds = replace(self.bounds, zones=zones).reduced(timing.share, timing.ramp)
         full: float | None = None
         grid = self.settings.grid
-        fitted: Curve | TooFast | NotHeld | TooLong | CruiseBroken
+        fitted: Curve | TooFast | NotHeld | TooLong | NoLaw | CruiseBroken
         if timing.speed is not None and isinstance(path, CartesianPath):
             way, turns = path.extent
             speed = timing.speed.angle if turns else timing.speed.length
@@ -199,6 +199,8 @@ class _Planner:
                 findings.add(*messages.too_fast_a_cruise(self.robot, fitted, step, near))
             case TooLong():
                 findings.add(*messages.too_long(self.robot, fitted, step.origin, near))
+            case NoLaw():
+                findings.add(*messages.no_law(self.robot, fitted, step, near))
             case NotHeld():
                 findings.add(*messages.not_held(fitted, grid.smallest, step.origin))
         return None

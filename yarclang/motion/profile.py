@@ -33,6 +33,7 @@ class Law:
     `forms` (n) are the forms (K, f) that n segments leave room for, the one that is nearest to the pure law
     first. `strain` (n, forms (K, f)) tells the peaks (K, 3) of velocity, acceleration and jerk over
     distance in units of segments, to compare forms. `scaled` (n, form, n') is the form for n' segments that is most like one for n.
+    `shortest` [s] is the duration for which the limits shape the law; None if its shape doesn't depend on them.
     """
 
     pure: Callable[[Array], Array]
@@ -40,13 +41,21 @@ class Law:
     forms: Callable[[int], NDArray[np.int64]]
     strain: Callable[[int, NDArray[np.int64]], Array]
     scaled: Callable[[int, Form, int], Form] = lambda had, form, gets: form  # noqa: ARG005
+    shortest: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NoLaw:
+    """The place `s` of a path, from 0 to 1, at which the search for a law gives up."""
+
+    s: float
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
     """A law of motion for every path.
 
-    `law` makes the one for a path and the limits that it shall keep. `is_stretched` says that the shortest time decides the
+    `law` makes the one for a path and the limits that it shall keep; NoLaw if none is found. `is_stretched` says that the shortest time decides the
     form, and a longer one stretches it. `has_jerk_limit` is False for a law whose acceleration may jump. `has_cruise` says
     that most of the way goes at one speed, which can be asked for. `longest_segment` [s]
     is the longest segment that does the law justice where time is what counts.
@@ -54,7 +63,7 @@ class Profile:
 
     name: str
     summary: str
-    law: Callable[[Path, Bounds], Law]
+    law: Callable[[Path, Bounds], Law | NoLaw]
     is_stretched: bool = False
     has_jerk_limit: bool = True
     has_cruise: bool = False

@@ -142,7 +142,9 @@ class Trials:
         return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
 
     def foreseen_shortest(self) -> float:
-        """About the shortest duration [s], from the steepest slope of the path alone."""
+        """About the shortest duration [s], from the steepest slope of the path alone, unless the law knows it."""
+        if self.law.shortest is not None:
+            return self.law.shortest
         return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
     def deviation(self, trial: Trial) -> tuple[float, float]:

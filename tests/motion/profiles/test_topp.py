@@ -94,3 +94,60 @@ def test_a_longer_time_stretches_it(time):
         assert stretched.duration == pytest.approx(2 * fastest.duration, rel=0.3)
         assert shares(stretched, robot)[:2].max() <= 0.5
         assert shares(stretched, robot)[2].max() <= 0.5
+
+
+def shortest(text):
+    """The duration of the last motion of a program that must be planned."""
+    plan, diagnostics = planned("DEFAULT {TCP} (mm,deg,s) {B}\n" + text)
+    assert plan is not None, diagnostics
+    return plan.motions[-1].curve.duration
+
+
+@pytest.mark.parametrize("length", [1e-7, 1e-5, 1e-4, 0.0016, 0.01, 0.1])
+@pytest.mark.parametrize("time", ["[MIN]", "[1]", "[50%]"])
+def test_the_shortest_lines_have_a_law(length, time):
+    start = "START 10 10 -20 0 30 0 (deg)\n"
+    duration = shortest(f"{start}P0010 DMOVE_TOPP {length:.7f} 0 0 0 0 0 {time}\n")
+    assert duration == pytest.approx(1, abs=1e-3) if time == "[1]" else duration < 0.05
+
+
+def test_a_line_of_a_micrometre_in_too_short_a_time_is_told_one_that_works():
+    start = "DEFAULT {TCP} (mm,deg,s) {B}\nSTART 10 10 -20 0 30 0 (deg)\n"
+    _, diagnostics = planned(f"{start}P0010 DMOVE_TOPP 0.0016 0 0 0 0 0 [0.01]\n")
+    (found,) = diagnostics
+    assert found.code == "Y0601"
+    assert "the shortest time that works is [0.016]" in found.help
+
+
+@pytest.mark.parametrize("j5", [0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6, -3e-6])
+@pytest.mark.parametrize("way", ["6 0 0", "0 6 0", "0 0 6"])
+@pytest.mark.parametrize("time", ["[MIN]", "[99%]"])
+def test_beside_a_singularity_it_takes_about_as_long_as_the_wrist_needs(j5, way, time):
+    """J4 turns by 90 deg at most, in about 1.8 s at 60 deg/s. Other laws take minutes there, since theirs isn't fitted to the turn."""
+    start = f"START 10 10 -20 0 {j5:.7f} 0 (deg)\n"
+    duration = shortest(f"{start}P0010 DMOVE_TOPP {way} 0 0 0 {time}\n")
+    assert duration < 5.0
+    if time == "[MIN]":
+        assert duration < 1.1 * shortest(f"{start}P0010 DMOVE_POLY5 {way} 0 0 0 [MIN]\n")
+
+
+def test_a_path_without_a_law_is_a_finding(monkeypatch):
+    """What the solver gives up is said, with the place; no path is known that makes it do so."""
+    from toppra.algorithm import TOPPRA
+
+    compute = TOPPRA.compute_parameterization
+
+    def lost(self, *arguments, return_data=False):
+        controllable = compute(self, *arguments, return_data=True)[3]
+        controllable[100] = np.nan
+        return None, None, None, controllable
+
+    monkeypatch.setattr(TOPPRA, "compute_parameterization", lost)
+    _, diagnostics = planned("P0010 MOVEJ_TOPP 10 0 0 0 0 0 [MIN] (deg)\n")
+    (found,) = diagnostics
+    assert found.code == "Y0614"
+    assert "gives up at 25 % of the way" in found.message
+    _, diagnostics = planned(
+        "P0010 MOVEJ_TOPP 10 0 0 0 0 0 [MIN] (deg) BLEND 1\nP0020 MOVEJ_TOPP 20 0 0 0 0 0 [2] (deg,s)\n"
+    )
+    assert codes(diagnostics) == ["Y0614", "Y0614"]

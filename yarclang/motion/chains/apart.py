@@ -16,13 +16,14 @@ from yarclang.motion.chains.overlaps import SPEED_KEPT, Overlaps, widest
 from yarclang.motion.cruise import cruise_law, fewest, fewest_at_speed
 from yarclang.motion.curve import FEWEST_SEGMENTS
 from yarclang.motion.framespeed import finer_for_speed
+from yarclang.motion.profile import NoLaw
 from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
 
 def apart(
     chain: Chain, links: Sequence[Link], segment: float, middles: Sequence[int | None], share: float
-) -> list[Piece] | float:
+) -> list[Piece] | float | None:
     """The pieces of a chain whose laws use a share of the limits of acceleration and jerk where they can.
 
     Args:
@@ -33,7 +34,7 @@ def apart(
         share: of the limits of acceleration and jerk.
 
     Returns:
-        The pieces, or a shorter segment time to try.
+        The pieces; or a shorter segment time to try; or None if a motion has no law for this share.
     """
     return _Maker(links, Overlaps(chain, links, segment), segment, middles, share).made()
 
@@ -48,13 +49,18 @@ class _Maker:
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
     """The trials of motions whose time isn't given, by their place and the trials that they are of: they are the same whatever the overlaps."""
 
-    def made(self) -> list[Piece] | float:
-        trials = [self._trials(link, self.share) for link in self.links]
+    def made(self) -> list[Piece] | float | None:
+        trials = [own for link in self.links if (own := self._trials(link, self.share)) is not None]
+        if len(trials) < len(self.links):
+            return None
         overlaps = [0] * (len(self.links) - 1)
         for place, link in enumerate(self.links):
             if self._part(trials, overlaps, place) is None:
                 # its time asks for more than the share
-                trials[place] = self._trials(link, 1.0)
+                whole = self._trials(link, 1.0)
+                if whole is None:
+                    return None
+                trials[place] = whole
                 if self._part(trials, overlaps, place) is None:
                     return self.segment / 2.0
         for place in range(len(overlaps)):
@@ -71,11 +77,14 @@ class _Maker:
                     return finer
         return self.corners.cut(parts, overlaps)
 
-    def _trials(self, link: Link, share: float) -> Trials:
+    def _trials(self, link: Link, share: float) -> Trials | None:
+        """The trials of a motion with a share of the limits; None if it has no law for them."""
         bounds = link.own_bounds.reduced(1.0, share)
         law = (
             link.profile.law(link.path, bounds) if link.full is None else cruise_law(link.full / self.segment)
         )
+        if isinstance(law, NoLaw):
+            return None
         return Trials(link.path, law, bounds, link.tolerance)
 
     def _part(self, trials: list[Trials], overlaps: list[int], place: int) -> Part | None:

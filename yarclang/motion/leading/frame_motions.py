@@ -15,6 +15,7 @@ from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.paths.line import line_between
 from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline, through_poses
 from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.kinematics.inverse import REACHED
 from yarclang.robot.kinematics.track import Reason
 from yarclang.units import MM
 
@@ -30,7 +31,7 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
     frame = _frame_path(step, start, goal, findings)
     if frame is None:
         return NOWHERE
-    if frame.length < 1e-12 and frame.angle == 0.0:
+    if max(frame.length, frame.angle) < REACHED:
         return Led(JointPath(stands, stands), stands, stands[None])
     path = along(robot.chain, robot.limits, tool, frame, stands, reason="any")
     if isinstance(path, CartesianPath):

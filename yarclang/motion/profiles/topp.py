@@ -1,13 +1,18 @@
 """TOPP: the time-optimal law along the path under the limits of velocity, acceleration and motor speed, by TOPP-RA.
 
-Its acceleration jumps from limit to limit; there is no limit of jerk. On the grid, raw samples of the law are the control
+The acceleration of the law jumps from limit to limit; there is no limit of jerk. On the grid, raw samples of the law are the control
 values: divided differences of samples are averages of derivatives, so what the law keeps the samples keep, and the
 two segments that this takes are all that it costs (Pham and Pham, A New Approach to Time-Optimal Path Parameterization
 based on Reachability Analysis, IEEE T-RO 34, 2018).
+
+The solver of TOPP-RA has absolute tolerances (1e-10) and bounds (1e8), so it gets a path whose numbers are near 1, however short or
+bent the path is: joints in units of acceleration limit times the square of `time`, which is about the duration; and places measured
+by how far the joints have moved. Near a singularity a joint turns half round in a billionth of the way; measured so, that turn is half of the path.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,112 +21,222 @@ from numpy.typing import NDArray
 from yarclang.hir import Array
 from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
-from yarclang.motion.profile import NO_FORM, Form, Law, Profile
+from yarclang.motion.profile import NO_FORM, Form, Law, NoLaw, Profile
 
 _PLACES = 350
-"""At how many places of the path the limits are looked at, at least: the denser the sharper it bends."""
+"""Least number of places of the path at which the limits are looked at. Places are the denser the sharper the path bends."""
 
 _MOST_PLACES = 1000
 _AROUND = 12
-"""... but so many for each place that shows the path's bends: near a singularity, and on splines, there are more."""
+"""Number of places for each place that shows the path's bends, up to _MOST_PLACES: near a singularity, and on splines, there are more."""
 
 _FINE = 400
-"""At how many the bends are looked for."""
+"""Number of equal parts of the path in which bends are looked for."""
+
+_APART = 1e-9
+"""Least distance of two places, of 1 for the whole path: nearer ones count once."""
+
+_NO_TIME = 1e-3
+"""Shortest duration [s] for which a law is looked for: in less, every law needs the fewest segments and far less than the limits."""
 
 _NO_BOUND = 1e8
-"""A bound of the speed of s, squared, that is none."""
+"""A bound of the speed, squared, that is none."""
+
+_NO_FACTOR = 1e-9
+"""Factors of a limit that are smaller at a place don't matter there."""
 
 _SHARE = 0.9998
 """The share of the limits that the law uses: between the places it may use a little more."""
 
 
-def _law(path: Path, bounds: Bounds) -> Law:
-    times, s, speed = _fastest(path, bounds)
-    duration = times[-1]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scaled:
+    """A path as TOPP-RA gets it.
+
+    `gone` (N,) are the places, from 0 to 1, at the shares `s` (N,) of the way; `y` (N, n) are the joints there, in `units` (n,) [rad or m], from
+    the start on. `time` [s] is the unit of time, so that all limits of acceleration are 1.
+    """
+
+    gone: Array
+    s: Array
+    y: Array
+    units: Array
+    time: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Passed:
+    """A law: `times` (N,) [s] and `speed` (N,) [1/s] of the place at the places `gone` (N,), where `s` (N,) of the way is done. Between two of them the
+    acceleration of the place is constant.
+    """
+
+    times: Array
+    speed: Array
+    gone: Array
+    s: Array
+
+
+def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
+    from scipy.interpolate import PchipInterpolator
+
+    passed = _fastest(path, bounds)
+    if isinstance(passed, NoLaw):
+        return passed
+    times, speed, gone = passed.times, passed.speed, passed.gone
+    duration = float(times[-1])
+    # never turns back, and a place in a sharp turn stays in it
+    share_at = PchipInterpolator(gone, passed.s)
 
     def pure(u: Array) -> Array:
         t = np.clip(u, 0.0, 1.0) * duration
         piece = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
         along = t - times[piece]
         push = (speed[piece + 1] - speed[piece]) / (times[piece + 1] - times[piece])
-        reached: Array = np.clip(s[piece] + along * (speed[piece] + 0.5 * push * along), 0.0, 1.0)
-        return reached
+        reached = gone[piece] + along * (speed[piece] + 0.5 * push * along)
+        s: Array = np.clip(share_at(np.clip(reached, 0.0, 1.0)), 0.0, 1.0)
+        return s
 
     def control(segments: int, form: Form) -> Array:  # noqa: ARG001
         samples = pure(np.arange(segments - 1) / (segments - 2))
         samples[0], samples[-1] = 0.0, 1.0
         return np.concatenate((np.zeros(2), samples, np.ones(2)))
 
-    top = float(speed.max()) * duration
-    sharpest = float(np.abs(np.diff(speed) / np.diff(times)).max()) * duration**2
+    rate = speed * share_at(gone, 1)
+    top = float(rate.max()) * duration
+    sharpest = float(np.abs(np.diff(rate) / np.diff(times)).max()) * duration**2
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
         h = 1.0 / (segments - 2)
         return np.tile([top * h, sharpest * h**2, 2.0 * sharpest * h**2], (len(forms), 1))
 
-    return Law(pure, control, lambda segments: NO_FORM, strain)  # noqa: ARG005
+    return Law(pure, control, lambda segments: NO_FORM, strain, shortest=duration)  # noqa: ARG005
 
 
-def _fastest(path: Path, bounds: Bounds) -> tuple[Array, Array, Array]:
-    """Times [s], places s and speeds [1/s] of the law, (N,) each; between them the acceleration of s is constant."""
+def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
+    """Find the time-optimal law of a path by TOPP-RA, or the place where TOPP-RA gives up."""
     import toppra
     from toppra import constraint
 
-    places, joints = _places(path, bounds)
-    if not np.ptp(joints, axis=0).any():
-        return np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.5, 1.0]), np.array([0.0, 2.0, 0.0])
+    scaled = _scaled(path, bounds)
+    if scaled is None:
+        ends = np.array([0.0, 0.5, 1.0])
+        return _Passed(ends * _NO_TIME, np.array([0.0, 2.0, 0.0]) / _NO_TIME, ends, ends)
+    velocity = bounds.velocity * scaled.time / scaled.units
+    counts, motor_velocity = bounds.counts * scaled.units, bounds.motor_velocity * scaled.time
 
-    class SpeedLimit(constraint.LinearConstraint):  # type: ignore[misc]
-        """Joints and motors: an upper bound of the square of the speed of s at each place."""
+    class Limits(constraint.LinearConstraint):  # type: ignore[misc]
+        """Limits of acceleration as rows a u + b x + c <= 0 of the place's acceleration u and squared speed x; of velocity as bounds of x."""
+
+        def __init__(self) -> None:
+            super().__init__()
+            self.identical = True  # one matrix F for all places
 
         def get_dof(self) -> int:
-            return len(bounds.velocity)
+            return len(velocity)
 
         def compute_constraint_params(self, curve: Any, gridpoints: Array) -> tuple[Array | None, ...]:
-            slope = np.abs(curve(gridpoints, 1))
-            motors = np.abs(curve(gridpoints, 1) @ bounds.counts.T)
+            slope, bend = curve(gridpoints, 1), curve(gridpoints, 2)
             shares = np.maximum(
-                (slope / bounds.velocity).max(axis=1), (motors / bounds.motor_velocity).max(axis=1)
+                (np.abs(slope) / velocity).max(axis=1),
+                (np.abs(slope @ counts.T) / motor_velocity).max(axis=1),
             )
             most = np.minimum((_SHARE / np.maximum(shares, 1e-12)) ** 2, _NO_BOUND)
-            return None, None, None, None, None, None, np.stack((np.zeros_like(most), most), axis=1)
+            # at each place, and what it leads to at the next one: x + 2 u times their distance
+            a, b = np.tile(slope, 2), np.tile(bend, 2)
+            joints = len(velocity)
+            b[:-1, joints:] = bend[1:]
+            a[:-1, joints:] = slope[1:] + 2.0 * np.diff(gridpoints)[:, None] * bend[1:]
+            # the solver takes rows with small factors for parallel
+            size = np.maximum(np.maximum(np.abs(a), np.abs(b)), _NO_FACTOR)
+            a, b, c = a / size, b / size, -_SHARE / size
+            rows = np.eye(4 * joints)
+            bounds_of_x = np.stack((np.zeros_like(most), most), axis=1)
+            return (
+                np.hstack((a, -a)),
+                np.hstack((b, -b)),
+                np.hstack((c, c)),
+                rows,
+                np.zeros(len(rows)),
+                None,
+                bounds_of_x,
+            )
 
-    acceleration = bounds.acceleration * _SHARE
     instance = toppra.algorithm.TOPPRA(
-        [
-            SpeedLimit(),
-            constraint.JointAccelerationConstraint(
-                np.stack((-acceleration, acceleration), axis=1),
-                discretization_scheme=constraint.DiscretizationType.Interpolation,
-            ),
-        ],
-        toppra.SplineInterpolator(places, joints),
-        gridpoints=places,
+        [Limits()],
+        toppra.SplineInterpolator(scaled.gone, scaled.y),
+        gridpoints=scaled.gone,
         parametrizer="ParametrizeConstAccel",
     )
-    _, speed, _ = instance.compute_parameterization(0.0, 0.0)
-    if speed is None or not np.isfinite(speed).all() or (speed[1:-1] <= 0.0).any():
-        raise ArithmeticError("TOPP-RA found no law along a path that starts and ends at rest")
-    steps = 2.0 * np.diff(places) / (speed[1:] + speed[:-1])
-    return np.concatenate(([0.0], np.cumsum(steps))), places, speed
+    _, speed, _, controllable = instance.compute_parameterization(0.0, 0.0, return_data=True)
+    if speed is None:
+        # controllable sets are computed from the end on
+        lost = np.flatnonzero(np.isnan(controllable).any(axis=1))
+        return NoLaw(float(scaled.s[lost.max(initial=0)]))
+    reached = np.isfinite(speed[1:]) & (speed[1:] + speed[:-1] > 0.0)
+    if not reached.all():
+        return NoLaw(float(scaled.s[int(np.argmin(reached))]))
+    steps = 2.0 * np.diff(scaled.gone) / (speed[1:] + speed[:-1])
+    times = np.concatenate(([0.0], np.cumsum(steps))) * scaled.time
+    return _Passed(times, speed / scaled.time, scaled.gone, scaled.s)
 
 
-def _places(path: Path, bounds: Bounds) -> tuple[Array, Array]:
-    """Places (N,), the denser the sharper the path bends, and the joint positions there (N, n)."""
-    fine = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
-    joints = path.joints(fine)
-    if path.is_straight_in_joints:
-        return fine[:: _FINE // _PLACES], joints[:: _FINE // _PLACES]
-    slope = np.diff(joints, axis=0) / np.diff(fine)[:, None]
-    bend = np.abs(np.diff(slope, axis=0)) / ((fine[2:] - fine[:-2]) / 2.0)[:, None] / bounds.acceleration
+def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
+    """Scale a path to numbers near 1; None if it is so short that its law doesn't matter."""
+    s = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
+    q = path.joints(s)
+    way = np.abs(np.diff(q, axis=0)).sum(axis=0)
+    time = max(float(np.sqrt((way / bounds.acceleration).max())), float((way / bounds.velocity).max()))
+    if time < _NO_TIME:
+        return None
+    units = bounds.acceleration * time**2
+    if not path.is_straight_in_joints:
+        s = _places(s, q / units, max(_PLACES, min(_MOST_PLACES, _AROUND * len(path.places))))
+        q = path.joints(s)
+    gone = _gone(s, q / units)
+    apart = _apart(gone)
+    s, q, gone = s[apart], q[apart], gone[apart]
+    return _Scaled(gone, s, (q - q[0]) / units, units, time)
+
+
+def _places(s: Array, y: Array, count: int) -> Array:
+    """Choose `count` + 1 shares of the way, the denser the sharper the path bends and the farther the joints move.
+
+    Args:
+        s: shares of the way (M,) at which the path is known.
+        y: the joints there (M, n), in units.
+        count: number of pieces.
+    """
+    gone = _gone(s, y)
+    apart = _apart(gone)
+    s, y, gone = s[apart], y[apart], gone[apart]
+    slope = np.diff(y, axis=0) / np.diff(gone)[:, None]
+    bend = np.abs(np.diff(slope, axis=0)) / ((gone[2:] - gone[:-2]) / 2.0)[:, None]
+    # the time that a bend takes: its speed is bounded by the square root of acceleration over bend
     sharpness = np.sqrt(bend.max(axis=1))
     density = np.concatenate((sharpness[:1], sharpness, sharpness[-1:]))
     density += density.mean() + 1e-9
-    count = np.concatenate(([0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(fine))))
-    wanted = max(_PLACES, min(_MOST_PLACES, _AROUND * len(path.places))) + 1
-    places = np.interp(np.linspace(0.0, count[-1], wanted), count, fine)
+    total = np.concatenate(([0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(gone))))
+    places = np.interp(np.linspace(0.0, total[-1], count + 1), total, s)
     places[0], places[-1] = 0.0, 1.0
-    return places, path.joints(places)
+    return places
+
+
+def _gone(s: Array, y: Array) -> Array:
+    """Measure how far the joints have moved at shares `s` (N,) of the way, from 0 to 1; the way itself counts half, since all joints stand where a
+    spline turns back.
+    """
+    steps = np.linalg.norm(np.diff(y, axis=0), axis=1)
+    gone = np.concatenate(([0.0], np.cumsum(0.5 * steps / steps.sum() + 0.5 * np.diff(s))))
+    gone /= gone[-1]
+    return gone
+
+
+def _apart(gone: Array) -> NDArray[np.intp]:
+    """Choose those of the places (N,) that are apart, the first and the last among them."""
+    numbers = np.floor(gone / _APART)
+    kept = np.flatnonzero(np.diff(numbers, prepend=-1.0))
+    kept[-1] = len(gone) - 1
+    return kept
 
 
 PROFILE = Profile(

@@ -47,11 +47,16 @@ def drawn(arm, random, most=5):
         lines.append(f"P0001 MOVEJ {_numbers(middle)} [MIN]")
         said[0] = Said("joints", [np.round(middle, 4)])
     step = len(said)
+    # way-points as far apart as a joint that turns once and more allows lead nearly all splines of such an arm into itself
+    spread = np.where(room > 180.0, 100.0, room)
     can_follow = len(middle) >= 6
+    # an arm of many joints soon runs into one of their limits: most of what is drawn would be refused
+    near = 0.5 if len(middle) > 7 else 1.0
+    reach *= near
 
     def pose(size=1.0):
         shift = np.round(point + random.uniform(-1, 1, 3) * reach * size, 3)
-        rpy = np.round(turns[0].as_euler("xyz", degrees=True) + random.uniform(-25, 25, 3) * size, 3)
+        rpy = np.round(turns[0].as_euler("xyz", degrees=True) + random.uniform(-25, 25, 3) * size * near, 3)
         return shift, rpy, (shift, Rotation.from_euler("xyz", rpy, degrees=True))
 
     for _ in range(random.integers(1, most + 1)):
@@ -74,7 +79,7 @@ def drawn(arm, random, most=5):
                 one = Said("joints", [away], relative=True, **common)
         elif kind == "joint_spline":
             goals = [
-                np.round(middle + random.uniform(-1, 1, len(middle)) * room * 0.4, 4)
+                np.round(middle + random.uniform(-1, 1, len(middle)) * spread * 0.4, 4)
                 for _ in range(random.integers(2, 5))
             ]
             words = f"MOVEJ_SPLINE{profile} {'; '.join(map(_numbers, goals))}"
@@ -88,7 +93,7 @@ def drawn(arm, random, most=5):
             words, one = f"MOVEL{profile} {_numbers([*shift, *rpy])}", Said("line", [goal], **common)
         elif kind == "delta":
             shift = np.round(random.uniform(-1, 1, 3) * reach * 0.5, 3)
-            rpy = np.round(random.uniform(-12, 12, 3), 3)
+            rpy = np.round(random.uniform(-12, 12, 3) * near, 3)
             words = f"DMOVE{profile} {_numbers([*shift, *rpy])}"
             goal = (shift, Rotation.from_euler("xyz", rpy, degrees=True))
             one = Said("line", [goal], relative=True, **common)
@@ -117,6 +122,26 @@ def drawn(arm, random, most=5):
             lines.append(f"P{(step + 1) * 10:04d} SET LAMP {random.choice(['ON', 'OFF'])}")
             step += 1
     return Program("\n".join(lines) + "\n", said)
+
+
+def features(program):
+    """Yield for each motion of a program what it is counted as: its kind, law and time, and what is said beside these.
+
+    The last motion has nothing to flow into, so its BLEND isn't counted.
+    """
+    steps = sorted(program.said)
+    for step in steps:
+        one = program.said[step]
+        to_pose = one.kind == "joints" and isinstance(one.goals[-1], tuple)
+        kind = f"{one.kind}{' of a pose' if to_pose else ''}{' by an increment' if one.relative else ''}"
+        if one.speed is not None:
+            time = "speed"
+        elif one.seconds is not None:
+            time = "seconds"
+        else:
+            time = "share" if one.share < 1.0 else "shortest time"
+        beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and step != steps[-1]}
+        yield step, ("motions", kind, one.profile, time, *(name for name, said in beside.items() if said))
 
 
 def _middle(arm):

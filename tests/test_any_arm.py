@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from floors import exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import compiled
@@ -123,9 +124,10 @@ joint = st.one_of(
 )
 
 
+@exercises(compiled=0.2)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(joints=st.lists(joint, min_size=1, max_size=9), seed=st.integers(0, 99))
-def test_a_random_chain(joints, seed, tmp_path_factory):
+def test_a_random_chain(tally, joints, seed, tmp_path_factory):
     """Its forward kinematics are Pinocchio's, inverse undoes forward, and its programs compile or say why not."""
     folder = tmp_path_factory.mktemp("chain")
     (folder / "chain.urdf").write_text(urdf_of(joints))
@@ -143,6 +145,7 @@ def test_a_random_chain(joints, seed, tmp_path_factory):
     made_of_it, diagnostics = compiled(text, str(folder / "arm"))
     said = errors(diagnostics)
     assert (made_of_it is None) == bool(said)
+    tally.count("compiled", made_of_it is not None)
     # a random chain may hit itself, and a line may lead through a singularity or to a limit; nothing else may come of it
     said = [one for one in said if not one.startswith("Y0902")]
     assert all(one[:3] in {"Y05", "Y06", "Y07", "Y08"} for one in said), said

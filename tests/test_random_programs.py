@@ -2,6 +2,9 @@
 
 Usually 500 programs are drawn, about three minutes of one core; YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so
 many, for a night: `YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is told with its program and its seed.
+
+A planner that refuses everything keeps all limits. So each arm's first block of programs, which every run draws, is held to `FLOORS`: of each kind of motion,
+law, time and option a share must be planned and certified. One block is one test, so that the floors hold in any worker.
 """
 
 import os
@@ -9,17 +12,23 @@ import os
 import independent
 import numpy as np
 import pytest
+from floors import Tally, exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import compiled, planned, robot_of
-from random_programs import drawn, faults, told_by_step
+from random_programs import drawn, faults, features, told_by_step
 from scipy.spatial.transform import Rotation
 
 from tests.robot.made_arms import DATA, REAL, made
 from yarclang.backend_pmac.emit import emit
 from yarclang.backend_pmac.lower import lower
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.motion.leading import frame_motions
+from yarclang.motion.paths.arc import NoArc
+from yarclang.pipeline import stages
 from yarclang.pipeline.stages import Request, certified
 from yarclang.robot.description import load_robot
+from yarclang.source import Span
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "500"))
 """How many programs are drawn for all arms together."""
@@ -27,8 +36,17 @@ COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "500"))
 EASY = 1000
 """Programs of seeds below have few motions."""
 
-BLOCK = 10
-"""So many programs are one test: tests run side by side."""
+BLOCK = 50
+"""So many programs are one test: enough that each feature is drawn in a block, and few enough that tests run side by side."""
+
+FLOORS = dict.fromkeys(
+    [
+        "joints", "joints of a pose", "joints by an increment", "joint_spline", "line", "line by an increment", "arc",
+        "pose_spline", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share", "speed", "ACC", "BLEND", "SET",
+    ],
+    0.2,
+) | {"programs": 0.4, "motions": 0.35, "corners passed in motion": 0.2}  # fmt: skip
+"""The least share of an arm's first block that must be planned and certified, by feature."""
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 ARMS = {name: independent.Arm(load_robot(name).value.folder) for name in ROBOTS}
@@ -140,32 +158,74 @@ def folder(tmp_path_factory):
     return find
 
 
+def held(robot, arm, seeds):
+    """Draw the programs of some seeds, hold what is planned of them against an independent reading, and count what was planned.
+
+    The planner may refuse. What it plans must be well by that reading, and by the certificate.
+    """
+    tally = Tally()
+    for seed in seeds:
+        program = drawn(arm, np.random.default_rng(seed), most=3 if seed < EASY else 6)
+        plan, diagnostics = planned(program.text, robot)
+        flowing = {}
+        if plan is None:
+            assert any(one.is_error for one in diagnostics)
+        else:
+            request = Request(robot)
+            judged = certified(plan, request)
+            refused = [
+                one.message for one in judged.diagnostics if one.is_error and one.code.startswith("Y11")
+            ]
+            text = emit(lower(plan, request.target, request.robot.tolerance)).text(())
+            chosen = {motion.step: motion.waypoints for motion in plan.motions}
+            found = faults(arm, program.said, text, chosen, told_by_step(diagnostics))
+            assert (found, refused) == ([], []), f"seed {seed}:\n{program.text}"
+            assert judged.value is not None or any(one.is_error for one in judged.diagnostics)
+            flowing = independent.overlaps(text)
+        well = plan is not None and judged.value is not None
+        tally.count("programs", well)
+        if " SET LAMP " in program.text:
+            tally.count("SET", well)
+        for step, names in features(program):
+            for name in names:
+                tally.count(name, well)
+            if "BLEND" in names:
+                tally.count("corners passed in motion", well and flowing.get(step, 0) > 0)
+    return tally
+
+
 @pytest.mark.parametrize("block", range(max(1, COUNT // (5 * BLOCK))))
 @pytest.mark.parametrize("name", [*ROBOTS, *REAL_ARMS])
 def test_what_is_planned_keeps_limits_paths_and_times_and_is_certified(name, block, folder):
-    """The planner may refuse; but what it plans is well by an independent reading, and the certificate finds so too."""
     robot, arm = folder(name)
-    for seed in range(block * BLOCK, (block + 1) * BLOCK):
-        program = drawn(arm, np.random.default_rng(seed), most=3 if seed < EASY else 6)
-        plan, diagnostics = planned(program.text, robot)
-        if plan is None:
-            assert any(one.is_error for one in diagnostics)
-            continue
-        request = Request(robot)
-        judged = certified(plan, request)
-        refused = [one.message for one in judged.diagnostics if one.is_error and one.code.startswith("Y11")]
-        text = emit(lower(plan, request.target, request.robot.tolerance)).text(())
-        chosen = {motion.step: motion.waypoints for motion in plan.motions}
-        found = faults(arm, program.said, text, chosen, told_by_step(diagnostics))
-        assert (found, refused) == ([], []), f"seed {seed}:\n{program.text}"
+    tally = held(robot, arm, range(block * BLOCK, (block + 1) * BLOCK))
+    assert tally.below(FLOORS if block == 0 else {"programs": 0.2}) == []
+
+
+def test_a_planner_that_refuses_everything_is_found(monkeypatch, folder):
+    def refuse(program, request):
+        return Result(None, (Diagnostic("Y0601", "refused", program.source, Span.on_line(1, 1, 2)),))
+
+    monkeypatch.setattr(stages, "plan_program", refuse)
+    tally = held(*folder("TRACKED_MANIPULATOR"), range(BLOCK))
+    assert {one.partition(":")[0] for one in tally.below(FLOORS)} == set(FLOORS)
+
+
+def test_a_planner_that_refuses_one_kind_of_motion_is_found(monkeypatch, folder):
+    """Of arcs nothing is planned, while enough is planned of all else: only the floor of arcs fails."""
+    monkeypatch.setattr(frame_motions, "arc_through", lambda *_: NoArc("straight"))
+    tally = held(*folder("TRACKED_MANIPULATOR"), range(BLOCK))
+    assert [one.partition(":")[0] for one in tally.below(FLOORS)] == ["arc"]
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
+@exercises(named=0.2)
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(entry=commands)
-def test_the_shortest_time_that_an_error_names_works(robot, entry):
+def test_the_shortest_time_that_an_error_names_works(tally, robot, entry):
     text, _ = program(robot, [(*entry[:3], "[0.3]")])
     _, diagnostics = compiled(text, robot)
+    tally.count("named", any(one.code == "Y0601" and one.fix is not None for one in diagnostics))
     for one in diagnostics:
         if one.code == "Y0601" and one.fix is not None:
             (edit,) = one.fix.edits

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -549,9 +550,10 @@ def test_two_frames_in_one_chain():
         assert codes(judge(robot, Q0, bad)) == ["Y1159"]
 
 
+@exercises(certificate=0.3)
 @settings(max_examples=25, deadline=None)
 @given(st.data())
-def test_no_text_stops_the_judge(data):
+def test_no_text_stops_the_judge(tally, data):
     """Numbers of moves, of the map and of TM changed at will: a certificate or a refusal, and both can be told."""
     robot = industrial6()
     _, jobs, _ = frame_chain(data.draw(st.sampled_from(["lines", "arc", "curve"])))
@@ -568,6 +570,7 @@ def test_no_text_stops_the_judge(data):
             lines[k] = re.sub(r" blend \d+", f" blend {2 * data.draw(st.integers(0, 30))}", lines[k])
     result = certify("\n".join(lines), program(Q0, jobs), robot, TOLERANCE)
     assert result.value is not None or codes(result) in (["Y1153"], ["Y1151"])
+    tally.count("certificate", result.value is not None)
     if result.value is not None:
         assert json.dumps(result.value.to_json(), allow_nan=False)
         assert result.value.summary()

@@ -1,7 +1,10 @@
 """The reader takes what the emitter writes, number by number, and refuses anything else with its line."""
 
+import re
+
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -219,16 +222,26 @@ def test_the_lines_that_are_sent_are_those_that_were_read(target):
     ]
 
 
+def edited(data, text, least):
+    """Change a text at a place from `least` on: one digit, or a stretch that is cut out and anything put in."""
+    if data.draw(st.booleans()):
+        at = data.draw(st.sampled_from([one.start() for one in re.finditer(r"\d", text[least:])])) + least
+        return text[:at] + data.draw(st.sampled_from("0123456789")) + text[at + 1 :]
+    first = data.draw(st.integers(least, len(text)))
+    last = min(len(text), first + data.draw(st.integers(0, 200)))
+    return text[:first] + data.draw(st.text(alphabet="XYZABCRTM01579.-+;()=&#\n ", max_size=12)) + text[last:]
+
+
+@exercises(text=0.1, refusal=0.1)
 @settings(max_examples=150, deadline=None)
 @given(st.data())
-def test_never_raises(data):
-    """Any stretch cut out, or anything put in: a text or an Unreadable."""
+def test_never_raises(tally, data):
+    """Whatever is changed: a text or an Unreadable."""
     text = everything().text(data.draw(st.sampled_from(["rotary", "prog"])))
-    first = data.draw(st.integers(0, len(text)))
-    last = min(len(text), first + data.draw(st.integers(0, 200)))
-    put = data.draw(st.text(alphabet="XYZABCRTM0159.-+;()=&#\n ", max_size=12))
-    found = read(text[:first] + put + text[last:], CONTROLLER)
+    found = read(edited(data, text, 0), CONTROLLER)
     assert isinstance(found, ControllerText | Unreadable)
+    tally.count("text", isinstance(found, ControllerText))
+    tally.count("refusal", isinstance(found, Unreadable))
     if isinstance(found, Unreadable):
         assert 1 <= found.line <= text.count("\n") + 14
         assert found.reason
@@ -238,16 +251,16 @@ REMEMBERED = Recent(10_000)
 """Of all texts below: many of their lines come again."""
 
 
+@exercises(text=0.1, refusal=0.1)
 @settings(max_examples=100, deadline=None)
 @given(st.data())
-def test_what_was_read_before_is_read_as_afresh(data):
+def test_what_was_read_before_is_read_as_afresh(tally, data):
     """Numbers, lines and refusals are the same whatever was read before, as well where a text was edited in the middle of moves."""
     text = everything().text()
-    first = data.draw(st.integers(text.index("SPLINE1"), len(text)))
-    last = min(len(text), first + data.draw(st.integers(0, 200)))
-    put = data.draw(st.text(alphabet="XYZABCRTM0177.-+;()=&#\n ", max_size=12))
-    edited = text[:first] + put + text[last:]
-    found, afresh = read(edited, CONTROLLER, REMEMBERED), read(edited, CONTROLLER)
+    changed = edited(data, text, text.index("SPLINE1"))
+    found, afresh = read(changed, CONTROLLER, REMEMBERED), read(changed, CONTROLLER)
+    tally.count("text", not isinstance(afresh, Unreadable))
+    tally.count("refusal", isinstance(afresh, Unreadable))
     if isinstance(afresh, Unreadable):
         assert found == afresh
         return

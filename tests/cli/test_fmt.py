@@ -9,6 +9,7 @@ import pytest
 import random_programs
 from click.testing import CliRunner
 from conftest import EXAMPLES
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import compiled
@@ -124,9 +125,10 @@ def without_lines(text):
     return re.sub(r"(?m)^; sha256 .*$", "", _MAP_LINE.sub(r"\1-", text))
 
 
+@exercises(compiled=0.1)
 @given(seed=st.integers(0, 10_000))
 @settings(max_examples=12)
-def test_random_programs_compile_to_the_same_text(seed):
+def test_random_programs_compile_to_the_same_text(tally, seed):
     random = np.random.default_rng(seed)
     text = roughened(random_programs.drawn(ARM, random, most=3).text, random)
     again = yarclang.format(text)
@@ -134,5 +136,6 @@ def test_random_programs_compile_to_the_same_text(seed):
     assert re.findall(r"! note \d+", again) == re.findall(r"! note \d+", text)
     before, after = (compiled(one)[0] for one in (text, again))
     assert (before is None) == (after is None)
+    tally.count("compiled", before is not None)
     if before is not None:
         assert without_lines(after.text) == without_lines(before.text)

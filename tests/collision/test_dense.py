@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import codes, compiled
@@ -59,8 +60,8 @@ def a_cell(random, count, thin):
     return cell_of(*bodies)
 
 
-def hunted(which, seed, kind, count, thin, tooled):
-    """Hold the proof of one random case against samples."""
+def hunted(tally, which, seed, kind, count, thin, tooled):
+    """Hold the proof of one random case against samples; count pairs of bodies that meet, and those that keep apart."""
     random = np.random.default_rng(seed)
     one = arm(which)
     tools = (tool_of(random),) if tooled else ()
@@ -70,6 +71,7 @@ def hunted(which, seed, kind, count, thin, tooled):
     spans = np.array([[0, half], [half, len(course.x)]])
     watched = Watched(one, cell, tools)
     assert len(scene.first) == len(watched.pairs)
+    tally.count("watched", len(scene.first) > 0)
     if not len(scene.first):
         return
     found = clearances(scene, course, spans)
@@ -90,6 +92,8 @@ def hunted(which, seed, kind, count, thin, tooled):
         ]
         assert not missed
         free = np.array([name not in near for name in watched.called])
+        tally.count("free", free.all())
+        tally.count("meets", (least < watched.wanted).any())
         for of_cell in (0, 1):
             chosen = least[free & (watched.of_cell == of_cell)]
             assert not len(chosen) or chosen.min() >= found.least[row, of_cell] - 1e-6
@@ -98,6 +102,7 @@ def hunted(which, seed, kind, count, thin, tooled):
 
 
 @pytest.mark.parametrize("part", range(PARTS))
+@exercises(watched=0.5, free=0.3, meets=0.05)
 @settings(max_examples=max(1, COUNT // PARTS), deadline=None)
 @given(
     which=st.integers(0, ARMS - 1),
@@ -107,13 +112,14 @@ def hunted(which, seed, kind, count, thin, tooled):
     thin=st.booleans(),
     tooled=st.booleans(),
 )
-def test_no_collision_is_missed(part, which, seed, kind, count, thin, tooled):
-    hunted(which, seed, kind, count, thin, tooled)
+def test_no_collision_is_missed(tally, part, which, seed, kind, count, thin, tooled):
+    hunted(tally, which, seed, kind, count, thin, tooled)
 
 
+@exercises(compiled=0.1, refused=0.1)
 @settings(max_examples=max(30, COUNT // 50), deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), home=st.booleans())
-def test_no_program_is_let_through(seed, home):
+def test_no_program_is_let_through(tally, seed, home):
     """Real programs: what compiles in a cell stays free of it, as sampled on the planned curve, by at least what the certificate says."""
     random = np.random.default_rng(seed)
     robot = load_robot("INDUSTRIAL6").value
@@ -127,6 +133,8 @@ def test_no_program_is_let_through(seed, home):
     text = 'CELL "cell.toml"\nDEFAULT {TCP} (mm,deg,s) {B}\n' + "\n".join(lines)
     value, said = compiled(text, load_cell=lambda *_: Result(cell))
     assert set(codes(said)) <= {"Y0901", "Y0902", "Y0903"}
+    tally.count("compiled", value is not None)
+    tally.count("refused", value is None)
     if value is None:
         assert said
         return

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 from coordinator.virtual import VirtualLoop, World, coordinating
+from floors import Tally
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
@@ -51,6 +52,18 @@ LINES = st.one_of(
         ]
     ),
 )
+FLOORS = {
+    "sessions that stream": 0.3,
+    "lines offered": 0.3,
+    "lines carried out": 0.05,
+    "ways back offered": 0.0,
+    "drives begun": 0.1,
+    "jogs that move": 0.1,
+    "stops of what moves": 0.1,
+    "aborts of what moves": 0.1,
+    "faults cleared": 0.0,
+}
+"""What a run of sessions must have done, as shares of what was wanted; after a fault or a stop much is refused."""
 SPEEDS = st.lists(st.floats(-0.6, 0.6), min_size=6, max_size=6)
 
 
@@ -85,6 +98,9 @@ def certified_lines():
 
 class Sessions(RuleBasedStateMachine):
     """Two clients of one coordinator."""
+
+    tally = Tally()
+    """Of all sessions together: what was wanted, and what was really done."""
 
     def __init__(self):
         super().__init__()
@@ -148,8 +164,11 @@ class Sessions(RuleBasedStateMachine):
         async def go():
             try:
                 made = await self.client.offer(text)
+                self.tally.count("lines offered", made.value is not None)
                 if made.value is not None:
-                    return await self.client.go(made.value)
+                    done = await self.client.go(made.value)
+                    self.tally.count("lines carried out", done.well)
+                    return done
             except Trouble as trouble:
                 return trouble
 
@@ -165,6 +184,7 @@ class Sessions(RuleBasedStateMachine):
         async def go():
             try:
                 made = await self.client.offer_back()
+                self.tally.count("ways back offered", made.value is not None)
                 return made.value and await self.client.go(made.value)
             except Trouble as trouble:
                 return trouble
@@ -198,9 +218,11 @@ class Sessions(RuleBasedStateMachine):
                 else:
                     made = await self.client.drive(targets[kind])
                     self.drive = made.value or self.drive
+                    self.tally.count("drives begun", made.value is not None)
                 await asyncio.sleep(0.15)
                 if self.drive is not None and self.drive.alive:
                     self.drive.want(targets[kind])
+                    self.tally.count("jogs that move", self.world.moving)
             except Trouble:
                 pass
             await asyncio.sleep(0.1)
@@ -216,12 +238,14 @@ class Sessions(RuleBasedStateMachine):
     @precondition(lambda self: self.busy)
     @rule(who=st.sampled_from(["client", "other"]))
     def stop(self, who):
+        self.tally.count("stops of what moves", self.world.moving)
         getattr(self, who).stop()
         self.rests_within(self.world.robot.controller.hold_time + REPLY)
 
     @precondition(lambda self: self.busy)
     @rule(who=st.sampled_from(["client", "other"]))
     def abort(self, who):
+        self.tally.count("aborts of what moves", self.world.moving)
         getattr(self, who).abort()
         limits = self.world.robot.limits
         self.rests_within(2.0 * float((limits.velocity / limits.stop_acceleration).max()) + REPLY)
@@ -303,7 +327,9 @@ class Sessions(RuleBasedStateMachine):
         try:
             self.do(self.client.clear())
         except Trouble:
+            self.tally.count("faults cleared", False)
             return
+        self.tally.count("faults cleared")
         assert self.state is State.STOP
 
     @invariant()
@@ -316,11 +342,14 @@ class Sessions(RuleBasedStateMachine):
     def judge(self):
         if not hasattr(self, "world"):
             return
+        streamed = False
         for _, code, text in self.world.lines:
             if code != Code.WRITEBUFFER:
                 continue
             for line in text.strip("\0").split("\0"):
                 assert line in self.known or line == "P8100=0", line
+                streamed |= line in self.known
+        self.tally.count("sessions that stream", streamed)
         robot, machine = self.world.robot, self.world.machine
         times = np.arange(0.0, machine.now, 0.01)
         q = from_counts(robot, machine.positions(times, robot.controller.motors))
@@ -339,4 +368,10 @@ Sessions.TestCase.settings = settings(
     print_blob=True,
     phases=(Phase.explicit, Phase.reuse, Phase.generate),  # to shrink a session takes longer than to read it
 )
-TestSessions = Sessions.TestCase
+
+
+class TestSessions(Sessions.TestCase):
+    def runTest(self):
+        Sessions.tally = Tally()
+        super().runTest()
+        assert Sessions.tally.below(FLOORS) == []

@@ -7,6 +7,7 @@ import weakref
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -169,6 +170,7 @@ def folder(tmp_path_factory):
 
 
 # the same programs each time; YARCLANG_RANDOM_EDITS=1000 looks at so many others, for a night
+@exercises(planned=0.3, certified=0.2, remembered=0.2)
 @settings(
     max_examples=int(os.environ.get("YARCLANG_RANDOM_EDITS", "8")),
     derandomize="YARCLANG_RANDOM_EDITS" not in os.environ,
@@ -176,8 +178,8 @@ def folder(tmp_path_factory):
     suppress_health_check=list(HealthCheck),
 )
 @given(body=st.lists(lines, min_size=1, max_size=5), sequence=st.lists(edits, min_size=1, max_size=4))
-def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
-    analyst, opening = Analyst(), OPENING
+def test_after_any_edits_it_is_as_if_looked_at_afresh(tally, folder, body, sequence):
+    analyst, opening, before = Analyst(), OPENING, ()
     for edit in [None, *sequence]:
         if edit is not None:
             body, opening = edited(body, opening, edit)
@@ -186,7 +188,14 @@ def test_after_any_edits_it_is_as_if_looked_at_afresh(folder, body, sequence):
         assert quick.diagnostics == check_text(source, folder, Options(), plans=False).diagnostics
         afresh = check_text(source, folder, Options())
         assert_same(analyst.analyse(source, folder, begun=quick.checked), afresh)
-        assert_same(analyst.analyse(source, folder), afresh)
+        analysis = analyst.analyse(source, folder)
+        assert_same(analysis, afresh)
+        tally.count("planned", afresh.plan is not None)
+        tally.count("certified", afresh.compiled is not None)
+        curves = [motion.curve for motion in analysis.plan.motions] if analysis.plan is not None else []
+        if edit is not None:
+            tally.count("remembered", any(one is other for one in curves for other in before))
+        before = curves
 
 
 PROGRAM = "\n".join(

@@ -4,6 +4,7 @@ controller was looked at.
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from runtime.virtual import moved_along, prepared, well_behaved, world_of
@@ -262,9 +263,10 @@ def test_a_garbled_reply(kind, number):
     goes_again(world, job)
 
 
+@exercises(begun=0.1)
 @settings(max_examples=8)
 @given(st.integers(0, 2**31), st.sampled_from([0.002, 0.01, 0.05]))
-def test_any_byte_of_any_reply(seed, share):
+def test_any_byte_of_any_reply(tally, seed, share):
     """What can be told from a right reply ends the run on the path; and a wrong position or status does no more harm than that."""
     job, plan = prepared(tm=10)
     world = world_of(job, record=True, seed=seed)
@@ -286,6 +288,7 @@ def test_any_byte_of_any_reply(seed, share):
     world.now = world.machine.now
     assert not world.moving
     assert moved_along(world, job, plan, since, step=0.02) < 1.0
+    tally.count("begun", ended.well or ended.command_index is not None)
     if not ended.well:
         assert world.operation.state is State.FAULT
         world.perform(connect(world.operation))

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -61,6 +62,9 @@ anything = st.recursive(
 )
 keys = st.sampled_from(["order", "percent", "ok", "error", "state", "program", "joints", "command"])
 near = st.dictionaries(keys, anything | st.sampled_from(["hold", "override", True, 50, "move"]))
+orders = st.sampled_from(REQUESTS).map(lambda one: json.loads(write_request(one))) | st.builds(
+    lambda percent: {"order": "override", "percent": percent}, st.floats(0, 200) | anything
+)
 
 
 @pytest.mark.parametrize("request_", REQUESTS, ids=repr)
@@ -78,10 +82,12 @@ def test_replies_come_back(reply):
     assert read_reply(line) == reply
 
 
+@exercises(request=0.0, garbage=0.1)
 @given(
     st.binary(max_size=200)
     | anything.map(lambda value: json.dumps(value).encode())
     | near.map(lambda value: json.dumps(value).encode())
+    | orders.map(lambda value: json.dumps(value).encode())
 )
 @example(b"")
 @example(b"\n")
@@ -92,8 +98,10 @@ def test_replies_come_back(reply):
 @example(b'{"order": "\\ud800"}')
 @example(b'{"ok": true, "program": 1, "joints": [1e999]}')
 @example(b'{"ok": true, "state": "move"}')
-def test_garbage_is_one_clear_error(line):
+def test_garbage_is_one_clear_error(tally, line):
     request = read_request(line)
+    tally.count("request", not isinstance(request, Denied))
+    tally.count("garbage", isinstance(request, Denied))
     if isinstance(request, Denied):
         assert 0 < len(request.error) < 300
         assert "\n" not in request.error

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from runtime.virtual import (
@@ -57,6 +58,7 @@ def goes_again(world, job):
     assert np.abs(world.stands(job.robot) - to_counts(job.robot, job.end)).max() <= 1.0
 
 
+@exercises(well=0.1)
 @settings(max_examples=20)
 @given(
     TIMED,
@@ -65,7 +67,7 @@ def goes_again(world, job):
     st.lists(st.tuples(st.floats(2.0, 6.0), st.floats(0.1, 4.0)), max_size=1),
     st.integers(0, 2**32),
 )
-def test_whatever_is_ordered_whenever(orders, tm, delay, stalls, seed):
+def test_whatever_is_ordered_whenever(tally, orders, tm, delay, stalls, seed):
     job, plan = prepared(tm=tm)
     world = world_of(job, record=True, seed=seed)
     world.delay = lambda: world.random.uniform(0.0, delay)
@@ -82,6 +84,7 @@ def test_whatever_is_ordered_whenever(orders, tm, delay, stalls, seed):
     if "aborted" not in ended.what:
         assert moved_along(world, job, plan, since, step=0.02) < 1.0
     kinds = {type(order) for _, order in orders}
+    tally.count("well", ended.well)
     if ended.well:
         assert world.stands(job.robot) == pytest.approx(to_counts(job.robot, job.end), abs=1.0)
     else:

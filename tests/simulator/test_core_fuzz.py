@@ -1,5 +1,6 @@
 """Whatever is sent, the machine answers: no exception, no hang, bounded memory."""
 
+from floors import exercises
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -41,6 +42,7 @@ def survives(machine, line):
     assert reply.error is None or 1 <= reply.error <= 22
     assert all(isinstance(item, str) and item.isascii() for item in reply.items)
     assert isinstance(machine.respond("?"), bytes)
+    return reply
 
 
 @settings(max_examples=300)
@@ -56,12 +58,13 @@ def test_any_text(lines):
     machine.advance(0.05)
 
 
+@exercises(accepted=0.02)
 @settings(max_examples=400)
 @given(st.lists(FRAGMENTS, max_size=20), st.lists(st.integers(0, 40), max_size=20))
-def test_any_words(lines, characters):
+def test_any_words(tally, lines, characters):
     machine = Machine()
     for number, line in enumerate(lines):
-        survives(machine, line)
+        tally.count("accepted", survives(machine, line).error is None)
         if number < len(characters):
             machine.control(characters[number])
         machine.advance(0.02)
@@ -69,19 +72,23 @@ def test_any_words(lines, characters):
     survives(machine, "??")
 
 
+@exercises(accepted=0.2, moved=0.05)
 @settings(max_examples=300)
 @given(st.lists(st.tuples(LEGAL, st.floats(0.0, 0.3)), max_size=60))
-def test_any_order_of_legal_lines(lines):
+def test_any_order_of_legal_lines(tally, lines):
     machine = Machine()
     for line in ("I100=1I200=1", "#1->1000X", "#2->1000X+1000Y", "#1J/#2J/", "DEFINE ROT 100"):
         machine.command(line)
+    moved = False
     for line, seconds in lines:
-        survives(machine, line)
+        tally.count("accepted", survives(machine, line).error is None)
         machine.advance(seconds)
         for motor in (1, 2):
             position, velocity = machine.motors[motor].place(machine.now)
             assert abs(position) < 1e12
             assert abs(velocity) < 1e12
+            moved |= velocity != 0.0
+    tally.count("moved", moved)
     survives(machine, "#1?&1??")
 
 

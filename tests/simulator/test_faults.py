@@ -1,11 +1,11 @@
 """Faults: how they are written, when they come, and that they are the same each time."""
 
-import contextlib
 import math
 import re
 
 import pytest
-from hypothesis import given
+from floors import exercises
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.simulator.echo import Echo
@@ -69,10 +69,24 @@ def test_what_is_no_fault(text, reason):
         parse_fault(text)
 
 
-@given(st.text("dropslwgabei@:+-,.0123456789line", max_size=20))
-def test_any_text_is_a_fault_or_a_value_error(text):
-    with contextlib.suppress(ValueError):
-        assert isinstance(parse_fault(text), Fault)
+PIECES = st.tuples(
+    st.sampled_from(["drop", "freeze", "slow", "garble", "busy", "reset", "limit", "amplifier", "following"]),
+    st.sampled_from(["@1", "@0.5", "@line7", "@", "@soon", ""]),
+    st.sampled_from(["", ":1", ":0.5", ":0.1-2", ":1+", ":2-", ":3,5", ":33", ":", ":soon"]),
+).map("".join)
+
+
+@exercises(fault=0.01, refused=0.2)
+@settings(max_examples=300)
+@given(st.text("dropslwgabei@:+-,.0123456789line", max_size=20) | PIECES)
+def test_any_text_is_a_fault_or_a_value_error(tally, text):
+    try:
+        found = parse_fault(text)
+    except ValueError:
+        found = None
+    assert found is None or isinstance(found, Fault)
+    tally.count("fault", found is not None)
+    tally.count("refused", found is None)
 
 
 def test_machine_faults_come_at_their_exact_time():

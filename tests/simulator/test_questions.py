@@ -1,7 +1,8 @@
 """The quick ways of reading a line, for questions and for plain moves, against the interpreter that reads any line."""
 
 import pytest
-from hypothesis import event, given, settings
+from floors import exercises
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from simulator.machines import bare, program, say
 
@@ -68,6 +69,7 @@ def moving(i9):
     return machine
 
 
+@exercises(quick=0.1, slow=0.1)
 @settings(max_examples=250)
 @given(
     st.one_of(glued(ASKED), glued(st.one_of(ASKED, ASKED, ASKED, OTHER))),
@@ -75,11 +77,12 @@ def moving(i9):
     st.integers(1, 32),
     st.integers(1, 16),
 )
-def test_questions_are_answered_alike(line, i9, motor, system):
+def test_questions_are_answered_alike(tally, line, i9, motor, system):
     one, other = moving(i9), moving(i9)
     for machine in (one, other):
         say(machine, f"#{motor}&{system}")
-    event("quick" if questions(line) else "not quick")
+    tally.count("quick", questions(line))
+    tally.count("slow", not questions(line))
     assert one.command(line) == execute(other, other.ports[0], line)
     assert one.ports == other.ports
     assert one.command("P1P2M12I9#&") == other.command("P1P2M12I9#&")
@@ -134,14 +137,16 @@ DIGITS = st.text("0123456789", max_size=70)
 CONSTANT = st.tuples(st.sampled_from(["", "+", "-"]), DIGITS, st.sampled_from(["", "."]), DIGITS).map("".join)
 
 
+@exercises(quick=0.05, slow=0.1)
 @settings(max_examples=400)
 @given(
     st.lists(st.tuples(st.sampled_from("ABCUVWXYZXYFIM:^("), CONSTANT).map("".join), max_size=4).map("".join)
 )
-def test_plain_moves_are_read_alike(line):
+def test_plain_moves_are_read_alike(tally, line):
     text = cleaned(line)
     move = simple_move(text)
-    event("quick" if move else "not quick")
+    tally.count("quick", move is not None)
+    tally.count("slow", move is None)
     if move is not None:
         reader = Reader(text)
         assert read_statement(reader, False) == move

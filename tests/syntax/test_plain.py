@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from floors import exercises
 from hypothesis import example, given
 from hypothesis import strategies as st
 from syntax.writing import statement
@@ -38,6 +39,7 @@ GAPS = st.sampled_from([" ", " ", " ", "  ", "\t", "", "\n"])
 PLAIN = re.compile(r"^[^$\";]*$")
 
 
+@exercises(plain=0.02)
 @given(st.lists(st.tuples(GAPS, PARTS), max_size=9).map(lambda parts: "".join(map("".join, parts))))
 @example("P1 P2 MOVEJ")
 @example("P1")
@@ -46,18 +48,21 @@ PLAIN = re.compile(r"^[^$\";]*$")
 @example("MOVEJ {A} {B} {C}")
 @example("MOVEJ [50%](mm){B}BLEND 5!x")
 @example("ENDE 1 2")
-def test_any_row_of_parts_is_read_alike(text):
+def test_any_row_of_parts_is_read_alike(tally, text):
     plain = plain_statement(text)
+    tally.count("plain", plain is not None)
     assert plain is None or plain == statement_by_grammar(text)
 
 
+@exercises(plain=0.05)
 @given(statement, st.data())
-def test_any_statement_is_read_alike_whole_or_damaged(text, data):
+def test_any_statement_is_read_alike_whole_or_damaged(tally, text, data):
     at = data.draw(st.integers(0, len(text)))
     end = data.draw(st.integers(at, min(at + 2, len(text))))
     damaged = text[:at] + data.draw(st.text(alphabet="$()[]{}=*-!;,. A5%\t", max_size=2)) + text[end:]
     for one in (text, damaged):
         plain = plain_statement(one)
+        tally.count("plain", plain is not None)
         assert plain is None or plain == statement_by_grammar(one)
 
 

@@ -1,6 +1,7 @@
 """Room around joint positions: what is in it is free, whoever looks."""
 
 import numpy as np
+from floors import exercises
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
@@ -28,12 +29,16 @@ def posture(shares):
     return (limits.upper + limits.lower) / 2.0 + shares * (limits.upper - limits.lower) / 2.0
 
 
+@exercises(free=0.1, taken=0.1)
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SIX, SIX, st.sampled_from([0.02, 0.1, 0.4, 1.0]), st.lists(SIX, min_size=10, max_size=20))
-def test_what_has_room_is_free(shares, reach, size, within):
+def test_what_has_room_is_free(tally, shares, reach, size, within):
     room = Room(posture(shares), np.abs(reach) * size)
     corners = [np.sign(one) for one in within]
-    if is_free(SCENE, room):
+    free = is_free(SCENE, room)
+    tally.count("free", free)
+    tally.count("taken", not free)
+    if free:
         assert all(SPACE.has(room.middle + one * room.reach) for one in (*within, *corners))
 
 
@@ -46,9 +51,10 @@ def test_there_is_none_where_bodies_are_near():
     assert not room.has(bent - 0.01, bent + 0.02)
 
 
+@exercises(moved=0.2)
 @settings(max_examples=12, deadline=None, phases=(Phase.explicit, Phase.reuse, Phase.generate))
 @given(SIX, st.lists(SIX, min_size=1, max_size=4))
-def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(shares, wanted):
+def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(tally, shares, wanted):
     """Links come near to each other, so that there is room now and then."""
     start, h, tool = posture(shares), 0.02, ROBOT.flange_from_frame["TCP"]
     assume(SPACE.has(start))
@@ -66,6 +72,7 @@ def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(shar
     while not made.ended:
         points.append(judge._read(made.more(float(len(wanted)), 3)))
     control = np.concatenate(points)
+    tally.count("moved", np.abs(control - start).max() > 0.01)
     count = len(control) - 3
     curve = Cubics.of_spline(control, np.arange(count), np.full(count, h))
     course = Course.of(curve.x, curve.v, curve.a, curve.j, curve.h, curve.velocity_peaks())

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -74,6 +75,9 @@ def test_a_velocity_is_estimated_of_what_a_master_has_said():
         ({"pose": [0, 900, 1400]}, "six finite numbers"),
         ({"velocity": {"J9": 1}}, "'J9' isn't a joint"),
         ({"velocity": {}}, "velocity is an object"),
+        ({"velocity": {"J1": 1, "j1": -5}}, "a joint is named twice"),
+        ({"velocity": {"J1": 1e308}}, "finite number"),
+        ({"pose": [1e300, 0, 0, 0, 0, 0]}, "six finite numbers"),
         ({"twist": [0, 0, 1, 0, 0, 0], "axes": "world"}, '"base" or "tool"'),
         ({"finish": False}, "finish is true"),
         ({}, "one of joints, pose"),
@@ -130,9 +134,29 @@ def test_a_token_is_read():
         assert found.ends
 
 
-@settings(max_examples=200, deadline=None)
+SIX = st.lists(st.floats(-30.0, 30.0), min_size=6, max_size=6) | st.lists(
+    st.floats() | st.integers(), min_size=6, max_size=6
+)
+NEAR = st.one_of(
+    st.fixed_dictionaries({"joints": SIX}, optional={"rate": SIX}),
+    st.fixed_dictionaries({"pose": SIX}),
+    st.fixed_dictionaries(
+        {"velocity": st.dictionaries(st.sampled_from(["J1", "j3", "J6"]), st.floats(-30.0, 30.0))}
+    ),
+    st.fixed_dictionaries({"velocity": st.dictionaries(st.sampled_from(["J1", "J7"]), st.floats())}),
+    st.fixed_dictionaries({"twist": SIX}, optional={"axes": st.sampled_from(["base", "tool", "world"])}),
+    st.fixed_dictionaries({"finish": st.booleans()}),
+)
+"""What a master says, with numbers that may be beyond all bounds."""
+
+
+@exercises(master=0.01, velocity=0.01, twist=0.01, finish=0.0, denied=0.2)
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@settings(max_examples=400, deadline=None)
 @given(
     st.one_of(
+        NEAR.map(lambda one: json.dumps(one).encode()),
+        NEAR.map(lambda one: json.dumps(one).encode()),
         st.binary(max_size=60),
         st.recursive(
             st.none() | st.booleans() | st.floats() | st.text(max_size=5),
@@ -148,9 +172,12 @@ def test_a_token_is_read():
         ).map(lambda one: json.dumps(one).encode()),
     )
 )
-def test_nothing_is_raised(line):
+def test_nothing_is_raised(tally, line):
     assert isinstance(read_token(line), str | Denied)
     found = reader().read(line, 0.0)
+    kinds = {"master": Master, "velocity": JointVelocity, "twist": Twist, "finish": Finish, "denied": Denied}
+    for name, kind in kinds.items():
+        tally.count(name, isinstance(found, kind))
     match found:
         case Master():
             assert np.isfinite(found.q).all()

@@ -192,8 +192,7 @@ def test_pairs_keep_all_commands_in_order(first, second):
     pairs = pairs_of(one, other)
     assert [pair[0] for pair in pairs if pair[0] is not None] == one
     assert [pair[1] for pair in pairs if pair[1] is not None] == other
-    if first == second:
-        assert all(a is not None and b is not None and a.what == b.what for a, b in pairs)
+    assert pairs_of(one, one) == [(act, act) for act in one]
 
 
 def test_many_commands_are_paired_by_place():

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import Writer
@@ -133,17 +134,20 @@ def shown(result):
     return planned
 
 
+@exercises(read=0.2)
 @settings(max_examples=60)
 @given(st.data())
-def test_a_log_that_is_cut_off_anywhere_is_read_up_to_there(log, tmp_path_factory, data):
+def test_a_log_that_is_cut_off_anywhere_is_read_up_to_there(tally, log, tmp_path_factory, data):
     content = log[0].read_bytes()
-    size = data.draw(st.integers(0, len(content) - 1))
+    needed = content.index(b"program.yarc")
+    size = data.draw(st.integers(0, len(content) - 1) | st.integers(needed, len(content) - 1))
     path = tmp_path_factory.mktemp("cut") / "a.mcap"
     path.write_bytes(content[:size])
     result = read_run(str(path))
+    tally.count("read", result.value is not None)
     if result.value is None:
         assert codes(result) == ["Y1401"]
-        assert size < content.index(b"program.yarc")  # what is needed stands before it
+        assert size < needed  # what is needed stands before it
         return
     assert codes(result) == ["Y1402"]
     assert "is unfinished" in result.diagnostics[0].message
@@ -174,9 +178,10 @@ def test_the_more_is_there_the_more_is_read(tmp_path):
     assert counts[-1] == len(seen)
 
 
+@exercises(read=0.01, refused=0.01)
 @settings(max_examples=150)
 @given(st.data())
-def test_turned_bits_are_findings(log, tmp_path_factory, data):
+def test_turned_bits_are_findings(tally, log, tmp_path_factory, data):
     content = bytearray(log[0].read_bytes())
     places = st.integers(0, len(content) - 1)
     for place, bit in data.draw(st.lists(st.tuples(places, st.integers(0, 7)), min_size=1, max_size=3)):
@@ -186,6 +191,8 @@ def test_turned_bits_are_findings(log, tmp_path_factory, data):
     path = tmp_path_factory.mktemp("turned") / "a.mcap"
     path.write_bytes(content)
     result = read_run(str(path))
+    tally.count("read", result.value is not None)
+    tally.count("refused", result.value is None)
     if result.value is None:
         assert set(codes(result)) <= {"Y1401", "Y1403"}
     else:

@@ -43,6 +43,9 @@ _JUMP = 0.5
 _HTTP = re.compile(rb"[A-Z]+ \S+ HTTP/")
 """The first line of what a browser sends."""
 
+_LARGEST = 1e9
+"""Largest magnitude of a number [mm, deg or per s]: beyond, the kinematics would overflow."""
+
 _KINDS = ("joints", "pose", "velocity", "twist", "finish")
 
 
@@ -150,6 +153,8 @@ class Reader:
         if not isinstance(given, dict) or not given:
             return Denied('velocity is an object: {"J3": 5}')
         velocity = np.zeros(self._robot.size)
+        if len({name.upper() for name in given}) < len(given):
+            return Denied("a joint is named twice")
         for name, value in given.items():
             number = _numbers([value], 1)
             if name.upper() not in names or number is None:
@@ -226,7 +231,7 @@ def _line(content: dict[str, Any]) -> bytes:
 
 
 def _numbers(given: Any, count: int) -> Array | None:
-    """So many finite numbers."""
+    """Return so many numbers of at most `_LARGEST`, None for anything else."""
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != count:
         return None
     if any(isinstance(one, bool) or not isinstance(one, int | float) for one in given):
@@ -235,4 +240,4 @@ def _numbers(given: Any, count: int) -> Array | None:
         values = np.array(given, dtype=np.float64)
     except OverflowError:
         return None
-    return values if np.isfinite(values).all() else None
+    return values if (np.abs(values) <= _LARGEST).all() else None

@@ -10,13 +10,18 @@ from types import MappingProxyType
 
 from yarclang.commands import builtin
 from yarclang.commands.spec import CommandSpec
+from yarclang.named import by_name
 
 
 @cache
 def commands() -> Mapping[str, CommandSpec]:
-    """The commands by name, in alphabetic order."""
-    found: dict[str, CommandSpec] = {}
-    for module in sorted(iter_modules(builtin.__path__), key=lambda module: module.name):
-        spec: CommandSpec = import_module(f"{builtin.__name__}.{module.name}").COMMAND
-        found[spec.name] = spec
-    return MappingProxyType(dict(sorted(found.items())))
+    """Return the commands by name, in alphabetic order.
+
+    Raises:
+        NamedTwice: two of them have one name, or one has the name that another had before.
+    """
+    modules = sorted(f"{builtin.__name__}.{module.name}" for module in iter_modules(builtin.__path__))
+    specs: list[tuple[str, CommandSpec]] = [(name, import_module(name).COMMAND) for name in modules]
+    names = [(name, place, spec) for place, spec in specs for name in (spec.name, spec.old_name) if name]
+    found = by_name("command", names)
+    return MappingProxyType({name: spec for name, spec in sorted(found.items()) if name == spec.name})

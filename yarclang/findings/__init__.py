@@ -1,9 +1,10 @@
-"""The catalogue of codes: each file y*.py of this folder is a family. Nothing here imports the rest of yarclang."""
+"""The catalogue of codes: each file y*.py of this folder is a family. Nothing here imports the rest of yarclang but `named`."""
 
 from importlib import import_module
 from pkgutil import iter_modules
 
 from yarclang.findings.finding import Finding, Severity
+from yarclang.named import by_name
 
 FAMILIES = {
     "01": "syntax",
@@ -31,8 +32,13 @@ FAMILIES = {
 
 def _catalogue() -> dict[str, Finding]:
     names = sorted(module.name for module in iter_modules(__path__) if module.name.startswith("y"))
-    families: list[tuple[Finding, ...]] = [import_module(f"{__name__}.{name}").FINDINGS for name in names]
-    return {finding.code: finding for family in families for finding in family}
+    families: dict[str, tuple[Finding, ...]] = {
+        name: import_module(f"{__name__}.{name}").FINDINGS for name in names
+    }
+    return by_name(
+        "finding",
+        ((finding.code, f"{__name__}.{name}", finding) for name in names for finding in families[name]),
+    )
 
 
 CATALOGUE = _catalogue()

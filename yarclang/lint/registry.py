@@ -12,20 +12,33 @@ from typing import Any
 from yarclang.findings import CATALOGUE, Finding
 from yarclang.lint import rules as folder
 from yarclang.lint.rule import Rule
+from yarclang.named import by_name
 
 
 @cache
 def rules() -> tuple[Rule[Any], ...]:
     """The rules in the order of their codes."""
-    names = sorted(module.name for module in iter_modules(folder.__path__))
-    found: list[Rule[Any]] = [import_module(f"{folder.__name__}.{name}").RULE for name in names]
-    return tuple(sorted(found, key=lambda rule: rule.finding.code))
+    return tuple(rule for _, rule in _placed())
+
+
+def _placed() -> list[tuple[str, Rule[Any]]]:
+    """Return module and rule of each, in the order of their codes."""
+    modules = [f"{folder.__name__}.{module.name}" for module in iter_modules(folder.__path__)]
+    found: list[tuple[str, Rule[Any]]] = [(name, import_module(name).RULE) for name in sorted(modules)]
+    return sorted(found, key=lambda one: one[1].finding.code)
 
 
 @cache
 def everything() -> Mapping[str, Finding]:
-    """Every finding by its code: those of the language, and those of the rules."""
-    found = {**CATALOGUE, **{rule.finding.code: rule.finding for rule in rules()}}
+    """Return every finding by its code: those of the language, and those of the rules.
+
+    Raises:
+        NamedTwice: two of them have one code or one name.
+    """
+    placed = [("yarclang.findings", finding) for finding in CATALOGUE.values()]
+    placed += [(place, rule.finding) for place, rule in _placed()]
+    by_name("finding", ((finding.name, place, finding) for place, finding in placed))
+    found = by_name("finding", ((finding.code, place, finding) for place, finding in placed))
     return MappingProxyType(dict(sorted(found.items())))
 
 

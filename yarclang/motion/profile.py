@@ -16,6 +16,7 @@ from yarclang.hir import Array
 from yarclang.motion import profiles
 from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
+from yarclang.named import by_name
 
 Form = tuple[int, ...]
 """What a law leaves open on a grid, in segments: how long its ramps and its blends are. Each law has its own."""
@@ -71,12 +72,23 @@ class Profile:
 
 
 def profile_names() -> tuple[str, ...]:
-    """The names of all profiles: each file of motion/profiles is one. Imports none of them."""
-    return tuple(sorted(module.name.upper() for module in iter_modules(profiles.__path__)))
+    """Return the names of all profiles: each file of motion/profiles is one. Imports none of them.
+
+    Raises:
+        NamedTwice: two files have one name in upper case.
+    """
+    names = ((module.name.upper(), module.name, None) for module in iter_modules(profiles.__path__))
+    return tuple(sorted(by_name("profile", names)))
 
 
 @cache
 def load_profile(name: str) -> Profile:
-    """The profile of a name in upper case."""
+    """Return the profile of a name in upper case.
+
+    Raises:
+        ValueError: the profile calls itself otherwise than its file.
+    """
     loaded: Profile = import_module(f"{profiles.__name__}.{name.lower()}").PROFILE
+    if loaded.name != name:
+        raise ValueError(f"the profile of {name.lower()}.py calls itself {loaded.name}")
     return loaded

@@ -10,6 +10,8 @@ from pkgutil import iter_modules
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from yarclang.named import by_name
+
 if TYPE_CHECKING:
     from yarclang.repl.interpreter import Interpreter
 
@@ -56,10 +58,17 @@ class DotCommand:
 
 @cache
 def dot_commands() -> Mapping[str, DotCommand]:
-    """All of them by name, in the order in which `.help` lists them."""
+    """Return all of them by name, in the order in which `.help` lists them.
+
+    Raises:
+        NamedTwice: two of them have one name.
+    """
     from yarclang.repl import dots
 
-    found: list[DotCommand] = []
-    for module in iter_modules(dots.__path__):
-        found += import_module(f"{dots.__name__}.{module.name}").COMMANDS
-    return MappingProxyType({one.name: one for one in sorted(found, key=lambda one: (one.group, one.name))})
+    modules = [f"{dots.__name__}.{module.name}" for module in iter_modules(dots.__path__)]
+    found: list[tuple[str, str, DotCommand]] = [
+        (one.name, place, one) for place in modules for one in import_module(place).COMMANDS
+    ]
+    return MappingProxyType(
+        by_name("dot command", sorted(found, key=lambda one: (one[2].group, one[2].name)))
+    )

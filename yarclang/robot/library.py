@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from yarclang.named import by_name
+
 DESCRIPTION = "robot.toml"
 
 
@@ -28,9 +30,14 @@ def stdlib_folder() -> Path:
 
 
 def list_robots() -> tuple[RobotSummary, ...]:
-    """The robots of the standard library by name; reads only their robot.toml, and checks nothing."""
+    """Return the robots of the standard library by name; reads only their robot.toml, and checks nothing else.
+
+    Raises:
+        NamedTwice: two folders have a robot of one name.
+    """
     summaries = (_summary(path) for path in sorted((stdlib_folder() / "robots").glob(f"*/{DESCRIPTION}")))
-    return tuple(summary for summary in summaries if summary is not None)
+    found = ((one.name, one.folder.name, one) for one in summaries if one is not None)
+    return tuple(by_name("robot", found).values())
 
 
 def find_robot(name_or_path: str) -> tuple[Path | None, str]:

@@ -1,0 +1,31 @@
+"""Open sets by name: commands, profiles, findings, rules, robots. No name means two things."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+class NamedTwice(ValueError):  # noqa: N818 - it is said in a sentence: a finding is named twice
+    """Two things of a set have one name, so that the second would silently replace the first."""
+
+
+def by_name(kind: str, found: Iterable[tuple[str, str, T]]) -> dict[str, T]:
+    """Return the things of a set by their names, in the order in which they are given.
+
+    Args:
+        kind: noun for one of them, for the message.
+        found: name, place (module or folder) and thing of each.
+
+    Raises:
+        NamedTwice: a name is given twice.
+    """
+    places: dict[str, str] = {}
+    things: dict[str, T] = {}
+    for name, place, thing in found:
+        if name in things:
+            raise NamedTwice(f"the {kind} {name} stands twice: in {places[name]} and in {place}")
+        places[name], things[name] = place, thing
+    return things

@@ -20,7 +20,7 @@ SNIPPETS = VSCODE / "snippets" / "yarc.json"
 VIM = Path(__file__).parent / "neovim" / "syntax" / "yarc.vim"
 
 _BEFORE, _BEHIND = r"(?<![A-Za-z0-9_.$])", r"(?![A-Za-z0-9_.])"
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![A-Za-z_])"
+_NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_])"
 
 
 def grammar() -> dict[str, Any]:
@@ -33,12 +33,12 @@ def grammar() -> dict[str, Any]:
     units = _any(known.units)
     anywhere = [
         _rule("comment.line.exclamation", "!.*$"),
-        _rule("string.quoted.double", '"[^"]*"'),
+        _rule("string.quoted.double", '"[^"]*(?:"|$)'),
         {
             "match": rf"(?i)(?<!\$)\((?:\s*{units}\s*)(?:,\s*{units}\s*)*\)",
             "captures": {"0": {"patterns": [_rule("support.type.unit", rf"(?i){_BEFORE}{units}{_BEHIND}")]}},
         },
-        _rule("entity.name.namespace.frame", r"\{[^{}]*\}"),
+        _rule("entity.name.namespace.frame", r'\{[^{}!"]*\}'),
         _rule("variable.other", r"\$[A-Za-z_][A-Za-z0-9_.]*"),
         {
             "match": rf"(?i){_BEFORE}({_any(known.commands)})((?:_{_any(known.suffixes)})*){_BEHIND}",
@@ -108,8 +108,8 @@ def vim_syntax() -> str:
         r"syntax match yarcIndex /\v^\s*P\d+>/",
         rf"syntax match yarcBlock /\v^\s*{_any_in_vim(known.blocks)}{behind}/",
         rf"syntax match yarcDeclaration /\v^\s*{_any_in_vim(known.declarations)}{behind}/",
-        r"syntax match yarcFrame /{[^{}]*}/",
-        r"""syntax region yarcString start=/"/ end=/"/ oneline""",
+        r"""syntax match yarcFrame /{[^{}!"]*}/""",
+        r"""syntax match yarcString /"[^"]*"\=/""",
         "syntax match yarcComment /!.*$/ contains=@Spell",
         *(
             f"highlight default link yarc{kind} {group}"

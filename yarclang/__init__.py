@@ -230,15 +230,16 @@ def format(text: str) -> str:  # noqa: A001  (the word that people look for)
         'P1 MOVEJ HOME [1] (s)\n'
 
     Raises:
-        ValueError: the program has syntax errors; the message names the first.
+        ValueError: the program has syntax errors, or its usual form isn't proved to say the same; the message names the first line.
     """
-    from yarclang.syntax.print import print_module
+    from yarclang.source import SourceFile
+    from yarclang.syntax.form import usual_form
 
-    parsed = parse(text)
-    if parsed.value is None or parsed.diagnostics:
-        first = parsed.diagnostics[0]
+    made = usual_form(SourceFile("<text>", text))
+    if made.value is None:
+        first = made.diagnostics[0]
         raise ValueError(f"line {first.span.line if first.span else 1}: {first.message}")
-    return print_module(parsed.value)
+    return made.value
 
 
 def _asked(

@@ -30,6 +30,8 @@ class Fix:
     edits: tuple[Edit, ...]
     by_choice: bool = False
     """Whether it repairs nothing, but says the same in another way: it is made only where somebody asks for just this one."""
+    uncovers: bool = False
+    """True if the text could not be read before the fix: errors of its meaning that appear afterwards were there, and nobody saw them."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,6 +24,14 @@ class Span:
     def on_line(line: int, column: int, end_column: int) -> Span:
         """The columns `column` to `end_column` (not included) of one line."""
         return Span(line, column, line, end_column)
+
+
+_LINE = re.compile(r"[^\r\n]*+(?:\r\n|\r|\n)|[^\r\n]++")
+
+
+def lines_with_ends(text: str) -> list[str]:
+    """Return the lines of a text with their ends: LF, CRLF or CR, and no other character."""
+    return _LINE.findall(text)
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@
   '(("^\\s-*\\(P[0-9]+\\)\\_>" 1 font-lock-constant-face)
     ("^\\s-*P[0-9]+\\s-+\\([A-Z][A-Z0-9_]*\\)" 1 font-lock-function-name-face)
     ("^\\s-*\\([A-Z][A-Z_]*\\)\\_>" 1 font-lock-keyword-face)
-    ("{[^{}\n]*}" . font-lock-type-face)
+    ("{[^{}!\"\n]*}" . font-lock-type-face)
     ("\\$[A-Z_][A-Z0-9_.]*" . font-lock-variable-name-face))
   "What stands where; the server colours more exactly.")
 

@@ -15,8 +15,12 @@ from hypothesis import strategies as st
 from programs import compiled
 
 import yarclang
+import yarclang.syntax.form as form_module
+from yarclang.assist.changes import formatted
 from yarclang.cli.yarc import main
 from yarclang.robot.description import load_robot
+from yarclang.source import SourceFile
+from yarclang.syntax.print import print_module
 
 ARM = independent.Arm(load_robot("INDUSTRIAL6").value.folder)
 UGLY = "let a=1!x\nif a=1\np1 movej home [5]   (S)\nend\n"
@@ -45,6 +49,50 @@ def test_a_file_is_written(here):
     Path("a.yarc").write_text(UGLY)
     assert fmt("a.yarc").exit_code == 0
     assert Path("a.yarc").read_text() == NEAT
+
+
+def test_the_files_that_are_changed_are_named(here):
+    for name, text in (("a.yarc", UGLY), ("b.yarc", NEAT), ("c.yarc", UGLY)):
+        Path(name).write_text(text)
+    done = fmt(".")
+    assert done.stderr == "changed: a.yarc\nchanged: c.yarc\n2 files changed, 1 file is in form\n"
+    assert fmt(".").stderr == "3 files are in form\n"
+
+
+def test_a_line_with_an_exclamation_mark_in_braces_stays(here):
+    text = "DEFAULT {!TCP} [5] (mm,deg,s) {B}\np0010 stop\n"
+    Path("a.yarc").write_text(text)
+    done = fmt("a.yarc")
+    assert (done.exit_code, Path("a.yarc").read_text()) == (2, text)
+    assert "a.yarc:1:10: error Y0102" in done.stderr
+
+
+def test_a_form_that_is_not_proved_is_not_written(here, monkeypatch):
+    Path("a.yarc").write_text("p0010 stop ! end\np0020 stop\n")
+    Path("b.yarc").write_text("p0010 movej home [5](s)\n")
+    monkeypatch.setattr(
+        form_module, "print_module", lambda tree: print_module(tree).replace("! end", "! the end")
+    )
+    done = fmt(".")
+    assert done.exit_code == 1
+    assert "a.yarc:1:1: error Y2002: the usual form of this line has another comment" in done.stderr
+    assert "please report" in done.stderr
+    assert done.stderr.endswith("changed: b.yarc\n1 file changed, 1 file left as it is\n")
+    assert Path("a.yarc").read_text() == "p0010 stop ! end\np0020 stop\n"
+    with pytest.raises(ValueError, match="line 1: the usual form"):
+        yarclang.format("p0010 stop ! end\n")
+    assert formatted(SourceFile("a.yarc", "p0010 stop ! end\n")) is None
+    Path("c.yarc").write_text("P0010 MOVEJ [")
+    assert fmt(".").exit_code == 2
+
+
+def test_modes_and_links_stay(here):
+    Path("a.yarc").write_text(UGLY)
+    Path("a.yarc").chmod(0o640)
+    Path("b.yarc").symlink_to("a.yarc")
+    assert fmt("b.yarc").exit_code == 0
+    assert Path("b.yarc").is_symlink()
+    assert (Path("a.yarc").read_text(), Path("a.yarc").stat().st_mode & 0o777) == (NEAT, 0o640)
 
 
 @pytest.mark.parametrize("option", ["--check", "--diff"])

@@ -14,6 +14,8 @@ from yarclang.commands.registry import commands
 from yarclang.highlight.lexer import YarcLexer
 from yarclang.highlight.words import words
 from yarclang.motion.profile import profile_names
+from yarclang.source import SourceFile
+from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import DECLARATIONS, RESERVED
 from yarclang.units import UNITS
 
@@ -85,6 +87,18 @@ def test_any_text_comes_back_whole(text):
         assert start == at
         assert piece
         at += len(piece)
+
+
+@given(st.lists(st.sampled_from([*'{}!"P1 TCP;$\n\r', "{TCP}", "\u2028", "\x0b"]), max_size=30).map("".join))
+def test_comments_are_those_of_the_compiler(text):
+    for line in SourceFile("a.yarc", text).lines:
+        comments = [piece for kind, piece in kinds(line) if kind is Comment.Single]
+        assert "".join(comments) == line[len(code_of(line)) :]
+
+
+def test_lines_are_those_of_the_compiler():
+    assert (Name.Function, "STOP") not in kinds("! a comment\u2028P0010 STOP\x0bP0020 STOP")
+    assert (Error, "\u00a0") in kinds("P0010\u00a0STOP")
 
 
 def test_what_it_does_not_know_is_an_error():

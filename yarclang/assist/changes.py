@@ -5,10 +5,8 @@ from __future__ import annotations
 from difflib import SequenceMatcher
 
 from yarclang.diagnostics import Edit
-from yarclang.source import SourceFile, Span
-from yarclang.syntax.parse import parse
-from yarclang.syntax.print import print_module
-from yarclang.syntax.renumber import renumbered
+from yarclang.source import SourceFile, Span, lines_with_ends
+from yarclang.syntax.form import usual_form
 
 _MOST_LINES = 3_000
 """Longer stretches are replaced whole: to find what is alike in them takes too long."""
@@ -16,9 +14,7 @@ _MOST_LINES = 3_000
 
 def changes_to(source: SourceFile, text: str) -> tuple[Edit, ...]:
     """Edits of whole lines that make another text of a source."""
-    before, after = source.text.splitlines(keepends=True), text.splitlines(keepends=True)
-    if len(before) != len(source.lines):  # it has line ends that aren't ours
-        before, after = _parted(source.text), _parted(text)
+    before, after = lines_with_ends(source.text), lines_with_ends(text)
     first = 0
     while first < min(len(before), len(after)) and before[first] == after[first]:
         first += 1
@@ -36,12 +32,6 @@ def changes_to(source: SourceFile, text: str) -> tuple[Edit, ...]:
         for tag, i1, i2, j1, j2 in opcodes
         if tag != "equal"
     )
-
-
-def _parted(text: str) -> list[str]:
-    import re
-
-    return re.findall(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$", text)
 
 
 def _edit(lines: list[str], begin: int, end: int, text: str) -> Edit:
@@ -63,13 +53,7 @@ def formatted(source: SourceFile, renumber: tuple[int, int] | None = None) -> tu
         renumber: the first number of the commands and the step to the next; None: they keep theirs.
 
     Returns:
-        None where the program has syntax errors: it is left as it is.
+        None if the program has syntax errors, or its usual form isn't proved to say the same: it is left as it is.
     """
-    parsed = parse(source)
-    if parsed.diagnostics or parsed.value is None:
-        return None
-    module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
-    text = print_module(module)
-    if source.text.count("\r\n") > source.text.count("\n") / 2:  # a file keeps its kind of line ends
-        text = text.replace("\n", "\r\n")
-    return changes_to(source, text)
+    text = usual_form(source, renumber).value
+    return None if text is None else changes_to(source, text)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Sequence
@@ -14,6 +12,7 @@ from typing import Any
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.pipeline.inputs import Options
+from yarclang.pipeline.writing import replace_file
 from yarclang.progress import told_to
 
 _SILENT = 1.0
@@ -141,24 +140,11 @@ def write_all(files: Sequence[tuple[Path, str]]) -> tuple[Diagnostic, ...]:
 
 
 def write_whole(path: Path, content: str | bytes) -> tuple[Diagnostic, ...]:
-    """Write a file whole or not at all; its folder is made where it is missing."""
+    """Write a file whole or not at all, as `replace_file` does; a finding if it can't be written."""
     data = content.encode("utf-8") if isinstance(content, str) else content
-    temporary: str | None = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists() and not path.is_file():  # a device or a pipe
-            path.write_bytes(data)
-            return ()
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)
-        Path(temporary).replace(path)
+        replace_file(path, data)
     except OSError as error:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         return (
             Diagnostic("Y0107", f"{path} can't be written: {reason}", help="check the path and its rights"),

@@ -26,8 +26,12 @@ FAMILIES = {
     "17": "suppressed findings",
     "18": "dynamics",
     "19": "calibration",
+    "20": "yarclang itself",
 }
 """The families of the codes by their two digits."""
+
+SYNTAX = "Y01"
+"""How the codes of syntax errors begin."""
 
 
 def _catalogue() -> dict[str, Finding]:
@@ -44,4 +48,4 @@ def _catalogue() -> dict[str, Finding]:
 CATALOGUE = _catalogue()
 """Every finding by its code."""
 
-__all__ = ["CATALOGUE", "FAMILIES", "Finding", "Severity"]
+__all__ = ["CATALOGUE", "FAMILIES", "SYNTAX", "Finding", "Severity"]

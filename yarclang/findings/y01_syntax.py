@@ -157,4 +157,15 @@ FINDINGS = (
         "P0010 LET A = 30\nP0020 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
         "LET A = 30\nP0010 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
     ),
+    Finding(
+        "Y0118",
+        "foreign-character",
+        "error",
+        "a character that no program has",
+        "Code is made of blanks, tabs and the printable characters of ASCII. What looks like one of them (a no-break space, a minus sign from a "
+        "text processor) or can't be seen at all would be read otherwise than people read it. Comments and texts in quotes may have any character "
+        "but those that end a line in some editors only, change the direction of writing, or control a terminal.",
+        "P0010 MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)",
+        "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)",
+    ),
 )

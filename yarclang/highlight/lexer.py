@@ -26,15 +26,16 @@ from pygments.token import (
 )
 
 from yarclang.highlight.words import words
+from yarclang.source import lines_with_ends
 
 _PIECE = re.compile(
     r"""
       (?P<blank>[ \t]+)
     | (?P<comment>!.*)
-    | (?P<string>"[^"]*")
-    | (?P<frame>\{[^{}]*\})
+    | (?P<string>"[^"]*"?)
+    | (?P<frame>\{[^{}!"]*\})
     | (?P<variable>\$[A-Za-z_][A-Za-z0-9_.]*)
-    | (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![A-Za-z_]))
+    | (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_]))
     | (?P<word>[A-Za-z_][A-Za-z0-9_.]*)
     | (?P<operator><>|<=|>=|\*\*|[-+*/%=<>])
     | (?P<mark>\$?\(|[)\[\];,])
@@ -67,8 +68,8 @@ class YarcLexer(Lexer):  # type: ignore[misc]  # Pygments has no types
     def get_tokens_unprocessed(self, text: str) -> Iterator[tuple[int, Any, str]]:
         """The pieces of a text: place, kind, piece. Together they are the text."""
         at = 0
-        for line in text.splitlines(keepends=True):
-            code = line.rstrip("\r\n\v\f\x1c\x1d\x1e\x85\u2028\u2029")
+        for line in lines_with_ends(text):
+            code = line.rstrip("\r\n")
             yield from ((at + start, kind, piece) for start, kind, piece in _of_line(code))
             if len(code) < len(line):
                 yield at + len(code), Whitespace, line[len(code) :]

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.findings import SYNTAX
 from yarclang.lsp.carried import Planned, carried, planned_alone
-from yarclang.lsp.checks import SYNTAX, Checks
+from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 

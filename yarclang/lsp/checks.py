@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, in_order
+from yarclang.findings import SYNTAX
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.cells import check_cell
 from yarclang.pipeline.checking import Checked
@@ -19,9 +20,6 @@ from yarclang.robot.description import read_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
-
-SYNTAX = "Y01"
-"""How the codes of syntax errors begin."""
 
 _LONG = 2_000
 """Lines; a shorter program is checked nearly as soon as it is read."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.findings import SYNTAX
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.checking import Checked
@@ -39,7 +40,8 @@ def fixed(
     """Apply the fixes of the wanted findings.
 
     A fix stays only if what comes of it is read, has no error that wasn't there, no longer has the finding, and, where the finding was no
-    error, does the same as before: the same curves of all motions, or, of a program that isn't planned, the same steps.
+    error, does the same as before: the same curves of all motions, or, of a program that isn't planned, the same steps. A text that couldn't be
+    read may have errors of its meaning when it can be.
 
     Args:
         checked: what was found in the text as it is; its source is there.
@@ -55,7 +57,8 @@ def fixed(
         open_ = [one for one in _fixable(checked, wanted) if _key(one, source) not in refused]
         if not open_:
             break
-        chosen = apart(open_)
+        # what can be read first: its other errors aren't seen until then
+        chosen = apart([one for one in open_ if _uncovers(one)] or open_)
         together = _tried(checked, chosen, check)
         if together is not None:
             checked = together
@@ -76,6 +79,10 @@ def fixed(
 def is_repair(one: Diagnostic) -> bool:
     """Whether a finding has a fix that nobody has to choose."""
     return one.fix is not None and not one.fix.by_choice
+
+
+def _uncovers(one: Diagnostic) -> bool:
+    return one.fix is not None and one.fix.uncovers
 
 
 def _fixable(checked: Checked, wanted: Callable[[Diagnostic], bool]) -> list[Diagnostic]:
@@ -118,17 +125,15 @@ def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
     starts = [0, *(end.end() for end in _LINE_END.finditer(text))]
 
     def offset(line: int, column: int) -> int:
-        return min(starts[line - 1] + column - 1, len(text)) if line <= len(starts) else len(source.text)
+        return min(starts[line - 1] + column - 1, len(text)) if line <= len(starts) else len(text)
 
-    edits = sorted((edit for fix in fixes for edit in fix.edits), key=lambda edit: edit.span, reverse=True)
-    for edit in edits:
+    pieces: list[str] = []
+    done = 0
+    for edit in sorted((edit for fix in fixes for edit in fix.edits), key=lambda edit: edit.span):
         span = edit.span
-        text = (
-            text[: offset(span.line, span.column)]
-            + edit.text
-            + text[offset(span.end_line, span.end_column) :]
-        )
-    return text
+        pieces += (text[done : offset(span.line, span.column)], edit.text)
+        done = offset(span.end_line, span.end_column)
+    return "".join((*pieces, text[done:]))
 
 
 def _tried(
@@ -142,6 +147,8 @@ def _tried(
     after = check(SourceFile(before.source.name, text))
     had, has = _counted(before), _counted(after)
     errors = {one.code for one in (*before.diagnostics, *after.diagnostics) if one.is_error}
+    if all(map(_uncovers, chosen)):
+        errors = {code for code in errors if code.startswith(SYNTAX)}
     if any(has[code] > had[code] for code in errors):
         return None
     gone = Counter(one.code for one in chosen)

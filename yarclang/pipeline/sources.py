@@ -9,6 +9,7 @@ from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.source import SourceFile, Span
+from yarclang.syntax.characters import NOT_TEXT, character_name
 
 STANDARD_INPUT = "-"
 
@@ -16,6 +17,12 @@ NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain one can be sent to another p
 """No file is open anywhere: what is saved counts."""
 
 _PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
+_OTHER_MARKS = (
+    (codecs.BOM_UTF32_LE, "UTF-32"),  # before UTF-16, whose mark it begins with
+    (codecs.BOM_UTF32_BE, "UTF-32"),
+    (codecs.BOM_UTF16_LE, "UTF-16"),
+    (codecs.BOM_UTF16_BE, "UTF-16"),
+)
 
 
 def read_source(path: str) -> Result[SourceFile]:
@@ -49,16 +56,24 @@ def read_content(path: str) -> Result[bytes]:
 def decode_source(name: str, content: bytes) -> Result[SourceFile]:
     """Bytes of a file called `name` as a source text."""
     content = content.removeprefix(codecs.BOM_UTF8)
+    for mark, encoding in _OTHER_MARKS:
+        if content.startswith(mark):
+            first = " ".join(f"{one:02X}" for one in mark)
+            message = f"this is {encoding} text, by its first bytes {first}, not UTF-8"
+            source = SourceFile(name, "")
+            return Result(None, (Diagnostic("Y0103", message, source, Span.on_line(1, 1, 2), NOT_TEXT),))
     bad = _first_bad_byte(content)
     if bad is None:
         return Result(SourceFile(name, content.decode("utf-8")))
     before = content[:bad].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     line = before.count(b"\n") + 1
     column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
-    message = f"this is not text: the first byte that isn't is 0x{content[bad]:02X}, at line {line}, column {column}"
+    what = f"0x{content[bad]:02X}" + (f" ({character_name(chr(content[bad]))})" if content[bad] < 128 else "")
+    message = f"this is not text: the first byte that isn't is {what}, at line {line}, column {column}"
     shown = SourceFile(name, before.decode("utf-8"))
-    help_ = "save the program as UTF-8 text; or another file was meant"
-    return Result(None, (Diagnostic("Y0103", message, shown, Span.on_line(line, column, column + 1), help_),))
+    return Result(
+        None, (Diagnostic("Y0103", message, shown, Span.on_line(line, column, column + 1), NOT_TEXT),)
+    )
 
 
 def _first_bad_byte(content: bytes) -> int | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from yarclang.assist.sketch import sketch_of
 from yarclang.assist.symbols import Symbol
 from yarclang.repl.texts import read_exactly, write_exactly
-from yarclang.source import SourceFile
+from yarclang.source import SourceFile, lines_with_ends
 
 if TYPE_CHECKING:
     from yarclang.repl.interpreter import Interpreter
@@ -51,7 +51,7 @@ def _in_file(interpreter: Interpreter, name: str, is_frame: bool, line: str) -> 
     symbol = _declared(text, name, is_frame)
     if symbol is None:
         return
-    lines = text.splitlines(keepends=True)
+    lines = lines_with_ends(text)
     first, rows = symbol.statement.line - 1, symbol.statement.rows
     old = "".join(lines[first : first + rows])
     ending = old[len(old.rstrip("\r\n")) :]

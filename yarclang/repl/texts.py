@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from yarclang.pipeline.writing import replace_file
 from yarclang.runtime.actions import Trouble
 
 
@@ -22,13 +23,13 @@ def read_exactly(path: Path) -> str:
 
 
 def write_exactly(path: Path, text: str) -> None:
-    """Write a file's text.
+    """Write a file's text whole or not at all.
 
     Raises:
         Trouble: it can't be written, and why.
     """
     try:
-        path.write_bytes(text.encode("utf-8"))
+        replace_file(path, text.encode("utf-8"))
     except OSError as error:
         raise Trouble(
             f"{path} can't be written: {_reason(error)}", "look at its rights, and at the disk"

@@ -12,10 +12,11 @@ def is_whole(text: str) -> bool:
     """Whether nothing is missing behind a text."""
     if text.lstrip().startswith("."):
         return True
-    lines = [code for line in text.splitlines() if (code := code_of(line).strip())]
+    source = SourceFile("<line>", text)
+    lines = [code for line in source.lines if (code := code_of(line).strip())]
     if lines and lines[-1].endswith(";"):
         return False
-    module = parse(SourceFile("<line>", text)).value
+    module = parse(source).value
     assert module is not None  # parsing always gives a tree
     words = [one.name.name for one in module.statements if one.index is None]
     return sum((word in BLOCK_HEADS) - (word == "END") for word in words) <= 0

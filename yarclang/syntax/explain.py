@@ -21,6 +21,7 @@ _CALL = "arguments stand behind the name with blanks between: CALL DRILL {HOLE} 
 
 _BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "IF", "LONE"}
 _RUN = re.compile(r'[^\s;\[\](){}!"]*')
+_CUT_FRAME = re.compile(r'([^{}!"]*+[!"])[^{}]*+\}')
 
 
 def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence[Any]) -> Fault:
@@ -59,9 +60,10 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
 
 def unexpected_character(text: str, place: Place, expected: Collection[str]) -> Fault:
     """A character that begins no token: a brace or quote without its partner, or a `$`."""
-    character = text.split("\n")[place.row][place.start - 1]
+    row = text.split("\n")[place.row]
+    character = row[place.start - 1]
     if character == "{":
-        return not_closed(character, place)
+        return _cut_frame(row, place) or not_closed(character, place)
     if character == '"':
         return Fault("Y0102", "this text is not closed", 'close it with `"` in the same line', place)
     if character == "}":
@@ -70,6 +72,18 @@ def unexpected_character(text: str, place: Place, expected: Collection[str]) -> 
         return foreign(text, place) or strange(text, place)
     message = f"the character `{character}` (U+{ord(character):04X}) can't stand here"
     return _dollar(text, place) or Fault("Y0101", message, _ORDER, place)
+
+
+def _cut_frame(row: str, place: Place) -> Fault | None:
+    """A frame's name that a `!` or a `"` between its braces cuts off."""
+    match = _CUT_FRAME.match(row, place.start)
+    if match is None:
+        return None
+    here = Place(place.row, match.end(1), match.end(1) + 1)
+    help_ = "a frame's name has letters, digits and `_`, and the module's name before a point: {TABLE}, {PALLET.CORNER}"
+    if match[1].endswith('"'):
+        return Fault("Y0101", '`"` starts a text, and no text can stand in braces', help_, here)
+    return Fault("Y0102", "`!` starts a comment, and the `{` before it is not closed", help_, here)
 
 
 # The lines of LET, END and ELSE, and units.

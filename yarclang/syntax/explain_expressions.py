@@ -14,6 +14,7 @@ from yarclang.syntax.words import FUNCTIONS
 _ENDS = {"$END", "LSQB", "RSQB", "_SEMICOLON"}
 """What stands behind expressions, or nowhere near them."""
 
+_PIECE = re.compile(r".[^ \t]*")
 _LAST_PIECE = re.compile(r'[^\s()+\-*/%<>=,;\[\]{}!"]+$|\S$')
 
 _FOREIGN = {
@@ -38,8 +39,6 @@ _FOREIGN = {
     "×": "write `*`",
     "·": "write `*`",
     "÷": "write `/`",
-    "−": "write `-`",
-    "–": "write `-`",
     "²": "write `**2`",
     "³": "write `**3`",
     "√": "write SQRT(...)",
@@ -167,7 +166,8 @@ def foreign(text: str, place: Place) -> Fault | None:
 
 def strange(text: str, place: Place) -> Fault:
     """Something that no expression has."""
-    piece = text.split("\n")[place.row][place.start - 1 :].split(maxsplit=1)[0][:40]
+    match = _PIECE.match(text.split("\n")[place.row], place.start - 1)
+    piece = match[0][:40] if match else ""
     message = f"`{piece}` can't stand in an expression"
     if piece.startswith("$"):
         message = "inside an expression a name stands without `$`"

@@ -17,12 +17,17 @@ _CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A syntax error, its place relative to the statement."""
+    """A syntax error, its place relative to the statement.
+
+    `edits` are a safe fix: what is put in which places; `title` says what they do. There are none for most errors.
+    """
 
     code: str
     message: str
     help: str
     place: Place
+    title: str = ""
+    edits: tuple[tuple[Place, str], ...] = ()
 
 
 class FaultError(Exception):

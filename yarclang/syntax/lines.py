@@ -6,15 +6,24 @@ import re
 
 from yarclang.syntax.leaves import Place
 
-_CODE = re.compile(r'(?:[^!"]|"[^"]*(?:"|$))*')
+_CODE = re.compile(r'(?:[^!"]++|"[^"]*+"?+)*+')
+_TEXT = re.compile(r'"[^"]*"?')
 
 
 def code_of(line: str) -> str:
-    """A line without its comment: what stands before the first `!` outside quotes."""
+    """Return a line without its comment: what stands before the first `!` outside quotes.
+
+    Brackets and braces don't matter: no token of the grammar but a text in quotes has a `!` in it.
+    """
     if "!" not in line:
         return line
     match = _CODE.match(line)
     return match.group() if match else ""
+
+
+def texts_of(code: str) -> list[re.Match[str]]:
+    """Return the texts in quotes of a line without its comment. One that isn't closed runs to the end."""
+    return list(_TEXT.finditer(code))
 
 
 def end_of(text: str) -> Place:

@@ -11,11 +11,12 @@ from collections.abc import Iterator
 from functools import cache, lru_cache
 from typing import Any
 
-from yarclang.diagnostics import Diagnostic, Result
+from yarclang.diagnostics import Diagnostic, Edit, Fix, Result
 from yarclang.progress import tell
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module, Place, Statement
 from yarclang.syntax.build import statement
+from yarclang.syntax.characters import fault_in
 from yarclang.syntax.explain import unexpected, unexpected_character
 from yarclang.syntax.faults import Fault, FaultError
 from yarclang.syntax.lines import code_of
@@ -60,8 +61,9 @@ def parse(source: SourceFile) -> Result[Module]:
                 comment_lines.append((line, comment))
         else:
             place = parsed.place
-            span = Span.on_line(line + place.row, place.start, place.end)
-            diagnostics.append(Diagnostic(parsed.code, parsed.message, source, span, parsed.help))
+            span = _span(line, place)
+            fix = _fix(line, parsed)
+            diagnostics.append(Diagnostic(parsed.code, parsed.message, source, span, parsed.help, fix))
             unreadable.append(line)
     module = Module(source, tuple(statements), tuple(unreadable), tuple(comment_lines))
     return Result(module, tuple(diagnostics))
@@ -71,9 +73,19 @@ def parse(source: SourceFile) -> Result[Module]:
 def _placed(text: str, line: int) -> Statement | Fault | None:
     """The statement of a text in its line; None where it has nothing but a comment. While a program is edited, most lines stay where they are."""
     if not code_of(text).strip():
-        return None
+        return fault_in(text)
     parsed = parse_statement(text)
     return parsed.at_line(line) if isinstance(parsed, Statement) else parsed
+
+
+def _span(line: int, place: Place) -> Span:
+    return Span.on_line(line + place.row, place.start, place.end)
+
+
+def _fix(line: int, fault: Fault) -> Fix | None:
+    """The fault's fix, for a statement that begins in a line."""
+    edits = tuple(Edit(_span(line, place), put) for place, put in fault.edits)
+    return Fix(fault.title, edits, uncovers=True) if edits else None
 
 
 def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
@@ -121,8 +133,18 @@ def _too_long(source: SourceFile, line: int, text: str) -> Diagnostic:
 @lru_cache(maxsize=1 << 17)
 def parse_statement(text: str) -> Statement | Fault:
     """Parse the text of one statement; `line` of the result is 0 until the caller sets it."""
+    if (wrong := fault_in(text)) is not None:
+        return _operator_instead(text, wrong) or wrong
     plain = plain_statement(text)
     return statement_by_grammar(text) if plain is None else plain
+
+
+def _operator_instead(text: str, wrong: Fault) -> Fault | None:
+    """What the grammar says of a character that is an operator elsewhere, such as `×`: it knows what to write."""
+    if wrong.code != "Y0118" or wrong.edits:
+        return None
+    parsed = statement_by_grammar(text)
+    return parsed if isinstance(parsed, Fault) and parsed.code == "Y0111" else None
 
 
 def statement_by_grammar(text: str) -> Statement | Fault:

@@ -14,8 +14,8 @@ syntax match yarcCommand /\v%([A-Za-z0-9_.$])@<!%(MOVEJ_SPLINE|MOVEL_SPLINE|MOVJ
 syntax match yarcIndex /\v^\s*P\d+>/
 syntax match yarcBlock /\v^\s*%(REPEAT|ELSE|WHEN|END|SUB|IF)%([A-Za-z0-9_.])@!/
 syntax match yarcDeclaration /\v^\s*%(FRAME_QUAT|DEFAULT|JOINTS|OUTPUT|FRAME|INPUT|ROBOT|START|CELL|LET|USE)%([A-Za-z0-9_.])@!/
-syntax match yarcFrame /{[^{}]*}/
-syntax region yarcString start=/"/ end=/"/ oneline
+syntax match yarcFrame /{[^{}!"]*}/
+syntax match yarcString /"[^"]*"\=/
 syntax match yarcComment /!.*$/ contains=@Spell
 highlight default link yarcBlock Conditional
 highlight default link yarcCommand Function

@@ -12,6 +12,8 @@ from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.outputs import STANDARD
 
 _START, _STEP = 10, 10
+_OURS = frozenset(["Y2001", "Y2002"])
+"""What isn't the program's fault."""
 
 
 class _Command(click.Command):
@@ -41,8 +43,11 @@ class _Command(click.Command):
 def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[int, int] | None) -> None:
     """Write programs in their usual form: names in upper case, blocks indented, comments below each other.
 
-    What a program does stays the same, and so do its comments. A folder means all .yarc files in it; - reads standard input and writes to standard
-    output. The exit status is 0, with --check or --diff 1 if a file would be changed, and 2 if one can't be read or has syntax errors.
+    What a program does stays the same, and so do its comments: this is proved before a file is written, and a file of which it can't be proved stays
+    as it is. A folder means all .yarc files in it; - reads standard input and writes to standard output.
+
+    The exit status is 0, with --check or --diff 1 if a file would be changed, 1 if a form isn't proved, and 2 if a file can't be read or written, or
+    has syntax errors.
     """
     seldom_look_for_garbage()
     from yarclang.cli.differences import difference
@@ -51,27 +56,26 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
     from yarclang.cli.work import write_standard_output
 
     files = programs(paths)
-    failed, changed = 0, 0
+    failed, changed, unproved = 0, 0, 0
     for file in files:
         made = _formatted(file, renumber)
         found = list(made.found)
-        if not found:
-            changed += made.is_changed
-            if diff:
-                found += (
-                    write_standard_output(difference(file, made.before, made.after))
-                    if made.is_changed
-                    else ()
-                )
-            elif checks:
-                if made.is_changed:
-                    click.echo(f"would be changed: {file}", err=True)
-            else:
-                found += _write(file, made)
-        failed += bool(found)
+        if not found and made.is_changed and diff:
+            found += write_standard_output(difference(file, made.before, made.after))
+        elif not found and not checks and not diff:
+            found += _write(file, made)
         show_findings(found)
+        if found:
+            failed += 1
+            unproved += any(one.code in _OURS for one in found)
+        elif made.is_changed:
+            changed += 1
+            if not diff and file != STANDARD:
+                click.echo(f"{'would be changed' if checks else 'changed'}: {file}", err=True)
     _summarise(len(files), changed, failed, would=checks or diff)
-    raise SystemExit(2 if failed else int(changed > 0 and (checks or diff)))
+    if failed > unproved:
+        raise SystemExit(2)
+    raise SystemExit(int(unproved > 0 or (changed > 0 and (checks or diff))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,22 +93,15 @@ class _Formatted:
 
 def _formatted(file: str, renumber: tuple[int, int] | None) -> _Formatted:
     from yarclang.pipeline.sources import read_source
-    from yarclang.syntax.parse import parse
-    from yarclang.syntax.print import print_module
-    from yarclang.syntax.renumber import renumbered
+    from yarclang.syntax.form import usual_form
 
     read = read_source(file)
     if read.value is None:
         return _Formatted(found=read.diagnostics)
-    parsed = parse(read.value)
-    if parsed.diagnostics:
-        return _Formatted(found=parsed.diagnostics)
-    assert parsed.value is not None  # parsing always gives a tree
-    module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
-    text, before = print_module(module), read.value.text
-    if before.count("\r\n") > before.count("\n") / 2:  # a file keeps its kind of line ends
-        text = text.replace("\n", "\r\n")
-    return _Formatted(before, text)
+    made = usual_form(read.value, renumber)
+    if made.value is None:
+        return _Formatted(found=made.diagnostics)
+    return _Formatted(read.value.text, made.value)
 
 
 def _write(file: str, made: _Formatted) -> tuple[Any, ...]:

@@ -1,0 +1,199 @@
+"""The characters of a program: which may stand in its code, in comments and in texts, and what to write instead of others.
+
+Code is made of blanks, tabs and the printable characters of ASCII. Any other character looks like one of these (a no-break space, a minus
+sign), or can't be seen at all, and would be read otherwise than people read it. Comments and texts may hold any character that shows what is read:
+no line ends that only some editors know, no characters that change the direction of writing, no control characters.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from yarclang.syntax.faults import Fault
+from yarclang.syntax.leaves import Place
+from yarclang.syntax.lines import code_of, texts_of
+
+_PLAIN = re.compile(r"[\t\n -~]*+")
+_FOREIGN = re.compile(r"[^\t\n -~]")
+
+_BREAKS = frozenset("\v\f\u0085\u2028\u2029")
+"""Characters at which some programs end a line. The compiler doesn't."""
+
+_UNSEEN = frozenset("\u00ad\u034f\u061c\u180e\u200b\u200c\u200d\u200e\u200f\u2060\ufeff")
+"""Characters that are nothing to look at, and change nothing of what is around them."""
+
+_TURNS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Characters that make an editor show a line in another order than it is read."""
+
+_ALIKE = {
+    **dict.fromkeys("\u2010\u2011\u2012\u2013\u2212\ufe63", "-"),
+    **dict.fromkeys("\u201c\u201d\u201e\u201f", '"'),
+    **{chr(code): chr(code - 0xFEE0) for code in range(0xFF01, 0xFF5F)},
+}
+"""Characters that can't be told from one of ASCII, or hardly, and mean the same."""
+
+_CONTROLS = {
+    0x00: "null",
+    0x07: "bell",
+    0x08: "backspace",
+    0x0B: "vertical tab",
+    0x0C: "form feed",
+    0x1A: "substitute",
+    0x1B: "escape",
+    0x1C: "file separator",
+    0x1D: "group separator",
+    0x1E: "record separator",
+    0x1F: "unit separator",
+    0x7F: "delete",
+    0x85: "next line",
+    0xFEFF: "byte order mark",
+}
+"""Names of characters that the Unicode standard gives none, or none that people know."""
+
+NOT_TEXT = "save the program as UTF-8 text; or another file was meant"
+
+
+def is_plain(text: str) -> bool:
+    """Return True if a text has no character but those of code."""
+    return _PLAIN.fullmatch(text) is not None
+
+
+def character_name(character: str) -> str:
+    """Return a character's number and name: `U+00A0 no-break space`."""
+    code = ord(character)
+    if 0xD800 <= code <= 0xDFFF:
+        name = "half of a character"
+    else:
+        name = _CONTROLS.get(code) or unicodedata.name(character, "").lower()
+    if not name:
+        name = "control character" if unicodedata.category(character) == "Cc" else "unknown character"
+    return f"U+{code:04X} {name}"
+
+
+def is_not_text(character: str) -> bool:
+    """Return True for control characters and halves of characters, which no text has."""
+    return (character < " " and character not in "\t\n\r\v\f") or character == "\x7f" or _is_half(character)
+
+
+def instead_of(character: str) -> str | None:
+    """Return what to write instead of a character that isn't plain: perhaps nothing at all. None if nobody can say."""
+    if character in _BREAKS or unicodedata.category(character) == "Zs":
+        return " "
+    if character in _UNSEEN or character in _TURNS:
+        return ""
+    if character in _ALIKE:
+        return _ALIKE[character]
+    digit = unicodedata.decimal(character, None)
+    return None if digit is None else str(digit)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A character that can't stand where it stands: in code, or in a comment or a text (`where`)."""
+
+    character: str
+    row: int
+    column: int
+    where: str = ""
+
+
+def fault_in(text: str) -> Fault | None:
+    """Return what is wrong with the characters of a statement: the first one that can't stand where it stands, with a fix of all of them."""
+    if is_plain(text):
+        return None
+    rows = text.split("\n")
+    found = [one for number, row in enumerate(rows) for one in _in_row(number, row)]
+    if not found:
+        return None
+    first = next((one for one in found if is_not_text(one.character)), found[0])
+    message = f"{_called(first.character)} can't stand in {first.where or 'code'}"
+    if others := len(found) - 1:
+        message += f"; {others:,} more of this statement can't either"
+    place = Place(first.row, first.column, first.column + 1)
+    code = "Y0103" if is_not_text(first.character) else "Y0118"
+    return Fault(code, message, _help(first), place, *_fix(rows, found))
+
+
+def _in_row(number: int, row: str) -> Iterator[_Found]:
+    """The characters of a line that can't stand where they stand."""
+    if is_plain(row):
+        return
+    code = code_of(row)
+    inside = [(text.start(), text.end(), "a text") for text in texts_of(code)]
+    inside.append((len(code), len(row), "a comment"))
+    stretches = iter(inside)
+    begin, end, what = next(stretches)
+    for match in _FOREIGN.finditer(row):
+        at, character = match.start(), match[0]
+        while at >= end:
+            begin, end, what = next(stretches)
+        where = what if at >= begin else ""
+        if not where or not _shows_what_is_read(character):
+            yield _Found(character, number, at + 1, where)
+
+
+def _shows_what_is_read(character: str) -> bool:
+    """Return True if a character may stand in comments and texts."""
+    return (
+        unicodedata.category(character) != "Cc"
+        and not _is_half(character)
+        and character not in _BREAKS
+        and character not in _TURNS
+    )
+
+
+def _is_half(character: str) -> bool:
+    return "\ud800" <= character <= "\udfff"
+
+
+def _called(character: str) -> str:
+    """A character in a sentence: as it looks, if that shows something, and by its name."""
+    name = character_name(character)
+    if character.isprintable() and not character.isspace() and character not in _UNSEEN:
+        return f"`{character}` ({name})"
+    return name
+
+
+def _help(found: _Found) -> str:
+    character = found.character
+    if is_not_text(character):
+        return NOT_TEXT
+    if character in _TURNS:
+        return "take it away: it makes editors show the line in another order than it is read"
+    if character in _BREAKS:
+        if found.where:
+            return "take it away: some editors end the line there, and what follows would look like code"
+        return "write a plain blank, or begin a new line there"
+    put = instead_of(character)
+    if put == " ":
+        return "write a plain blank"
+    if put == "":
+        return "take it away: it can't be seen"
+    if put is not None:
+        return f"write `{put}`"
+    return "code has the letters A to Z, digits, and the signs of ASCII; other characters stand in comments and in texts"
+
+
+def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
+    """The title of a fix and what it puts where, one piece a line; nothing if one of the characters has no safe substitute."""
+    pieces: dict[int, list[_Found]] = {}
+    for one in found:
+        # what an editor showed behind a line end of its own may have been meant as code
+        if is_not_text(one.character) or (one.where and one.character in _BREAKS):
+            return "", ()
+        if instead_of(one.character) is None:
+            return "", ()
+        pieces.setdefault(one.row, []).append(one)
+    edits = []
+    for number, here in pieces.items():
+        foreign = {one.column - 1 for one in here}
+        begin, end = min(foreign), max(foreign) + 1
+        put = "".join(
+            (instead_of(character) or "") if at in foreign else character
+            for at, character in enumerate(rows[number][begin:end], begin)
+        )
+        edits.append((Place(number, begin + 1, end + 1), put))
+    return "write plain characters", tuple(edits)

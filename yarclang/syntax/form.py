@@ -1,0 +1,145 @@
+"""The usual form of a program, as `yarc fmt` writes it, and the proof that it says the same."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from itertools import zip_longest
+from typing import Any
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Computed, ComputedPercent, FrameName, Module, Number
+from yarclang.syntax.lines import code_of, texts_of
+from yarclang.syntax.parse import parse
+from yarclang.syntax.print import print_module
+from yarclang.syntax.renumber import renumbered
+
+_INDEX = re.compile(r"\s*[Pp][0-9]+(?![^\s;\[\](){}!,\"])")
+_WITHOUT_MEANING = frozenset(["place", "line", "rows", "comments"])
+"""Fields of a tree that tell where something stands, not what it says."""
+
+
+def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> Result[str]:
+    """Bring a program into its usual form. It says the same afterwards, which is proved.
+
+    Args:
+        source: the program. Most of its lines decide whether lines end with CRLF or LF in the result.
+        renumber: the first number of the commands and the step to the next; None: they keep theirs.
+
+    Returns:
+        None if the program has syntax errors, or if the result isn't proved to say the same.
+    """
+    parsed = parse(source)
+    if parsed.value is None or parsed.diagnostics:
+        return Result(None, parsed.diagnostics)
+    module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
+    text = print_module(module)
+    if text != source.text:
+        difference = _difference(parsed.value, module, SourceFile(source.name, text))
+        if difference is not None:
+            return Result(None, (_unproved(source, *difference),))
+    if source.text.count("\r\n") > source.text.count("\n") / 2:  # a file keeps its kind of line ends
+        text = text.replace("\n", "\r\n")
+    return Result(text)
+
+
+def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
+    return Diagnostic(
+        "Y2002",
+        f"the usual form of this line {what}: the file stays as it is",
+        source,
+        Span.on_line(line, 1, max(len(source.line(line)), 1) + 1),
+        "this is a bug of yarclang: please report it with this line",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """A line that isn't empty: its code without blanks, in upper case outside of texts, and its comment."""
+
+    line: int
+    code: str
+    comment: str
+
+
+def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int, str] | None:
+    """Find the first line of a program whose usual form says something else.
+
+    Args:
+        original: the program.
+        meant: the program, with new indices if they are wanted.
+        after: its usual form.
+
+    Returns:
+        None if there is no such line; else the number of the line, and what is wrong with its form.
+    """
+    keeps_indices = meant is original
+    before_rows, after_rows = (list(_rows(one, keeps_indices)) for one in (original.source, after))
+    for row, other in zip(before_rows, after_rows, strict=False):
+        if row.code != other.code:
+            return row.line, "has other words"
+        if row.comment != other.comment:
+            return row.line, "has another comment"
+    if len(before_rows) != len(after_rows):
+        shorter = min(len(before_rows), len(after_rows))
+        return (before_rows[shorter].line if shorter < len(before_rows) else 1), "has another number of lines"
+    line_before = {other.line: row.line for row, other in zip(before_rows, after_rows, strict=True)}
+    parsed = parse(after)
+    if parsed.diagnostics or parsed.value is None:
+        span = parsed.diagnostics[0].span
+        return line_before.get(span.line if span else 0, 1), "can't be read"
+    read = parsed.value.statements
+    for was, one, now in zip_longest(original.statements, meant.statements, read):
+        if was is None or now is None or meaning(one) != meaning(now):
+            return (was or original.statements[-1]).line, "is read otherwise"
+    again = SourceFile(after.name, print_module(parsed.value))
+    if again.text != after.text:
+        both = enumerate(zip(after.lines, again.lines, strict=False), 1)
+        line = next((number for number, (one, other) in both if one != other), 1)
+        return line_before.get(line, 1), "has another form in turn"
+    return None
+
+
+def _rows(source: SourceFile, keeps_indices: bool) -> Iterator[_Row]:
+    for number, line in enumerate(source.lines, 1):
+        code = code_of(line)
+        comment = line[len(code) :].rstrip()
+        if not keeps_indices:
+            code = _INDEX.sub("", code, count=1)
+        squeezed = _squeezed(code)
+        if squeezed or comment:
+            yield _Row(number, squeezed, comment)
+
+
+def _squeezed(code: str) -> str:
+    """Code without blanks and in upper case, but for its texts."""
+    pieces: list[str] = []
+    done = 0
+    for text in texts_of(code):
+        pieces += ("".join(code[done : text.start()].split()).upper(), text[0])
+        done = text.end()
+    return "".join((*pieces, "".join(code[done:].split()).upper()))
+
+
+def meaning(part: Any) -> Any:
+    """Return what a part of a tree says, wherever it stands: numbers as they are written, names as they are compared."""
+    if isinstance(part, tuple):
+        return tuple(map(meaning, part))
+    if isinstance(part, Number):
+        return part.text
+    if isinstance(part, FrameName):
+        return part.name
+    if is_dataclass(part):
+        kind: Any = type(part)
+        return (kind.__name__, *(meaning(getattr(part, name)) for name in _telling(kind)))
+    return part.upper() if isinstance(part, str) else part
+
+
+@cache
+def _telling(kind: Any) -> tuple[str, ...]:
+    """The fields of a kind of tree that say something. What is computed is told by its expression, however it is written."""
+    left_out = _WITHOUT_MEANING | ({"text"} if issubclass(kind, Computed | ComputedPercent) else set())
+    return tuple(field.name for field in fields(kind) if field.name not in left_out)

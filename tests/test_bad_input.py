@@ -1,10 +1,15 @@
 """Bad input of every kind: one clear finding at the right place, no output file, no traceback."""
 
 import json
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+import yarclang
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
 
@@ -271,3 +276,70 @@ def test_unknown_commands_of_yarc_get_a_suggestion():
     done = CliRunner().invoke(yarc, ["chek"])
     assert done.exit_code == 2
     assert "Did you mean check?" in done.output
+
+
+# what is no file, and what has no end
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda path: path.mkdir(), "it is a folder, not a file"),
+        (os.mkfifo, "it is a pipe, not a file"),
+        (lambda path: path.symlink_to("/dev/zero"), "it is a device, not a file"),
+        (lambda path: path.symlink_to(path), "too many levels of symbolic links"),
+        (lambda path: truncated(path, 100_000_000), "it has 100,000,000 bytes; at most 20,000,000 are read"),
+    ],
+    ids=["folder", "pipe", "device", "circle", "100 MB"],
+)
+def test_one_error_at_once_at_every_door(tmp_path, monkeypatch, make, said):
+    monkeypatch.chdir(tmp_path)
+    make(tmp_path / "p.yarc")
+    for main, arguments, status in (
+        (yarcc, ["p.yarc"], 1),
+        (yarc, ["check", "--no-plan", "p.yarc"], 1),
+        (yarc, ["fmt", "p.yarc"], 2),
+        (yarc, ["inspect", "p.yarc", "P0010"], 1),
+        (yarc, ["plot", "p.yarc"], 1),
+    ):
+        if "folder" in said and arguments[0] in {"check", "fmt"}:
+            continue  # it means all programs in it
+        done = CliRunner().invoke(main, arguments)
+        assert done.exit_code == status, done.output
+        assert f"error Y0107: p.yarc can't be read: {said}" in done.stderr
+        assert done.stderr.count("Y0107") == 1
+
+
+def truncated(path, size):
+    with path.open("wb") as file:
+        file.truncate(size)
+
+
+def test_standard_input_without_end(tmp_path):
+    command = [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "check", "--no-plan", "-"]
+    with Path("/dev/zero").open("rb") as zeros:
+        done = subprocess.run(command, stdin=zeros, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 1
+    assert "error Y0107: <stdin> can't be read: it has more than 20,000,000 bytes" in done.stderr
+
+
+def test_a_text_of_any_length_is_one_finding():
+    (found,) = yarclang.parse("P0010 STOP\n" * 2_000_000).diagnostics
+    assert (found.code, "22,000,000 characters" in found.message) == ("Y0106", True)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["check", "--no-plan"], ["fmt"], ["fmt", "--diff"], ["check", "--no-plan", "--format", "json"], ["check", "--no-plan", "--format", "junit"],
+     ["check", "--no-plan", "--format", "sarif"], ["check", "--no-plan", "--format", "github"], ["check", "--fix", "--diff"]],
+    ids=" ".join,
+)  # fmt: skip
+@pytest.mark.parametrize("text", ["p0010 stop\n", "p0010 movek\n", "P0010 MOVEJ ["])
+def test_a_file_whose_name_is_no_text(tmp_path, words, text):
+    path = tmp_path / os.fsdecode(b"p\xff\xfe.yarc")
+    path.write_text(text)
+    command = [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", *words, str(path)]
+    env = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
+    done = subprocess.run(command, capture_output=True, check=False, env=env)
+    assert done.returncode in {0, 1, 2}
+    assert b"Traceback" not in done.stderr, done.stderr

@@ -6,7 +6,8 @@
     (True, 2.0)
 
 Each function takes the text of a program. `check` gives the findings; the others a `Result`: a `value`, None where an error forbids one, and
-`diagnostics`, the findings. What a user writes raises nothing, but in `format`. The planner is imported when it is first needed.
+`diagnostics`, the findings. What a user writes raises nothing, but in `format`; a bug of ours is a finding too (Y2001). The planner is imported when
+it is first needed.
 
 Comments that suppress findings, and the yarc.toml of `folder` or of one above it, hold here as in `yarc check` and `yarcc`. docs/api.md tells more.
 """
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
+_MARK = "\ufeff"
+"""A byte order mark before a text is no part of it."""
+
 __all__ = ["__version__", "check", "compile", "format", "parse", "plan", "prove"]
 
 
@@ -50,7 +54,7 @@ def parse(text: str, *, name: str = "<text>") -> Result[Module]:
     from yarclang.source import SourceFile
     from yarclang.syntax.parse import parse as parse_source
 
-    return parse_source(SourceFile(name, text))
+    return parse_source(SourceFile(name, text.removeprefix(_MARK)))
 
 
 def check(
@@ -116,14 +120,21 @@ def plan(
     """
     from yarclang.diagnostics import Result, has_errors
     from yarclang.pipeline.checking import told
+    from yarclang.pipeline.guarding import failure
     from yarclang.pipeline.stages import plan_module
 
-    opened = _opened(text, name, robot, folder, start)
-    found, value = opened.diagnostics, None
-    if opened.value is not None:
-        planned = plan_module(opened.value.module, opened.value.request)
-        found, value = (*found, *planned.diagnostics), planned.value
-    found = told(found, _asked(text, name, robot, start)[0], Path(folder))
+    source = _asked(text, name, robot, start)[0]
+    found: tuple[Diagnostic, ...] = ()
+    value: MotionPlan | None = None
+    try:
+        opened = _opened(text, name, robot, folder, start)
+        found = opened.diagnostics
+        if opened.value is not None:
+            planned = plan_module(opened.value.module, opened.value.request)
+            found, value = (*found, *planned.diagnostics), planned.value
+        found = told(found, source, Path(folder))
+    except Exception as error:
+        found = (*found, failure(error, source))
     return Result(None if has_errors(found) else value, found)
 
 
@@ -209,17 +220,23 @@ def prove(
     """
     from yarclang.diagnostics import Result
     from yarclang.pipeline.controller_text import judge_alone, prove_against
+    from yarclang.pipeline.guarding import failure
     from yarclang.source import SourceFile
 
-    if text is None:
-        around = None if cell is None else str(Path(cell))
-        judged = judge_alone(SourceFile(name, controller_text), robot, around)
-        return Result(None if judged.value is None else judged.value.certificate, judged.diagnostics)
-    opened = _opened(text, name, robot, folder, start)
-    if opened.value is None:
-        return Result(None, opened.diagnostics)
-    proved = prove_against(SourceFile(f"{name}.pmc", controller_text), opened.value)
-    return Result(proved.value, (*opened.diagnostics, *proved.diagnostics))
+    found: tuple[Diagnostic, ...] = ()
+    try:
+        if text is None:
+            around = None if cell is None else str(Path(cell))
+            judged = judge_alone(SourceFile(name, controller_text), robot, around)
+            return Result(None if judged.value is None else judged.value.certificate, judged.diagnostics)
+        opened = _opened(text, name, robot, folder, start)
+        found = opened.diagnostics
+        if opened.value is None:
+            return Result(None, found)
+        proved = prove_against(SourceFile(f"{name}.pmc", controller_text), opened.value)
+        return Result(proved.value, (*found, *proved.diagnostics))
+    except Exception as error:
+        return Result(None, (*found, failure(error, SourceFile(name, text or ""))))
 
 
 def format(text: str) -> str:  # noqa: A001  (the word that people look for)
@@ -235,7 +252,7 @@ def format(text: str) -> str:  # noqa: A001  (the word that people look for)
     from yarclang.source import SourceFile
     from yarclang.syntax.form import usual_form
 
-    made = usual_form(SourceFile("<text>", text))
+    made = usual_form(SourceFile("<text>", text.removeprefix(_MARK)))
     if made.value is None:
         first = made.diagnostics[0]
         raise ValueError(f"line {first.span.line if first.span else 1}: {first.message}")
@@ -249,7 +266,7 @@ def _asked(
     from yarclang.source import SourceFile
 
     stands = None if start is None else tuple(map(float, start))
-    return SourceFile(name, text), Options(robot=robot, start=stands)
+    return SourceFile(name, text.removeprefix(_MARK)), Options(robot=robot, start=stands)
 
 
 def _opened(

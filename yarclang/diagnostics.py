@@ -115,6 +115,10 @@ def _first(found: list[Diagnostic], at_least: bool) -> Diagnostic:
     return replace(first, message=f"{first.message} (at {first.place}{again})")
 
 
+_LONGEST_NAME = 200
+"""Characters; nobody means a name by a longer word."""
+
+
 def suggest(word: str, known: Iterable[str]) -> str:
     """`did you mean X?` for a mistyped word, or nothing where no known one is near."""
     return _suggestion(word.upper(), tuple(known))
@@ -129,6 +133,8 @@ def _suggestion(word: str, known: tuple[str, ...]) -> str:
     from difflib import get_close_matches
 
     by_upper = {name.upper(): name for name in known}
+    if len(word) > _LONGEST_NAME:
+        return ""
     likely = [name for name in by_upper if _may_be_near(word, name)]
     near = get_close_matches(word, likely, n=5, cutoff=_NEAR)
     # of equally near names, the one with the same letters in another order was meant

@@ -14,8 +14,8 @@ Listener = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and how much there is (0: unknown)."""
 
 
-class GivenUp(Exception):  # noqa: N818 - ends work that nobody waits for
-    """The work was given up."""
+class GivenUp(BaseException):
+    """The work was given up. It is no failure, so nothing that catches these must catch it."""
 
 
 def unless(is_over: Callable[[], bool]) -> Listener:

@@ -44,3 +44,22 @@ def test_an_old_program_says_the_same_in_todays_names(end):
     assert made.text.count(end) == text.count(end)
     assert "MOVJ" not in made.text
     assert len(made.applied) == 9
+
+
+def test_foreign_characters_are_written_plainly_whatever_else_is_wrong():
+    text = "P0010\u00a0MOVEJ 200 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ \u22125 0 0 0 0 [\uff15] (deg,s)\n\u200bP0030 MOVEJ 1 2 3 ä\nP0040 STOP ! \u00a0\n"
+    made = fixed(look(SourceFile("a.yarc", text)), look, lambda one: True)
+    assert made.text == (
+        "P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ -5 0 0 0 0 [5] (deg,s)\n\u200bP0030 MOVEJ 1 2 3 ä\nP0040 STOP ! \u00a0\n"
+    )
+    assert errors(made.checked) == ["Y0118", "Y0401", "Y0502"]
+    assert len(made.applied) == 2
+
+
+def test_a_foreign_character_whose_substitute_cannot_be_read_stays():
+    for text in (
+        "P0010 STOP ! now\u2028P0020 MOVEJ HOME [5] (s)\n",
+        "P0010 MOVEJ \u201cHOME [5]\n",
+    ):
+        made = fixed(look(SourceFile("a.yarc", text)), look, lambda one: True)
+        assert (made.text, made.applied) == (text, ())

@@ -123,6 +123,12 @@ def test_a_line_is_one_finding_and_one_fix():
     assert one_finding("P0010\u00a0MOVEJ ä").fix is None
 
 
+def test_a_line_end_of_some_editors_is_one_if_a_statement_follows():
+    for character in BREAKS:
+        text = f"P0010 MOVEJ{character}HOME [5] (s)  {character}P0020 STOP{character}let A = 3\n"
+        assert fixed(text) == "P0010 MOVEJ HOME [5] (s)  \nP0020 STOP\nlet A = 3\n"
+
+
 def test_a_list_of_way_points_is_one_statement():
     text = "P1 MOVEJ_SPLINE 1\u00a02; ! \u2212\n\u00a0\n 3\u22124 [5]\n"
     assert fixed(text) == "P1 MOVEJ_SPLINE 1 2; ! \u2212\n \n 3-4 [5]\n"

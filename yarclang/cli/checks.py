@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from yarclang.cli.door import failure_of
 from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.outputs import STANDARD
 
@@ -57,23 +58,46 @@ def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
     if len(files) < _MANY or workers < 2:
         yield from (check_one(path, task) for path in files)
         return
+    import signal
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     size = max(1, min(8, len(files) // (4 * workers)))
+    # not forked: a library that has threads already may wait for them for ever
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_end_in_silence)
+    # Ctrl-C is for this process; the others, which are begun here, don't hear it while they import
+    heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        # not forked: a library that has threads already may wait for them for ever
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            yield from pool.map(check_one, files, [task] * len(files), chunksize=size)
+        results = pool.map(check_one, files, [task] * len(files), chunksize=size)
+    finally:
+        signal.signal(signal.SIGINT, heard)
+    try:
+        yield from results
     except BrokenProcessPool:
         raise click.ClickException(
             "a process that checked files was killed; is there enough memory? Check fewer files at once"
         ) from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _end_in_silence() -> None:
+    """Let Ctrl-C end a process at once, without a traceback."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def check_one(path: str, task: Task) -> Done:
-    """Check one file, and fix it if that is wanted."""
+    """Check one file, and fix it if that is wanted. An exception is a finding."""
+    try:
+        return _checked(path, task)
+    except Exception as error:  # a bug of ours: other files are checked all the same
+        return Done(path, (failure_of(error, path),))
+
+
+def _checked(path: str, task: Task) -> Done:
     seldom_look_for_garbage()  # in each process that has a share of the files
     from yarclang.pipeline.checking import Checked, check_file, check_text
     from yarclang.pipeline.fixing import fixed, is_repair

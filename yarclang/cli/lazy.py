@@ -9,8 +9,10 @@ from typing import Any
 
 import click
 
+from yarclang.cli.door import Door
 
-class LazyGroup(click.Group):
+
+class LazyGroup(Door, click.Group):
     """A group whose commands are modules of `yarclang.cli.commands` with an object `command`.
 
     `commands_by_name` has each command's summary; `prefix` stands in front of a command's module name.

@@ -11,8 +11,8 @@ from types import TracebackType
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.files import replace_file
 from yarclang.pipeline.inputs import Options
-from yarclang.pipeline.writing import replace_file
 from yarclang.progress import told_to
 
 _SILENT = 1.0

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang import __version__
+from yarclang.cli.door import Door, failure_of, is_failure
 from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
 from yarclang.cli.outputs import beside, refuse_collisions
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
+    from yarclang.pipeline.inputs import Options
     from yarclang.pipeline.stages import Compiled
 
 
-@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.command(cls=Door, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="yarcc %(version)s")
 @file_argument("files", nargs=-1, metavar="FILE...")
 @click.option(
@@ -61,7 +63,6 @@ def main(
         results.append((str(certificate), "the certificate"))
     refuse_collisions(files, results)
     from yarclang.cli.work import Progress, options_from
-    from yarclang.pipeline.checking import check_program_file
 
     failed = False
     reports: list[dict[str, Any]] = []
@@ -69,13 +70,13 @@ def main(
         options = options_from(planning)
         for file in files:
             destination = destinations[file]
-            checked = check_program_file(file, options)
-            compiled, diagnostics = checked.compiled, checked.diagnostics
+            try:
+                compiled, diagnostics = _compiled(file, options, destination, certificate, strict)
+            except Exception as error:
+                if not is_failure(error):
+                    raise
+                compiled, diagnostics = None, (failure_of(error, file),)
             progress.pause()
-            if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
-                compiled = None
-            if compiled is not None:
-                diagnostics += _write(compiled, destination, certificate)
             written = compiled is not None and not any(one.is_error for one in diagnostics)
             failed |= not written
             if format_ == "json":
@@ -105,6 +106,21 @@ def _check_usage(
         raise click.UsageError(
             "--certificate takes a file; --format json writes the certificate to standard output"
         )
+
+
+def _compiled(
+    file: str, options: Options, destination: str, certificate: Path | None, strict: bool
+) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
+    """What comes of a file, which is written then; None where nothing was to be written."""
+    from yarclang.pipeline.checking import check_program_file
+
+    checked = check_program_file(file, options)
+    compiled, diagnostics = checked.compiled, checked.diagnostics
+    if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
+        compiled = None
+    if compiled is not None:
+        diagnostics += _write(compiled, destination, certificate)
+    return compiled, diagnostics
 
 
 def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tuple[Diagnostic, ...]:

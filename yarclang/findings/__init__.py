@@ -33,6 +33,9 @@ FAMILIES = {
 SYNTAX = "Y01"
 """How the codes of syntax errors begin."""
 
+YARCLANG = "Y20"
+"""How the codes of what is no fault of the user begin."""
+
 
 def _catalogue() -> dict[str, Finding]:
     names = sorted(module.name for module in iter_modules(__path__) if module.name.startswith("y"))
@@ -48,4 +51,4 @@ def _catalogue() -> dict[str, Finding]:
 CATALOGUE = _catalogue()
 """Every finding by its code."""
 
-__all__ = ["CATALOGUE", "FAMILIES", "SYNTAX", "Finding", "Severity"]
+__all__ = ["CATALOGUE", "FAMILIES", "SYNTAX", "YARCLANG", "Finding", "Severity"]

@@ -53,14 +53,15 @@ FINDINGS = (
         "line-too-long",
         "error",
         "a line is longer than any program line",
-        "Lines of more than 100,000 characters are no program: most likely a data file was given instead.",
+        "Lines of more than 100,000 characters, and texts of more than 20,000,000, are no program: most likely a data file was given instead.",
     ),
     Finding(
         "Y0107",
         "file-not-accessible",
         "error",
         "the file can't be read or written",
-        "The operating system refused the file; its reason stands in the message.",
+        "The operating system refused the file; its reason stands in the message. Folders, devices, pipes by their names and files of more than "
+        "20,000,000 bytes aren't read: a program is a file, or comes from standard input.",
     ),
     Finding(
         "Y0108",

@@ -19,4 +19,12 @@ FINDINGS = (
         "Before a program is written in its usual form, the new text is read again: it must have the same words and numbers, the same comments in the "
         "same places, and must itself be in form. If it hasn't, the formatter is wrong, and the file stays as it is. Please report it.",
     ),
+    Finding(
+        "Y2003",
+        "out-of-memory",
+        "error",
+        "the memory was not enough",
+        "The operating system gave no more memory while a program was checked. Nothing is written for this program, and other files are checked all "
+        "the same.",
+    ),
 )

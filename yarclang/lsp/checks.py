@@ -12,6 +12,7 @@ from yarclang.findings import SYNTAX
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.cells import check_cell
 from yarclang.pipeline.checking import Checked
+from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.incremental import Analysis, Analyst
 from yarclang.pipeline.inputs import Options, robot_for
 from yarclang.pipeline.project import FILE_NAME, read_project
@@ -48,12 +49,15 @@ class Checks:
         Returns:
             None where there is nothing to say: the work was given up; or a description is to be checked, which is done once.
         """
-        if document.is_program:
-            found = self._look(
-                document.source, document.folder, quick=not plans, begun=begun, is_stale=is_stale
-            )
-            return found.checked if found is not None else None
-        return self._described(document) if plans else None
+        try:
+            if document.is_program:
+                found = self._look(
+                    document.source, document.folder, quick=not plans, begun=begun, is_stale=is_stale
+                )
+                return found.checked if found is not None else None
+            return self._described(document) if plans else None
+        except Exception as error:  # a bug of ours: it is shown in the text, and the next edit is looked at
+            return Checked((failure(error, document.source),), document.source)
 
     def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
         """The syntax errors of a long program, which are there long before its names are looked up; None of other texts."""

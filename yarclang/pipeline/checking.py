@@ -18,6 +18,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import SUFFIX, check_description
 from yarclang.pipeline.controller_text import COMPILED, check_controller_text
 from yarclang.pipeline.followers import without_followers
+from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
@@ -74,9 +75,15 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
         plans: whether motions are planned and proved; without, only what needs no planning is found.
     """
     if path.lower().endswith(SUFFIX):
-        return Checked(in_order(check_description(path, options.robot)))
+        try:
+            return Checked(in_order(check_description(path, options.robot)))
+        except Exception as error:  # a bug of ours: other files are checked all the same
+            return Checked((failure(error, SourceFile(path, "")),))
     if path.lower().endswith(COMPILED):
-        return Checked(in_order(check_controller_text(path, options)))
+        try:
+            return Checked(in_order(check_controller_text(path, options)))
+        except Exception as error:  # a bug of ours
+            return Checked((failure(error, SourceFile(path, "")),))
     return check_program_file(path, options, plans=plans)
 
 
@@ -90,13 +97,14 @@ def check_program_file(path: str, options: Options, *, plans: bool = True) -> Ch
 
 
 def check_text(source: SourceFile, folder: Path, options: Options, *, plans: bool = True) -> Checked:
-    """Check the text of a program that belongs to a folder; else as `check_file`."""
-    opened = open_source(source, folder, options)
-    project = find_project(folder, options.texts).value or Project(folder)
-    if opened.value is None:
-        return Checked(settled(opened.diagnostics, source, project), source)
-    begun = _begun(opened.value, opened.diagnostics, project)
-    return _planned(begun) if plans else _unplanned(begun)
+    """Check the text of a program that belongs to a folder; else as `check_file`. An exception in a stage is a finding."""
+    try:
+        begun = _opened(source, folder, options)
+        if isinstance(begun, Checked):
+            return begun
+        return _planned_if_possible(begun) if plans else _unplanned(begun)
+    except Exception as error:  # a bug of ours
+        return Checked((failure(error, source),), source)
 
 
 def check_further(checked: Checked) -> Checked:
@@ -110,7 +118,26 @@ def check_further(checked: Checked) -> Checked:
         assert begun.program.value is not None  # a check always gives a program
         is_whole = not begun.program.value.is_cut
         begun = replace(begun, opened=opened) if is_whole else _begun(opened, begun.found, begun.project)
-    return _planned(begun)
+    return _planned_if_possible(begun)
+
+
+def _planned_if_possible(begun: Begun) -> Checked:
+    """What all stages make; if one of them fails, what was found without them, and the failure."""
+    try:
+        return _planned(begun)
+    except Exception as error:  # a bug of ours
+        checked = _unplanned(begun)
+        found = in_order((*checked.diagnostics, failure(error, begun.source)))
+        return replace(checked, diagnostics=found, begun=None)
+
+
+def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
+    """The program as far as it is checked before its motions are planned; what was found if it can't be opened."""
+    opened = open_source(source, folder, options)
+    project = find_project(folder, options.texts).value or Project(folder)
+    if opened.value is None:
+        return Checked(settled(opened.diagnostics, source, project), source)
+    return _begun(opened.value, opened.diagnostics, project)
 
 
 def _begun(opened: Opened, found: tuple[Diagnostic, ...], project: Project) -> Begun:

@@ -20,6 +20,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.inputs import Opened, Options, open_program, tolerance_of
 from yarclang.pipeline.origins import start_values
+from yarclang.pipeline.sources import LARGEST_DATA, name_of, read_content
 from yarclang.pipeline.stages import check_program, claims_of, plan_checked, plan_module
 from yarclang.pmac.header import Header
 from yarclang.pmac.seal import is_sealed
@@ -65,13 +66,10 @@ class JudgedText:
 
 def read_controller_text(path: str) -> Result[SourceFile]:
     """Read a file's bytes, each as one character: nothing is decoded, so that the judge sees what is there."""
-    try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        help_ = "check the path and its rights"
-        return Result(None, (Diagnostic("Y0107", f"{path} can't be read: {reason}", help=help_),))
-    return Result(SourceFile(path, content.decode("latin-1")))
+    content = read_content(path, LARGEST_DATA)
+    if content.value is None:
+        return Result(None, content.diagnostics)
+    return Result(SourceFile(name_of(path), content.value.decode("latin-1")))
 
 
 def judge_text(

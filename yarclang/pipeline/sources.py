@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.files import read_stream, read_whole
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.characters import NOT_TEXT, character_name
 
 STANDARD_INPUT = "-"
 
+LARGEST_PROGRAM = 20_000_000
+"""Bytes; a larger file is no program but something gone wrong."""
+
+LARGEST_DATA = 400_000_000
+"""Bytes of what programs write: controller texts of hours, recordings."""
+
 NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain one can be sent to another process
 """No file is open anywhere: what is saved counts."""
 
+_REMEDIES = {
+    errno.EFBIG: "if this is no program, check which file was given",
+    errno.EINVAL: "give a file, or - and the text on standard input",
+}
 _PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
 _OTHER_MARKS = (
     (codecs.BOM_UTF32_LE, "UTF-32"),  # before UTF-16, whose mark it begins with
@@ -25,12 +37,16 @@ _OTHER_MARKS = (
 )
 
 
-def read_source(path: str) -> Result[SourceFile]:
+def read_source(path: str, most: int = LARGEST_PROGRAM) -> Result[SourceFile]:
     """Read a program from a file, or from standard input (`-`).
 
     A byte order mark is taken away; what isn't UTF-8 text is one finding at the first byte that isn't.
+
+    Args:
+        path: the file's path, or `-`.
+        most: the largest number of bytes that is read.
     """
-    content = read_content(path)
+    content = read_content(path, most)
     if content.value is None:
         return Result(None, content.diagnostics)
     return decode_source(name_of(path), content.value)
@@ -41,15 +57,19 @@ def name_of(path: str) -> str:
     return "<stdin>" if path == STANDARD_INPUT else path
 
 
-def read_content(path: str) -> Result[bytes]:
-    """Read the bytes of a file, or of standard input (`-`)."""
+def read_content(path: str, most: int = LARGEST_PROGRAM) -> Result[bytes]:
+    """Read the bytes of a file, or of standard input (`-`): `most` at most."""
     if path == STANDARD_INPUT and sys.stdin is None:
         return Result(None, (Diagnostic("Y0107", "standard input is closed", help="give a file's name"),))
     try:
-        content = sys.stdin.buffer.read() if path == STANDARD_INPUT else Path(path).read_bytes()
+        if path == STANDARD_INPUT:
+            content = read_stream(sys.stdin.buffer, most)
+        else:
+            content = read_whole(Path(path), most)
     except OSError as error:
-        message = f"{name_of(path)} can't be read: {(error.strerror or str(error)).lower()}"
-        return Result(None, (Diagnostic("Y0107", message, help="check the path and its rights"),))
+        reason = (error.strerror or str(error)).lower()
+        help_ = _REMEDIES.get(error.errno or 0, "check the path and its rights")
+        return Result(None, (Diagnostic("Y0107", f"{name_of(path)} can't be read: {reason}", help=help_),))
     return Result(content)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from yarclang.pipeline.writing import replace_file
+from yarclang.files import replace_file
 from yarclang.runtime.actions import Trouble
 
 

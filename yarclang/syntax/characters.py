@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from yarclang.syntax.faults import Fault
 from yarclang.syntax.leaves import Place
-from yarclang.syntax.lines import code_of, texts_of
+from yarclang.syntax.lines import code_of, opens_statement, texts_of
 
 _PLAIN = re.compile(r"[\t\n -~]*+")
 _FOREIGN = re.compile(r"[^\t\n -~]")
@@ -177,6 +177,13 @@ def _help(found: _Found) -> str:
     return "code has the letters A to Z, digits, and the signs of ASCII; other characters stand in comments and in texts"
 
 
+def _put(row: str, at: int) -> str:
+    """What to write instead of a character of a line. A line's end that only some editors know is one if a statement follows."""
+    if row[at] in _BREAKS and opens_statement(row[at + 1 :]):
+        return "\n"
+    return instead_of(row[at]) or ""
+
+
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
     """The title of a fix and what it puts where, one piece a line; nothing if one of the characters has no safe substitute."""
     pieces: dict[int, list[_Found]] = {}
@@ -192,7 +199,7 @@ def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, 
         foreign = {one.column - 1 for one in here}
         begin, end = min(foreign), max(foreign) + 1
         put = "".join(
-            (instead_of(character) or "") if at in foreign else character
+            _put(rows[number], at) if at in foreign else character
             for at, character in enumerate(rows[number][begin:end], begin)
         )
         edits.append((Place(number, begin + 1, end + 1), put))

@@ -10,6 +10,7 @@ from itertools import zip_longest
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.internal_errors import internal_error
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Computed, ComputedPercent, FrameName, Module, Number
 from yarclang.syntax.lines import code_of, texts_of
@@ -35,12 +36,14 @@ def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> R
     parsed = parse(source)
     if parsed.value is None or parsed.diagnostics:
         return Result(None, parsed.diagnostics)
-    module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
-    text = print_module(module)
-    if text != source.text:
+    try:
+        module = parsed.value if renumber is None else renumbered(parsed.value, *renumber)
+        text = print_module(module)
         difference = _difference(parsed.value, module, SourceFile(source.name, text))
-        if difference is not None:
-            return Result(None, (_unproved(source, *difference),))
+    except Exception as error:  # a bug of ours: the program stays as it is
+        return Result(None, (internal_error(error, source),))
+    if difference is not None:
+        return Result(None, (_unproved(source, *difference),))
     if source.text.count("\r\n") > source.text.count("\n") / 2:  # a file keeps its kind of line ends
         text = text.replace("\n", "\r\n")
     return Result(text)
@@ -76,6 +79,8 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
     Returns:
         None if there is no such line; else the number of the line, and what is wrong with its form.
     """
+    if after.text == original.source.text:
+        return None
     keeps_indices = meant is original
     before_rows, after_rows = (list(_rows(one, keeps_indices)) for one in (original.source, after))
     for row, other in zip(before_rows, after_rows, strict=False):

@@ -5,8 +5,12 @@ from __future__ import annotations
 import re
 
 from yarclang.syntax.leaves import Place
+from yarclang.syntax.words import DECLARATIONS
 
 _CODE = re.compile(r'(?:[^!"]++|"[^"]*+"?+)*+')
+_OPENS_STATEMENT = re.compile(
+    rf"\s*(?:[Pp][0-9]+|{'|'.join(sorted(DECLARATIONS))})(?![^\s;\[\](){{}}!,\"])", re.I
+)
 _TEXT = re.compile(r'"[^"]*"?')
 
 
@@ -24,6 +28,11 @@ def code_of(line: str) -> str:
 def texts_of(code: str) -> list[re.Match[str]]:
     """Return the texts in quotes of a line without its comment. One that isn't closed runs to the end."""
     return list(_TEXT.finditer(code))
+
+
+def opens_statement(code: str) -> bool:
+    """Return True if a line begins with an index or with the word of a declaration: it never goes on with the one before."""
+    return _OPENS_STATEMENT.match(code) is not None
 
 
 def end_of(text: str) -> Place:

@@ -6,12 +6,12 @@ fault costs one finding and nothing else, and an unchanged statement is parsed o
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from functools import cache, lru_cache
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix, Result
+from yarclang.internal_errors import internal_error
 from yarclang.progress import tell
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module, Place, Statement
@@ -19,10 +19,9 @@ from yarclang.syntax.build import statement
 from yarclang.syntax.characters import fault_in
 from yarclang.syntax.explain import unexpected, unexpected_character
 from yarclang.syntax.faults import Fault, FaultError
-from yarclang.syntax.lines import code_of
+from yarclang.syntax.lines import code_of, opens_statement
 from yarclang.syntax.nodes import Nodes
 from yarclang.syntax.plain import GRAMMAR, plain_statement
-from yarclang.syntax.words import DECLARATIONS
 
 LONGEST_LINE = 100_000
 """Characters; a longer line is no program line but a file gone wrong."""
@@ -30,9 +29,8 @@ LONGEST_LINE = 100_000
 _EVERY = 16
 """Statements between two reports: one that can't be read takes a millisecond."""
 
-_OPENS_STATEMENT = re.compile(
-    rf"\s*(?:[Pp][0-9]+|{'|'.join(sorted(DECLARATIONS))})(?![^\s;\[\](){{}}!,\"])", re.I
-)
+LONGEST_TEXT = 20_000_000
+"""Characters; a longer text isn't read at all."""
 
 
 def parse(source: SourceFile) -> Result[Module]:
@@ -42,6 +40,8 @@ def parse(source: SourceFile) -> Result[Module]:
         The tree of all statements that could be read, and a finding for each that couldn't.
         The value is never None.
     """
+    if len(source.text) > LONGEST_TEXT:
+        return Result(Module(source, (), (), ()), (_too_long_text(source),))
     statements: list[Statement] = []
     diagnostics: list[Diagnostic] = []
     unreadable: list[int] = []
@@ -53,7 +53,12 @@ def parse(source: SourceFile) -> Result[Module]:
             diagnostics.append(_too_long(source, line, text))
             unreadable.append(line)
             continue
-        parsed = _placed(text, line)
+        try:
+            parsed = _placed(text, line)
+        except Exception as error:  # a bug of ours: the other lines are read all the same
+            diagnostics.append(internal_error(error, source, Span.on_line(line, 1, 2)))
+            unreadable.append(line)
+            continue
         if isinstance(parsed, Statement):
             statements.append(parsed)
         elif parsed is None:
@@ -112,7 +117,7 @@ def _end_of_list(lines: tuple[str, ...], at: int) -> int:
         if not code.strip():
             ahead += 1
             continue
-        if _OPENS_STATEMENT.match(code) or code == "?":
+        if opens_statement(code) or code == "?":
             return end
         end = ahead = ahead + 1
         if not code.rstrip().endswith(";"):
@@ -128,6 +133,12 @@ def _too_long(source: SourceFile, line: int, text: str) -> Diagnostic:
         Span.on_line(line, 1, 2),
         "break a way-point list after a semicolon; if this is no program, check which file was given",
     )
+
+
+def _too_long_text(source: SourceFile) -> Diagnostic:
+    message = f"this text has {len(source.text):,} characters; the longest that is read has {LONGEST_TEXT:,}"
+    help_ = "divide the program, or check which file was given"
+    return Diagnostic("Y0106", message, source, Span.on_line(1, 1, 2), help_)
 
 
 @lru_cache(maxsize=1 << 17)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.files import read_whole
 from yarclang.source import SourceFile, Span
 
 _LARGEST_FILE = 20_000_000
@@ -18,12 +19,9 @@ def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
     try:
         if path.is_dir():
             return Diagnostic("Y1302", f"{name} is a folder, not a file.", help=remedy)
-        if path.stat().st_size > _LARGEST_FILE:
-            message = f"{name} has {path.stat().st_size:,} bytes, more than {_LARGEST_FILE:,}."
-            return Diagnostic("Y1302", message, help=remedy)
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        content = read_whole(path, _LARGEST_FILE)
+    except OSError as error:
+        reason = error.strerror or str(error)
         return Diagnostic("Y1302", f"{str(path)[-200:]!r} can't be read: {reason}.", help=remedy)
     try:
         return SourceFile(str(path), content.decode("utf-8-sig"))

@@ -8,7 +8,7 @@ from pathlib import Path
 from yarclang.diagnostics import Result
 from yarclang.pipeline.checking import check_text, told
 from yarclang.pipeline.inputs import Options, open_source
-from yarclang.pipeline.sources import STANDARD_INPUT, read_source
+from yarclang.pipeline.sources import LARGEST_DATA, STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import shown_plan
 from yarclang.report.runs.kind import is_log
 from yarclang.robot.model import Robot
@@ -34,7 +34,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
         from yarclang.view.of_run import stage_of_run
 
         return stage_of_run(file, options.robot)
-    read = read_source(file)
+    read = read_source(file, LARGEST_DATA)
     if read.value is None:
         return Result(None, read.diagnostics)
     folder = Path.cwd() if file == STANDARD_INPUT else Path(file).parent

@@ -129,9 +129,9 @@ def command(
 def _convert(file: str, robot: str | None, wishes: Wishes) -> tuple[str | None, tuple[Diagnostic, ...]]:
     from yarclang.convert.convert import convert
     from yarclang.pipeline.inputs import robot_for
-    from yarclang.pipeline.sources import read_source
+    from yarclang.pipeline.sources import LARGEST_DATA, read_source
 
-    read = read_source(file)
+    read = read_source(file, LARGEST_DATA)
     if read.value is None:
         return None, read.diagnostics
     found = robot_for(Path.cwd() if file == STANDARD else Path(file).parent, robot)

@@ -137,6 +137,7 @@ def _show(
 ) -> None:
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import grouped
+    from yarclang.findings import YARCLANG
     from yarclang.pipeline.places import labels_of
     from yarclang.report.finding import count_text, finding_json
     from yarclang.report.inspection.inspected import inspect_step
@@ -160,7 +161,8 @@ def _show(
         }
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
         return
-    show_findings(inspected.findings)
+    ours = [one for one in others if one.code.startswith(YARCLANG)]
+    show_findings((*inspected.findings, *ours))
     if elsewhere := count_text(others):
         click.echo(f"elsewhere: {elsewhere}; `yarc check` shows them", err=True)
     if len(numbers) > 1:

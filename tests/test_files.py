@@ -3,6 +3,7 @@
 import os
 import resource
 import signal
+import socket
 import stat
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from yarclang.pipeline.writing import replace_file
+from yarclang.files import read_whole, replace_file
 
 
 def mode(path):
@@ -104,7 +105,7 @@ def test_nothing_is_lost_when_the_rename_fails(tmp_path, monkeypatch):
 WRITER = """
 import sys
 from pathlib import Path
-from yarclang.pipeline.writing import replace_file
+from yarclang.files import replace_file
 path, size = Path(sys.argv[1]), 300_000
 for number in range(100_000):
     replace_file(path, (b"x" if number % 2 else b"y") * size)
@@ -124,3 +125,64 @@ def test_a_kill_at_any_time_leaves_one_whole_version(tmp_path, delay):
         writer.wait()
     content = path.read_bytes()
     assert content in (b"x" * 300_000, b"y" * 300_000)
+
+
+# reading
+
+
+def refused(path, most=1000):
+    try:
+        read_whole(path, most)
+    except OSError as error:
+        return error.strerror
+    return None
+
+
+def test_a_file_is_read(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(b"x" * 1000)
+    assert read_whole(path, 1000) == b"x" * 1000
+    assert refused(path, 999) == "it has 1,000 bytes; at most 999 are read"
+
+
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with socket.socket(socket.AF_UNIX) as one:
+        one.bind(str(tmp_path / "s"))
+        assert refused(tmp_path / "s") == "it is a socket, not a file"
+    assert refused(tmp_path) == "it is a folder, not a file"
+    assert refused(tmp_path / "pipe") == "it is a pipe, not a file"
+    for device in ("/dev/zero", "/dev/null", "/dev/full"):
+        assert refused(Path(device)) == "it is a device, not a file"
+    assert refused(Path("a\0b")) == "embedded null byte"
+    assert refused(tmp_path / "nothing") == "No such file or directory"
+
+
+def test_a_file_that_grows_without_end_is_given_up(tmp_path):
+    """Files of /proc have no size that could be asked for."""
+    assert "more than 10 bytes" in refused(Path("/proc/self/environ"), 10)
+
+
+def test_a_huge_file_is_refused_by_its_size(tmp_path):
+    path = tmp_path / "huge"
+    with path.open("wb") as file:
+        file.truncate(50_000_000_000)
+    assert refused(path) == "it has 50,000,000,000 bytes; at most 1,000 are read"
+
+
+SHELL = f"exec {sys.executable} -c 'import sys; from pathlib import Path; from yarclang.files import read_whole; print(read_whole(Path(sys.argv[1]), 1000))'"
+
+
+@pytest.mark.parametrize(
+    "argument", ["<(echo hello)", "/dev/stdin < <(echo hello)", "/dev/fd/7 7< <(echo hello)"]
+)
+def test_what_a_shell_gives_open_is_read(argument):
+    done = subprocess.run(["bash", "-c", f"{SHELL} {argument}"], capture_output=True, text=True, check=True)
+    assert done.stdout == "b'hello\\n'\n"
+
+
+def test_a_stream_without_end_is_given_up():
+    done = subprocess.run(
+        ["bash", "-c", f"{SHELL} /dev/stdin < /dev/zero"], capture_output=True, text=True, check=False
+    )
+    assert "more than 1,000 bytes" in done.stderr

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files as the operating system has them: read in bounded time and memory, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -8,9 +8,54 @@ import stat
 import tempfile
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 _LONGEST_PREFIX = 40
 """Characters of a file's name in that of the temporary one: both together must not be too long."""
+
+
+_OPEN_ALREADY = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
+"""What is open under these names was given to this process: a pipe there has somebody who writes."""
+
+_KINDS = {
+    stat.S_IFDIR: "it is a folder, not a file",
+    stat.S_IFIFO: "it is a pipe, not a file",
+    stat.S_IFCHR: "it is a device, not a file",
+    stat.S_IFBLK: "it is a device, not a file",
+    stat.S_IFSOCK: "it is a socket, not a file",
+}
+
+
+def read_whole(path: Path, most: int) -> bytes:
+    """Read a file that has at most `most` bytes.
+
+    Raises:
+        OSError: the file can't be read, is larger, or isn't a file: a pipe or a device may have no end. What this process was given open, as
+            by a shell's `<(...)`, is read all the same. `strerror` says why.
+    """
+    try:
+        found = path.stat()
+    except ValueError as error:  # a NUL in the name
+        raise OSError(errno.EINVAL, str(error), str(path)) from None
+    kind = stat.S_IFMT(found.st_mode)
+    if kind in _KINDS and (kind == stat.S_IFDIR or not str(path).startswith(_OPEN_ALREADY)):
+        raise OSError(errno.EINVAL, _KINDS[kind], str(path))
+    if found.st_size > most:
+        raise OSError(errno.EFBIG, f"it has {found.st_size:,} bytes; at most {most:,} are read", str(path))
+    with path.open("rb") as file:
+        return read_stream(file, most)
+
+
+def read_stream(file: BinaryIO, most: int) -> bytes:
+    """Read the rest of an open file, of at most `most` bytes.
+
+    Raises:
+        OSError: it can't be read, or has more.
+    """
+    content = file.read(most + 1)
+    if len(content) > most:
+        raise OSError(errno.EFBIG, f"it has more than {most:,} bytes, and no more are read")
+    return content
 
 
 def replace_file(path: Path, data: bytes) -> None:

@@ -1,0 +1,56 @@
+"""What all commands have in common: no exception is shown as a traceback, and any text can be written."""
+
+from __future__ import annotations
+
+import errno
+import io
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
+
+
+class Door(click.Command):
+    """A command whose bugs are findings with a report, and whose exit status is then 1."""
+
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Run the command; what the terminal's encoding doesn't have, such as names of files that are no text, is written in ASCII."""
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
+        return super().main(*args, **extra)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Carry the command out."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            if not is_failure(error):
+                raise
+            from yarclang.cli.show import show_findings
+
+            show_findings((failure_of(error),))
+            raise SystemExit(1) from None
+
+
+def is_failure(error: Exception) -> bool:
+    """Return True for a bug of ours; False for what click makes of wrong usage, of an end, or of a pipe that nobody reads."""
+    if isinstance(error, click.ClickException | click.exceptions.Exit | click.Abort):
+        return False
+    return not (isinstance(error, OSError) and error.errno == errno.EPIPE)
+
+
+def failure_of(error: Exception, file: str | None = None) -> Diagnostic:
+    """Make a finding of an exception, about a file if there is one."""
+    from yarclang.internal_errors import internal_error
+    from yarclang.source import SourceFile
+
+    source = None if file is None else SourceFile(file, "")
+    try:
+        from yarclang.pipeline.guarding import failure
+    except ImportError:  # it may be the very failure
+        return internal_error(error, source)
+    return failure(error, source)

@@ -1,0 +1,84 @@
+"""Exceptions that are no fault of the user, as findings with a report to copy."""
+
+from __future__ import annotations
+
+import platform
+import traceback
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import FrameType
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.source import SourceFile, Span
+
+_FRAMES = 6
+"""The innermost calls that a report has."""
+
+_LONGEST = 200
+"""Characters of a line, and of an exception's text, in a report."""
+
+_PACKAGE = Path(__file__).parent
+
+
+def internal_error(
+    error: BaseException, source: SourceFile | None = None, span: Span | None = None
+) -> Diagnostic:
+    """Make a finding of an exception.
+
+    Args:
+        error: the exception, as it was caught.
+        source: the file that was looked at, if there is one.
+        span: the place in the file, if it is known.
+    """
+    if isinstance(error, MemoryError):
+        help_ = "divide the program, or give the computer more memory"
+        return Diagnostic("Y2003", "the memory was not enough for this program", source, span, help_)
+    name = type(error).__name__
+    message = f"internal error: {name}{': ' * bool(str(error))}{_short(str(error))}"
+    return Diagnostic("Y2001", message, source, span, _report(error, source, span))
+
+
+def _report(error: BaseException, source: SourceFile | None, span: Span | None) -> str:
+    """What a person who looks into the error wants to know. It has no names of folders."""
+    lines = [
+        "this is a bug of yarclang, not of the program: please report it with these lines",
+        f"yarclang {_version()}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
+        traceback.format_exception_only(type(error), error)[-1].strip()[:_LONGEST],
+    ]
+    calls = list(frames_of(error))
+    if len(calls) > _FRAMES:
+        lines.append(f"  ... {len(calls) - _FRAMES:,} more calls")
+    lines += [f"  {_file(frame)}:{line} in {frame.f_code.co_name}" for frame, line in calls[-_FRAMES:]]
+    if source is not None and span is not None:
+        lines.append(f"statement: {_short(source.line(span.line).strip())}")
+    return "\n    ".join(_plain(line) for line in lines)
+
+
+def _version() -> str:
+    try:
+        return version(_PACKAGE.name)
+    except PackageNotFoundError:  # it was never installed
+        return "of unknown version"
+
+
+def frames_of(error: BaseException) -> Iterator[tuple[FrameType, int]]:
+    """Yield the calls that were under way when an exception was raised, the outermost first, with their lines."""
+    yield from traceback.walk_tb(error.__traceback__)
+
+
+def _file(frame: FrameType) -> str:
+    """A module's file, from the package on."""
+    path = Path(frame.f_code.co_filename)
+    return str(path.relative_to(_PACKAGE.parent) if path.is_relative_to(_PACKAGE) else Path(*path.parts[-2:]))
+
+
+def _short(text: str) -> str:
+    """The first line of a text, which is not too long."""
+    first = text.partition("\n")[0]
+    return first if len(first) <= _LONGEST else first[: _LONGEST - 1] + "…"
+
+
+def _plain(text: str) -> str:
+    """A text that can be written anywhere."""
+    return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)

@@ -1,0 +1,47 @@
+"""Checks that never raise: an exception in a stage becomes a finding about the program, with its statement if that is known."""
+
+from __future__ import annotations
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.hir import Origin
+from yarclang.internal_errors import frames_of, internal_error
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Statement
+
+
+def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
+    """Make a finding of an exception that ended a stage.
+
+    Args:
+        error: the exception, as it was caught.
+        source: the program's file, if there is one.
+    """
+    found = _statement_of(error, source)
+    return internal_error(error, *(found or (source, None)))
+
+
+def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFile, Span] | None:
+    """The statement that was worked on: the innermost call that has one among its variables knows it."""
+    for frame, _ in reversed(list(frames_of(error))):
+        for value in list(frame.f_locals.values()):
+            origin = value if isinstance(value, Origin) else _origin_of(value)
+            if origin is not None:
+                return origin.source, origin.span
+            if isinstance(value, Statement) and source is not None and _is_in(value, source):
+                return source, value.whole_span
+    return None
+
+
+def _origin_of(value: object) -> Origin | None:
+    """Where a step of a program comes from; None of anything else."""
+    if type(value).__module__ != Origin.__module__:
+        return None
+    origin = getattr(value, "origin", None)
+    return origin if isinstance(origin, Origin) else None
+
+
+def _is_in(statement: Statement, source: SourceFile) -> bool:
+    """Return True if a statement is one of this file, and not one of a module's that stands in the same line there."""
+    name = statement.name
+    line = source.line(statement.line + name.place.row)
+    return line[name.place.start - 1 : name.place.end - 1] == name.text

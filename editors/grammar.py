@@ -20,6 +20,9 @@ SNIPPETS = VSCODE / "snippets" / "yarc.json"
 VIM = Path(__file__).parent / "neovim" / "syntax" / "yarc.vim"
 
 _BEFORE, _BEHIND = r"(?<![A-Za-z0-9_.$])", r"(?![A-Za-z0-9_.])"
+_NOT_IN_CODE = r"[^\t -~]|[#&':?@\\^`{|}~]"
+"""What is no part of any word or sign, but in comments and texts."""
+
 _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_])"
 
 
@@ -50,6 +53,7 @@ def grammar() -> dict[str, Any]:
         _rule("constant.language", rf"(?i){_BEFORE}{_any((*known.constants, 'MIN', 'V'))}{_BEHIND}"),
         _rule("constant.numeric", rf"(?<![A-Za-z0-9_.]){_NUMBER}"),
         _rule("keyword.operator", r"<>|<=|>=|\*\*|[-+*/%=<>]"),
+        _rule("invalid.illegal", rf"{_NOT_IN_CODE}|\$(?!\()"),
     ]
     first = [
         {"match": r"(?i)^\s*(P[0-9]+)(?![A-Za-z0-9_.])", "captures": {"1": _named("entity.name.label")}},
@@ -108,6 +112,7 @@ def vim_syntax() -> str:
         r"syntax match yarcIndex /\v^\s*P\d+>/",
         rf"syntax match yarcBlock /\v^\s*{_any_in_vim(known.blocks)}{behind}/",
         rf"syntax match yarcDeclaration /\v^\s*{_any_in_vim(known.declarations)}{behind}/",
+        r"syntax match yarcForeign /[^\t -~]/",
         r"""syntax match yarcFrame /{[^{}!"]*}/""",
         r"""syntax match yarcString /"[^"]*"\=/""",
         "syntax match yarcComment /!.*$/ contains=@Spell",
@@ -119,6 +124,7 @@ def vim_syntax() -> str:
                 "Comment": "Comment",
                 "Constant": "Constant",
                 "Declaration": "StorageClass",
+                "Foreign": "Error",
                 "Frame": "Identifier",
                 "Function": "Function",
                 "Index": "Label",

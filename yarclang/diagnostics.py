@@ -34,6 +34,10 @@ class Fix:
     """True if the text could not be read before the fix: errors of its meaning that appear afterwards were there, and nobody saw them."""
 
 
+_LONGEST_QUOTE, _SHOWN = 300, 60
+_TOO_LONG = re.compile(rf"\S{{{_LONGEST_QUOTE + 1},}}")
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding: a code of the catalogue, one sentence with its figures, and where.
@@ -51,6 +55,13 @@ class Diagnostic:
     """Of a finding in unrolled code: what led to the command, as `P0020(I=2)>P0010`."""
     level: Severity | None = None
     """Of a rule's finding, or one whose severity a project has set: that severity."""
+
+    def __post_init__(self) -> None:
+        """Keep sentences readable whatever they quote: of what is too long to be a word the beginning is enough."""
+        for name in ("message", "help"):
+            text = getattr(self, name)
+            if len(text) > _LONGEST_QUOTE:
+                object.__setattr__(self, name, _TOO_LONG.sub(lambda found: found[0][:_SHOWN] + "…", text))
 
     @property
     def severity(self) -> Severity:
@@ -132,9 +143,9 @@ _NEAR = 0.6
 def _suggestion(word: str, known: tuple[str, ...]) -> str:
     from difflib import get_close_matches
 
-    by_upper = {name.upper(): name for name in known}
     if len(word) > _LONGEST_NAME:
         return ""
+    by_upper = {name.upper(): name for name in known}
     likely = [name for name in by_upper if _may_be_near(word, name)]
     near = get_close_matches(word, likely, n=5, cutoff=_NEAR)
     # of equally near names, the one with the same letters in another order was meant

@@ -1,13 +1,14 @@
 """The extension for Visual Studio Code: its grammar colours as the Pygments lexer does, and it is built."""
 
 import json
+import random
 import runpy
 import subprocess
 import zipfile
 
 import pytest
 from conftest import EXAMPLES, HERE
-from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, String, Text
+from pygments.token import Comment, Error, Keyword, Name, Number, Operator, Punctuation, String, Text
 
 from yarclang.commands.registry import commands
 from yarclang.highlight.lexer import YarcLexer
@@ -16,6 +17,7 @@ VSCODE = HERE.parent / "editors" / "vscode"
 MADE = runpy.run_path(str(VSCODE.parent / "grammar.py"))
 PROGRAMS = sorted(EXAMPLES.glob("*.yarc"))
 SCOPES = {
+    Error: "invalid.illegal",
     Comment.Single: "comment.line.exclamation",
     Keyword: "keyword.control",
     Keyword.Constant: "constant.language",
@@ -56,23 +58,55 @@ def test_no_address_is_recorded():
     assert "registry" not in lock
 
 
-def test_both_lexers_say_the_same(vscode, tool):
+def compare(paths, vscode, tool):
+    """Both lexers say the same of some files, line by line."""
     run = subprocess.run(
-        [tool("node"), "test/tokens.js", *map(str, PROGRAMS)],
+        [tool("node"), "test/tokens.js", *map(str, paths)],
         cwd=vscode,
         capture_output=True,
         text=True,
         check=True,
     )
-    for path, lines in zip(PROGRAMS, json.loads(run.stdout), strict=True):
+    for path, lines in zip(paths, json.loads(run.stdout), strict=True):
         for number, (line, pieces) in enumerate(zip(path.read_text().split("\n"), lines, strict=True), 1):
             by_grammar = ["source"] * len(line)
             for start, end, scope in pieces:
                 by_grammar[start:end] = [scope] * (end - start)
             for start, kind, piece in YarcLexer().get_tokens_unprocessed(line):
                 if kind is not Text.Whitespace:
-                    found = {by_grammar[start + at] for at, one in enumerate(piece) if not one.isspace()}
-                    assert found == {SCOPES[kind]}, f"{path.name}:{number}: {piece}"
+                    found = {by_grammar[start + at] for at, one in enumerate(piece) if one not in " \t"}
+                    assert found == {SCOPES[kind]}, f"{path.name}:{number}: {piece!r} in {line!r}"
+
+
+def test_both_lexers_say_the_same(vscode, tool):
+    compare(PROGRAMS, vscode, tool)
+
+
+SIGNS = [
+    *"!\"{}[]()$;,%=<>*-+/#?'@\\^|~:&",
+    "{TCP}",
+    "{!",
+    '"a',
+    " 12 ",
+    " TCP ",
+    "$A ",
+    "$(",
+    " ",
+    "\u00a0",
+    "\u2003",
+    "\u2028",
+    "ä",
+    "\u2212",
+    "\x0b",
+]
+
+
+def test_both_lexers_part_broken_lines_alike(vscode, tool, tmp_path):
+    """What is a comment, a text, a frame or nothing at all doesn't depend on who looks."""
+    draw = random.Random(7)
+    lines = ["".join(draw.choices(SIGNS, k=draw.randint(1, 8))) for _ in range(3_000)]
+    (tmp_path / "a.yarc").write_text("\n".join(["DEFAULT {!TCP} [5] (mm,deg,s) {B}", *lines]))
+    compare([tmp_path / "a.yarc"], vscode, tool)
 
 
 def test_its_own_tests_pass(vscode, tool):

@@ -88,3 +88,16 @@ def test_a_program_with_errors_keeps_some_and_gets_none(path):
     left = without_followers(found, source)
     assert any(one.is_error for one in left) == any(one.is_error for one in found)
     assert {(one.code, one.span) for one in left} <= {(one.code, one.span) for one in found}
+
+
+def test_of_many_mistakes_in_one_line_the_first_are_told():
+    text = "P0010 MOVEJ " + "a " * 500 + "[5] (deg,s)\nP0020 MOVEJ " + "b " * 20 + "[5] (deg,s)\n"
+    found = [
+        one
+        for one in check_text(SourceFile("a.yarc", text), Path(), Options(robot="INDUSTRIAL6")).diagnostics
+        if one.code == "Y0402"
+    ]
+    lines = [one.span.line for one in found]
+    assert (lines.count(1), lines.count(2)) == (20, 20)
+    assert found[19].message == "`a` is not a number; 480 more like it in this line"
+    assert not any("more like it" in one.message for one in found if one is not found[19])

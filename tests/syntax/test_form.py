@@ -113,3 +113,9 @@ def test_a_text_in_form_is_itself_and_keeps_its_ends():
         text = form(path.read_text()).value
         for end in ("\n", "\r\n"):
             assert form(text.replace("\n", end)).value == text.replace("\n", end)
+
+
+def test_a_form_that_is_too_long_is_no_bug():
+    text = "P0010 STOP\n\nLET A = MAX(" + ",".join(["1"] * 49_000) + ")\n"
+    (found,) = form(text).diagnostics
+    assert (found.code, found.span.line) == ("Y0106", 3)

@@ -169,4 +169,13 @@ FINDINGS = (
         "P0010 MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)",
     ),
+    Finding(
+        "Y0119",
+        "index-too-long",
+        "error",
+        "an index has too many digits",
+        "An index is a number of at most nine digits. A longer one is most likely a number that has lost the blank before it.",
+        "P0010000000 STOP",
+        "P0010 STOP",
+    ),
 )

@@ -17,7 +17,7 @@ from yarclang.lint.suppression import suppress
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import SUFFIX, check_description
 from yarclang.pipeline.controller_text import COMPILED, check_controller_text
-from yarclang.pipeline.followers import without_followers
+from yarclang.pipeline.followers import few_in_a_line, without_followers
 from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
@@ -202,7 +202,8 @@ def settled(
         is_whole: whether all was looked for: only then a comment that suppresses nothing is needless.
     """
     told: list[Diagnostic] = []
-    for one in suppress(source, without_followers(diagnostics, source), is_whole=is_whole):
+    found = few_in_a_line(without_followers(diagnostics, source))
+    for one in suppress(source, found, is_whole=is_whole):
         level = project.levels.get(one.code, "")
         if one.is_error or not level:
             told.append(one)

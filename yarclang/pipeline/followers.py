@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from difflib import get_close_matches
@@ -33,6 +34,9 @@ _PLANNED = ("Y05", "Y06", "Y07", "Y08", "Y09", "Y1010")
 """What depends on where a motion leads; of a place that isn't what was meant, nothing is to be said."""
 
 _GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "JOINTS")
+_MOST_IN_A_LINE = 20
+"""Findings with one code; whoever has more mistakes in one line looks at the line, not at the findings."""
+
 _WITHOUT_HEAD = "{[("
 """What begins with one of these and can't be read was meant to be a DEFAULT."""
 
@@ -203,6 +207,30 @@ def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
         again = f"the same in {lines}" if all(_what(one) == what for one in group) else f"{more} more like it"
         said.append(replace(group[0], message=f"{group[0].message}; {again}"))
     return tuple(said)
+
+
+def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The findings, of those with one code in one line only the first ones: the last of these tells how many more there are."""
+    found = tuple(diagnostics)
+    counts = Counter(_line_and_code(one) for one in found)
+    if all(count <= _MOST_IN_A_LINE for count in counts.values()):
+        return found
+    said: list[Diagnostic] = []
+    so_far: Counter[tuple[str, int, str]] = Counter()
+    for one in found:
+        key = _line_and_code(one)
+        so_far[key] += 1
+        if not key[1] or so_far[key] < _MOST_IN_A_LINE or counts[key] == _MOST_IN_A_LINE:
+            said.append(one)
+        elif so_far[key] == _MOST_IN_A_LINE:
+            more = counts[key] - _MOST_IN_A_LINE
+            said.append(replace(one, message=f"{one.message}; {more:,} more like it in this line"))
+    return tuple(said)
+
+
+def _line_and_code(one: Diagnostic) -> tuple[str, int, str]:
+    """What findings in one line have in common; line 0 for those without a place."""
+    return one.source.name if one.source else "", one.span.line if one.span else 0, one.code
 
 
 def _what(one: Diagnostic) -> str:

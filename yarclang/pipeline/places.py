@@ -6,8 +6,9 @@ import re
 from dataclasses import dataclass
 
 from yarclang.hir import Else, EndWhen, Gap, Program
+from yarclang.syntax.words import LONGEST_INDEX
 
-_PART = re.compile(r"P(\d+)(?:\(([^()]*)\))?", re.IGNORECASE)
+_PART = re.compile(rf"P([0-9]{{1,{LONGEST_INDEX}}})(?:\(([^()]*)\))?", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,8 @@ from yarclang.syntax.parse import parse
 from yarclang.syntax.print import print_module
 from yarclang.syntax.renumber import renumbered
 
-_INDEX = re.compile(r"\s*[Pp][0-9]+(?![^\s;\[\](){}!,\"])")
+_INDEX = re.compile(r"^\s*[Pp][0-9]+(?![^\s;\[\](){}!,\"])")
+_TOO_LONG = "is longer than any line that is read"
 _WITHOUT_MEANING = frozenset(["place", "line", "rows", "comments"])
 """Fields of a tree that tell where something stands, not what it says."""
 
@@ -50,13 +51,11 @@ def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> R
 
 
 def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
-    return Diagnostic(
-        "Y2002",
-        f"the usual form of this line {what}: the file stays as it is",
-        source,
-        Span.on_line(line, 1, max(len(source.line(line)), 1) + 1),
-        "this is a bug of yarclang: please report it with this line",
-    )
+    code, help_ = "Y2002", "this is a bug of yarclang: please report it with this line"
+    if what == _TOO_LONG:
+        code, help_ = "Y0106", "break a way-point list after a semicolon"
+    message = f"the usual form of this line {what}: the file stays as it is"
+    return Diagnostic(code, message, source, Span.on_line(line, 1, max(len(source.line(line)), 1) + 1), help_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +93,9 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
     line_before = {other.line: row.line for row, other in zip(before_rows, after_rows, strict=True)}
     parsed = parse(after)
     if parsed.diagnostics or parsed.value is None:
-        span = parsed.diagnostics[0].span
-        return line_before.get(span.line if span else 0, 1), "can't be read"
+        first = parsed.diagnostics[0]
+        what = _TOO_LONG if first.code == "Y0106" else "can't be read"
+        return line_before.get(first.span.line if first.span else 0, 1), what
     read = parsed.value.statements
     for was, one, now in zip_longest(original.statements, meant.statements, read):
         if was is None or now is None or meaning(one) != meaning(now):

@@ -14,7 +14,7 @@ from yarclang.diagnostics import Diagnostic, Edit, Fix, Result
 from yarclang.internal_errors import internal_error
 from yarclang.progress import tell
 from yarclang.source import SourceFile, Span
-from yarclang.syntax.ast import Module, Place, Statement
+from yarclang.syntax.ast import Module, Place, Statement, Word
 from yarclang.syntax.build import statement
 from yarclang.syntax.characters import fault_in
 from yarclang.syntax.explain import unexpected, unexpected_character
@@ -22,6 +22,7 @@ from yarclang.syntax.faults import Fault, FaultError
 from yarclang.syntax.lines import code_of, opens_statement
 from yarclang.syntax.nodes import Nodes
 from yarclang.syntax.plain import GRAMMAR, plain_statement
+from yarclang.syntax.words import LONGEST_INDEX
 
 LONGEST_LINE = 100_000
 """Characters; a longer line is no program line but a file gone wrong."""
@@ -147,7 +148,15 @@ def parse_statement(text: str) -> Statement | Fault:
     if (wrong := fault_in(text)) is not None:
         return _operator_instead(text, wrong) or wrong
     plain = plain_statement(text)
-    return statement_by_grammar(text) if plain is None else plain
+    parsed = statement_by_grammar(text) if plain is None else plain
+    if isinstance(parsed, Statement) and parsed.index and len(parsed.index.text) > LONGEST_INDEX + 1:
+        return _long_index(parsed.index)
+    return parsed
+
+
+def _long_index(index: Word) -> Fault:
+    message = f"the index {index.text} has {len(index.text) - 1:,} digits; at most {LONGEST_INDEX} are read"
+    return Fault("Y0119", message, "write a smaller number: P0010", index.place)
 
 
 def _operator_instead(text: str, wrong: Fault) -> Fault | None:

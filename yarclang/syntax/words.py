@@ -2,6 +2,9 @@
 
 from types import MappingProxyType
 
+LONGEST_INDEX = 9
+"""Digits of an index."""
+
 BLOCK_HEADS = frozenset(["SUB", "REPEAT", "IF", "WHEN"])
 """Words that begin a block, which END ends."""
 

@@ -14,6 +14,7 @@ syntax match yarcCommand /\v%([A-Za-z0-9_.$])@<!%(MOVEJ_SPLINE|MOVEL_SPLINE|MOVJ
 syntax match yarcIndex /\v^\s*P\d+>/
 syntax match yarcBlock /\v^\s*%(REPEAT|ELSE|WHEN|END|SUB|IF)%([A-Za-z0-9_.])@!/
 syntax match yarcDeclaration /\v^\s*%(FRAME_QUAT|DEFAULT|JOINTS|OUTPUT|FRAME|INPUT|ROBOT|START|CELL|LET|USE)%([A-Za-z0-9_.])@!/
+syntax match yarcForeign /[^\t -~]/
 syntax match yarcFrame /{[^{}!"]*}/
 syntax match yarcString /"[^"]*"\=/
 syntax match yarcComment /!.*$/ contains=@Spell
@@ -22,6 +23,7 @@ highlight default link yarcCommand Function
 highlight default link yarcComment Comment
 highlight default link yarcConstant Constant
 highlight default link yarcDeclaration StorageClass
+highlight default link yarcForeign Error
 highlight default link yarcFrame Identifier
 highlight default link yarcFunction Function
 highlight default link yarcIndex Label

@@ -29,7 +29,7 @@ function tokens(grammar, text) {
     state = result.ruleStack;
     return result.tokens
       .map((one) => [one.startIndex, Math.min(one.endIndex, line.length), one.scopes.at(-1).replace(/\.yarc$/, "")])
-      .filter(([start, end]) => line.slice(start, end).trim() !== "");
+      .filter(([start, end]) => /[^ \t]/.test(line.slice(start, end)));
   });
 }
 

@@ -207,7 +207,7 @@ def prove(
 
         >>> judged = yarclang.prove(made.text)
         >>> judged.value.position, judged.diagnostics[0].code
-        (inf, 'Y1168')
+        (inf, 'Y1193')
 
     Args:
         controller_text: what `yarcc` has written.

@@ -210,7 +210,7 @@ def test_a_text_without_its_source():
     robot = industrial6()
     _, jobs = joint_chain()
     result = certify_text(emit(robot, Q0, jobs), robot, jobs[0].motion.origin.source)
-    assert codes(result) == ["Y1168"]
+    assert codes(result) == ["Y1193"]
     assert result.value.commands[0].deviation.position == np.inf
     without = emit(robot, Q0, jobs).replace(" blend 12\n", "\n")
     assert codes(certify_text(without, robot, jobs[0].motion.origin.source)) == ["Y1155"]

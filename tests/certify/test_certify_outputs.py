@@ -55,7 +55,7 @@ def test_in_the_middle(at):
     # nor without the program
     source = program(Q0, with_sets()).source
     found = certify_text(emit(industrial6(), Q0, with_sets(at)), industrial6(), source)
-    assert codes(found) == (["Y1168"] if abs(at) <= 1 else ["Y1165"])
+    assert codes(found) == (["Y1193"] if abs(at) <= 1 else ["Y1165"])
 
 
 def test_more_than_one():

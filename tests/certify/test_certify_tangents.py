@@ -62,7 +62,7 @@ def test_lines_in_one_line(share, overlap):
         bad = edited(jobs, step, row, 0.01 * DEG * np.array([0, 0, 1, 0, 0, 0]))
         assert codes(judge(industrial6(), Q0, bad))[0] == "Y1159"
     text = emit(industrial6(), Q0, jobs)
-    assert codes(certify_text(text, industrial6(), jobs[0].motion.origin.source)) == ["Y1168"]
+    assert codes(certify_text(text, industrial6(), jobs[0].motion.origin.source)) == ["Y1193"]
 
 
 def test_an_arc_that_flows_into_a_line():

@@ -48,18 +48,18 @@ def test_it_is_the_cell_of_the_program_beside_it(made):
 
 def test_or_the_cell_that_is_named(made):
     found, diagnostics = loaded(made / "alone" / "made.pmc", cell=str(made / CELL))
-    assert [one.code for one in diagnostics] == ["Y1168"]
+    assert [one.code for one in diagnostics] == ["Y1193"]
     assert "its surroundings" not in diagnostics[0].message
     assert commands(found) == ["MOVEJ_SPLINE_LSPB"]
 
 
 def test_else_it_is_said_once_that_it_knows_none(made):
     found, diagnostics = loaded(made / "alone" / "made.pmc")
-    assert [one.code for one in diagnostics] == ["Y0927", "Y1168"]
+    assert [one.code for one in diagnostics] == ["Y0927", "Y1193"]
     assert "isn't there" in diagnostics[0].message
     assert commands(found) == ["MOVEJ_LSPB"]
     # without an approach only what wasn't judged is said
-    assert [one.code for one in loaded(made / "alone" / "made.pmc", approach=False)[1]] == ["Y1168"]
+    assert [one.code for one in loaded(made / "alone" / "made.pmc", approach=False)[1]] == ["Y1193"]
 
 
 def test_a_program_that_does_something_else_forbids_the_run(made, tmp_path):
@@ -99,7 +99,7 @@ def test_a_program_that_was_only_laid_out_anew_is_the_same(made, tmp_path):
 
 def test_a_program_of_another_name_beside_it_is_not_its_program(made, tmp_path):
     """But one that is called as the text is: it must be proved, whatever the header says."""
-    for name, code in (("other.yarc", "Y1168"), ("made.yarc", "Y1153")):
+    for name, code in (("other.yarc", "Y1193"), ("made.yarc", "Y1153")):
         shutil.copy(made / "made.pmc", tmp_path)
         (tmp_path / name).write_text("ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 0 0 0 0 [2] (deg,s)\n")
         _, (finding,) = loaded(tmp_path / "made.pmc", approach=False)
@@ -147,4 +147,4 @@ def test_exec_tells_it_as_an_event(made):
     first = CliRunner().invoke(main, arguments).stdout.splitlines()[0]
     event = json.loads(first)
     assert event["event"] == "findings"
-    assert [one["code"] for one in event["findings"]] == ["Y0927", "Y1168"]
+    assert [one["code"] for one in event["findings"]] == ["Y0927", "Y1193"]

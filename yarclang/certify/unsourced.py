@@ -109,7 +109,7 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     if cell is None:
         help_ += "; --cell FILE says what is around the robot"
     level: Severity | None = "warning" if conditions or outputs else None
-    return Diagnostic("Y1168", message, source, help=help_, level=level)
+    return Diagnostic("Y1193", message, source, help=help_, level=level)
 
 
 def _listed(items: list[str]) -> str:

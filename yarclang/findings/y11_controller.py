@@ -142,15 +142,6 @@ FINDINGS: tuple[Finding, ...] = (
         "its last, and never faster. The bounds that were proved for the emitted motion say otherwise.",
     ),
     Finding(
-        "Y1168",
-        "judged-without-program",
-        "note",
-        "a controller's text was judged without its program",
-        "A text alone shows limits, collisions, the guard, and where it rests; it can't show whether its path, its times, its outputs and the "
-        "conditions of its waits are those of the program. Its own header names the program's file: a file of that name, or of the "
-        "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
-    ),
-    Finding(
         "Y1169",
         "text-changed",
         "error",
@@ -181,5 +172,14 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the program beside a controller's text can't be compiled",
         "A text is proved against the program beside it. That program has errors, so nothing can be proved. Mend and compile the program again.",
+    ),
+    Finding(
+        "Y1193",
+        "judged-without-program",
+        "note",
+        "a controller's text was judged without its program",
+        "A text alone shows limits, collisions, the guard, and where it rests; it can't show whether its path, its times, its outputs and the "
+        "conditions of its waits are those of the program. Its own header names the program's file: a file of that name, or of the "
+        "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
     ),
 )

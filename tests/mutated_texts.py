@@ -5,7 +5,9 @@ A text is drawn by a seed: one of the programs that are there, with some things 
 
 import random
 import re
+import signal
 import time
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +18,7 @@ from yarclang.assist.view import View
 from yarclang.findings import YARCLANG
 from yarclang.highlight.lexer import YarcLexer
 from yarclang.highlight.words import words
-from yarclang.pipeline.checking import Checked, check_text
+from yarclang.pipeline.checking import Checked, check_further, check_text
 from yarclang.pipeline.fixing import edited
 from yarclang.pipeline.incremental import Analyst
 from yarclang.pipeline.inputs import Options
@@ -30,6 +32,9 @@ LONGEST = 10_000
 """Characters of a text, or a little more."""
 
 LONGEST_MESSAGE = 1_000
+
+PATIENCE, ALL_PATIENCE = 10.0, 60.0
+"""A check, and all that is asked of a text, is given up after this time of the processor [s]."""
 
 MANY_STEPS = 20_000
 """From so many commands on the time is that of the loops, and not of the text."""
@@ -260,6 +265,26 @@ def comments_of(text):
     ]
 
 
+class EndlessError(BaseException):
+    """Something takes longer than anybody waits. No `except Exception` may make a finding of it."""
+
+
+@contextmanager
+def at_most(seconds: float):
+    """Give up what takes more time of the processor [s]."""
+
+    def give_up(*_):
+        raise EndlessError
+
+    before = signal.signal(signal.SIGPROF, give_up)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
 class Laws:
     """What must hold of any text. A checker remembers what editors' servers remember, from one text to the next."""
 
@@ -274,15 +299,34 @@ class Laws:
         How long its check takes without planning [s] is kept in `seconds`, and in `unrolls_far` whether loops of many rounds are the reason.
         """
         source = SourceFile(str(folder / "test.yarc"), text)
-        checked = self._timed(source, folder)
+        try:
+            with at_most(PATIENCE):
+                checked = self._timed(source, folder)
+        except EndlessError:
+            self.seconds, self.unrolls_far = PATIENCE, "REPEAT" in text.upper()
+            return []
+        try:
+            with at_most(2 * ALL_PATIENCE if self.unrolls_far else ALL_PATIENCE):
+                found = self._broken(seed, source, folder, checked)
+        except EndlessError:
+            return ["something that is asked of the text has no end"]
+        return [*found, *self._planned(source, checked)] if seed % PLANNED == 0 else found
+
+    def _planned(self, source: SourceFile, checked: Checked) -> list[str]:
+        """What breaks a law once the motions are planned. How long that takes is no matter of the text."""
+        try:
+            with at_most(PATIENCE):
+                return self._of_findings(source, check_further(checked))
+        except EndlessError:
+            return []
+
+    def _broken(self, seed: int, source: SourceFile, folder: Path, checked: Checked) -> list[str]:
+        text = source.text
         found = [*self._of_findings(source, checked), *_of_form(source), *_of_colours(text)]
         draw = random.Random(seed)
         again = self.analysts[_robot_of(text)].analyse(source, folder, quick=True)
         if [*map(_told, again.diagnostics)] != [*map(_told, checked.diagnostics)]:
             found.append("the server's analyst finds something else")
-        if seed % PLANNED == 0:
-            planned = self.analysts[_robot_of(text)].analyse(source, folder, begun=again.checked)
-            found += self._of_findings(source, planned.checked)
         view = View(
             sketch_of(source),
             again.checked,

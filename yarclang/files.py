@@ -10,6 +10,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
+LARGEST_MESH = 1_000_000_000
+"""Bytes."""
+
+LARGEST_LOG = 16_000_000_000
+"""Bytes of a run's log."""
+
+_PIECE = 1 << 20
+
 _LONGEST_PREFIX = 40
 """Characters of a file's name in that of the temporary one: both together must not be too long."""
 
@@ -52,10 +60,14 @@ def read_stream(file: BinaryIO, most: int) -> bytes:
     Raises:
         OSError: it can't be read, or has more.
     """
-    content = file.read(most + 1)
-    if len(content) > most:
-        raise OSError(errno.EFBIG, f"it has more than {most:,} bytes, and no more are read")
-    return content
+    pieces: list[bytes] = []
+    size = 0
+    while piece := file.read(_PIECE):  # never more memory than there is to be read
+        pieces.append(piece)
+        size += len(piece)
+        if size > most:
+            raise OSError(errno.EFBIG, f"it has more than {most:,} bytes, and no more are read")
+    return b"".join(pieces)
 
 
 def replace_file(path: Path, data: bytes) -> None:
@@ -93,7 +105,7 @@ def replace_file(path: Path, data: bytes) -> None:
 
 
 def _plain_mode() -> int:
-    """The mode of a new file."""
+    """Return the mode of a new file."""
     umask = os.umask(0)
     os.umask(umask)
     return 0o666 & ~umask

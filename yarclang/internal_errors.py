@@ -40,7 +40,7 @@ def internal_error(
 
 
 def _report(error: BaseException, source: SourceFile | None, span: Span | None) -> str:
-    """What a person who looks into the error wants to know. It has no names of folders."""
+    """Return what a person who looks into the error wants to know, without names of folders."""
     lines = [
         "this is a bug of yarclang, not of the program: please report it with these lines",
         f"yarclang {_version()}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
@@ -68,17 +68,17 @@ def frames_of(error: BaseException) -> Iterator[tuple[FrameType, int]]:
 
 
 def _file(frame: FrameType) -> str:
-    """A module's file, from the package on."""
+    """Return the path of a call's module, from the package on."""
     path = Path(frame.f_code.co_filename)
     return str(path.relative_to(_PACKAGE.parent) if path.is_relative_to(_PACKAGE) else Path(*path.parts[-2:]))
 
 
 def _short(text: str) -> str:
-    """The first line of a text, which is not too long."""
+    """Return the first line of a text, shortened if it is long."""
     first = text.partition("\n")[0]
     return first if len(first) <= _LONGEST else first[: _LONGEST - 1] + "…"
 
 
 def _plain(text: str) -> str:
-    """A text that can be written anywhere."""
+    """Return a text with escapes for what can't be written everywhere."""
     return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)

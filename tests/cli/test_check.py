@@ -300,3 +300,20 @@ def test_watching(here):
         assert process.wait(10) == 0
     finally:
         process.kill()
+
+
+def test_foreign_characters_are_fixed(tmp_path):
+    path = tmp_path / "a.yarc"
+    path.write_text(
+        "P0010\u00a0MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\nP0020 STOP\r\n",
+        newline="",
+    )
+    done = CliRunner().invoke(main, ["check", "--robot", "INDUSTRIAL6", str(path)])
+    assert done.exit_code == 1
+    assert (
+        "a.yarc:1:6: error Y0118: U+00A0 no-break space can't stand in code; 1 more of this statement can't either"
+        in done.stderr
+    )
+    assert CliRunner().invoke(main, ["check", "--fix", "--robot", "INDUSTRIAL6", str(path)]).exit_code == 0
+    text = "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\nP0020 STOP\r\n"
+    assert path.read_bytes() == text.encode()

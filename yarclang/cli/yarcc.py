@@ -111,7 +111,7 @@ def _check_usage(
 def _compiled(
     file: str, options: Options, destination: str, certificate: Path | None, strict: bool
 ) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
-    """What comes of a file, which is written then; None where nothing was to be written."""
+    """Compile a file, and write what comes of it. None if there is nothing to write."""
     from yarclang.pipeline.checking import check_program_file
 
     checked = check_program_file(file, options)

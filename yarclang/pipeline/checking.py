@@ -132,7 +132,7 @@ def _planned_if_possible(begun: Begun) -> Checked:
 
 
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
-    """The program as far as it is checked before its motions are planned; what was found if it can't be opened."""
+    """Check a program as far as no motion has to be planned; return only findings if it can't be opened."""
     opened = open_source(source, folder, options)
     project = find_project(folder, options.texts).value or Project(folder)
     if opened.value is None:

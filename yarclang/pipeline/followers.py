@@ -210,7 +210,7 @@ def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The findings, of those with one code in one line only the first ones: the last of these tells how many more there are."""
+    """Return the findings without all but the first ones of a code in a line; the last of these tells how many more there are."""
     found = tuple(diagnostics)
     counts = Counter(_line_and_code(one) for one in found)
     if all(count <= _MOST_IN_A_LINE for count in counts.values()):
@@ -229,7 +229,7 @@ def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 def _line_and_code(one: Diagnostic) -> tuple[str, int, str]:
-    """What findings in one line have in common; line 0 for those without a place."""
+    """Return file, line and code of a finding; line 0 if it has no place."""
     return one.source.name if one.source else "", one.span.line if one.span else 0, one.code
 
 

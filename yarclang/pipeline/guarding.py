@@ -21,7 +21,7 @@ def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
 
 
 def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFile, Span] | None:
-    """The statement that was worked on: the innermost call that has one among its variables knows it."""
+    """Find the statement that was worked on: that of the innermost call that has one among its variables."""
     for frame, _ in reversed(list(frames_of(error))):
         for value in list(frame.f_locals.values()):
             origin = value if isinstance(value, Origin) else _origin_of(value)
@@ -33,7 +33,7 @@ def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFi
 
 
 def _origin_of(value: object) -> Origin | None:
-    """Where a step of a program comes from; None of anything else."""
+    """Return where a step of a program comes from; None for anything else."""
     if type(value).__module__ != Origin.__module__:
         return None
     origin = getattr(value, "origin", None)

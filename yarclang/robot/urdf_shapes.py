@@ -10,6 +10,7 @@ import hashlib
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
+from yarclang.files import LARGEST_MESH, read_whole
 from yarclang.robot.urdf import Urdf, turned
 from yarclang.robot.urdf_xml import Element
 
@@ -133,7 +134,7 @@ def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> s
         return ""
     try:
         path = mesh_path(name, folder)
-        content = path.read_bytes() if path else b""
+        content = read_whole(path, LARGEST_MESH) if path else b""
     except (OSError, ValueError):
         path, content = None, b""
     if not content:

@@ -101,7 +101,7 @@ class _Found:
 
 
 def fault_in(text: str) -> Fault | None:
-    """Return what is wrong with the characters of a statement: the first one that can't stand where it stands, with a fix of all of them."""
+    """Return a fault for the first character of a statement that can't stand where it stands, with a fix for all of them."""
     if is_plain(text):
         return None
     rows = text.split("\n")
@@ -118,7 +118,7 @@ def fault_in(text: str) -> Fault | None:
 
 
 def _in_row(number: int, row: str) -> Iterator[_Found]:
-    """The characters of a line that can't stand where they stand."""
+    """Yield the characters of a line that can't stand where they stand."""
     if is_plain(row):
         return
     code = code_of(row)
@@ -150,7 +150,7 @@ def _is_half(character: str) -> bool:
 
 
 def _called(character: str) -> str:
-    """A character in a sentence: as it looks, if that shows something, and by its name."""
+    """Return a character for a sentence: its glyph, if there is something to see, and its name."""
     name = character_name(character)
     if character.isprintable() and not character.isspace() and character not in _UNSEEN:
         return f"`{character}` ({name})"
@@ -178,14 +178,14 @@ def _help(found: _Found) -> str:
 
 
 def _put(row: str, at: int) -> str:
-    """What to write instead of a character of a line. A line's end that only some editors know is one if a statement follows."""
+    """Return what to write instead of a character of a line. A line end that only some editors know becomes a real one if a statement follows."""
     if row[at] in _BREAKS and opens_statement(row[at + 1 :]):
         return "\n"
     return instead_of(row[at]) or ""
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
-    """The title of a fix and what it puts where, one piece a line; nothing if one of the characters has no safe substitute."""
+    """Return the title of a fix and its edits, one a line; no edits if one of the characters has no safe substitute."""
     pieces: dict[int, list[_Found]] = {}
     for one in found:
         # what an editor showed behind a line end of its own may have been meant as code

@@ -75,7 +75,7 @@ def unexpected_character(text: str, place: Place, expected: Collection[str]) -> 
 
 
 def _cut_frame(row: str, place: Place) -> Fault | None:
-    """A frame's name that a `!` or a `"` between its braces cuts off."""
+    """Explain a frame whose name is cut off by a `!` or a `"` between its braces; None if it isn't."""
     match = _CUT_FRAME.match(row, place.start)
     if match is None:
         return None

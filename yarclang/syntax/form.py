@@ -25,7 +25,7 @@ _WITHOUT_MEANING = frozenset(["place", "line", "rows", "comments"])
 
 
 def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> Result[str]:
-    """Bring a program into its usual form. It says the same afterwards, which is proved.
+    """Bring a program into its usual form, and prove that it says the same.
 
     Args:
         source: the program. Most of its lines decide whether lines end with CRLF or LF in the result.
@@ -120,7 +120,7 @@ def _rows(source: SourceFile, keeps_indices: bool) -> Iterator[_Row]:
 
 
 def _squeezed(code: str) -> str:
-    """Code without blanks and in upper case, but for its texts."""
+    """Return code without blanks and in upper case; its texts stay as they are."""
     pieces: list[str] = []
     done = 0
     for text in texts_of(code):
@@ -145,6 +145,6 @@ def meaning(part: Any) -> Any:
 
 @cache
 def _telling(kind: Any) -> tuple[str, ...]:
-    """The fields of a kind of tree that say something. What is computed is told by its expression, however it is written."""
+    """Return the fields of a kind of tree that say something. A computed value is compared by its expression, not by its text."""
     left_out = _WITHOUT_MEANING | ({"text"} if issubclass(kind, Computed | ComputedPercent) else set())
     return tuple(field.name for field in fields(kind) if field.name not in left_out)

@@ -89,7 +89,7 @@ def _span(line: int, place: Place) -> Span:
 
 
 def _fix(line: int, fault: Fault) -> Fix | None:
-    """The fault's fix, for a statement that begins in a line."""
+    """Return the fix of a fault in a statement that begins in a line."""
     edits = tuple(Edit(_span(line, place), put) for place, put in fault.edits)
     return Fix(fault.title, edits, uncovers=True) if edits else None
 
@@ -160,7 +160,7 @@ def _long_index(index: Word) -> Fault:
 
 
 def _operator_instead(text: str, wrong: Fault) -> Fault | None:
-    """What the grammar says of a character that is an operator elsewhere, such as `×`: it knows what to write."""
+    """Return what the grammar says of an operator of another language, such as `×`: the help names the one to write."""
     if wrong.code != "Y0118" or wrong.edits:
         return None
     parsed = statement_by_grammar(text)

@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from yarclang.files import LARGEST_MESH, read_whole
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from yarclang.toml.draft import missing_mistake, table_name
 from yarclang.toml.file import TomlFile
@@ -119,8 +120,8 @@ def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], fold
         file.say("Y1308", path, message, f"Meshes end in {', '.join(MESHES)}.")
         return None
     try:
-        content = (folder / name).read_bytes()
-    except (OSError, ValueError):
+        content = read_whole(folder / name, LARGEST_MESH)
+    except OSError:
         content = None
     if not content:
         message = f"The mesh {name[:80]} is {'not there' if content is None else 'empty'}."

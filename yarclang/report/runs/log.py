@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.files import LARGEST_LOG, read_whole
 from yarclang.report.runs.messages import Outcome, RecordedRobot, Told, read_messages, read_only, read_robot
 from yarclang.report.runs.records import Records, read_records
 from yarclang.robot.model import Array
@@ -86,7 +87,7 @@ def read_run(file: str) -> Result[RecordedRun]:
         None, with a finding, where the file can't be read or is no log that this version can read.
     """
     try:
-        content = Path(file).read_bytes()
+        content = read_whole(Path(file), LARGEST_LOG)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         return _refused("Y0107", f"{file} can't be read: {reason}", "check the path and its rights")

@@ -21,7 +21,6 @@ from yarclang.runtime.protocol import (
     Ask,
     Busy,
     Closed,
-    Connection,
     IsReady,
     Late,
     Ready,
@@ -434,4 +433,3 @@ def test_codec_has_no_memory_of_a_connection():
             client.ask(Send("LONG1000"))
         with Client(port) as client:
             assert client.ask(IsReady()) == Ready(IsReady(), False)
-            assert isinstance(client.connection, Connection)

@@ -1,5 +1,7 @@
 """What stands beside the picture."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from view.stages import CRASH, stage_of
@@ -32,9 +34,10 @@ def test_the_figures_of_an_instant():
 
 def test_nothing_near():
     stage = stage_of(CRASH)
-    assert near_text(stage, near(stage.scene, stage.robot.home[None])).endswith("mm") or "(" in near_text(
-        stage, near(stage.scene, stage.robot.home[None])
-    )
+    home = near(stage.scene, stage.robot.home[None])
+    assert near_text(stage, home) == "58.0 mm (FINGERS, link_5)"
+    assert near_text(stage, replace(home, pair=np.array([-1]))) == "over 200 mm"
+    assert near_text(replace(stage, scene=None), home) == "over 200 mm"
 
 
 def test_commands_and_findings():

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
+from yarclang.cli.parameter import ParamType
 from yarclang.pmac.requests import PORT
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -38,7 +39,7 @@ class Address:
         return f"tcp://{host}:{self.port}"
 
 
-class AddressType(click.ParamType["Address | None"]):
+class AddressType(ParamType["Address | None"]):
     """`tcp://HOST[:PORT]`; where `sim` is allowed, that is None."""
 
     def __init__(self, *, sim: bool = True) -> None:

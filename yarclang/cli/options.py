@@ -8,6 +8,8 @@ from typing import Any, TypeVar
 
 import click
 
+from yarclang.cli.parameter import ParamType
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -40,7 +42,7 @@ def code_argument(name: str, **settings: Any) -> Callable[[F], F]:
     return click.argument(name, shell_complete=_codes, **settings)
 
 
-class Numbers(click.ParamType[tuple[float, ...]]):
+class Numbers(ParamType[tuple[float, ...]]):
     """Numbers separated by commas."""
 
     def __init__(self, name: str, most: int | None = None, positive: bool = False) -> None:
@@ -67,7 +69,7 @@ class Numbers(click.ParamType[tuple[float, ...]]):
         return numbers
 
 
-class PositiveNumber(click.ParamType[float]):
+class PositiveNumber(ParamType[float]):
     """One positive, finite number."""
 
     def __init__(self, name: str) -> None:
@@ -113,7 +115,7 @@ def planning_options(function: F) -> F:
     return function
 
 
-class Findings(click.ParamType[frozenset[str]]):
+class Findings(ParamType[frozenset[str]]):
     """Codes, beginnings of codes, or names of findings, separated by commas."""
 
     name = "CODES"

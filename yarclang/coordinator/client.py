@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 
@@ -214,12 +213,9 @@ class Client(Commanding):
         live, generator = made.value
         engine = coordinator.engine
         generator.want(target, engine.session.now())
-        running = asyncio.create_task(
-            self._carry_out(name, 0.0, lambda: engine.perform_live(live), stops), name=name
+        running = await engine.begin(
+            self._carry_out(name, 0.0, lambda: engine.perform_live(live), stops), name
         )
-        await asyncio.sleep(0)  # it begins, or is refused
-        if running.done():
-            running.result()
         return Result(
             Drive(
                 coordinator.robot,

@@ -5,7 +5,6 @@ Everything runs in one event loop; `plan` may hand planning to a thread. docs/co
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from itertools import chain, count
 from pathlib import Path
@@ -32,7 +31,7 @@ POSITIONS_EACH = 0.02
 """Time between two positions that are told [s]: 50 Hz, if the link allows."""
 
 Planning = Callable[..., Awaitable[Any]]
-"""Calls a function with arguments somewhere and gives what it gives, as `asyncio.to_thread` does."""
+"""Calls a function with arguments somewhere and gives what it gives."""
 
 
 class Coordinator:
@@ -44,7 +43,7 @@ class Coordinator:
         folder: where modules, cells and yarc.toml are looked for.
         tm: longest segment time of what is planned [ms]; None: the robot's.
         log: where motions are logged (`Engine`).
-        plan: where planning is done; a thread, so that a long program doesn't keep anybody from stopping the robot.
+        plan: where planning is done; None: in a thread, so that a long program doesn't keep anybody from stopping the robot.
 
     Attributes:
         engine: the task that talks to the controller.
@@ -62,14 +61,14 @@ class Coordinator:
         folder: Path,
         tm: float | None = None,
         log: Path | None = None,
-        plan: Planning = asyncio.to_thread,
+        plan: Planning | None = None,
     ) -> None:
         self.robot = robot
         self.engine = Engine(robot, session, log, self._bug)
         self.planner = Planner(robot, folder, tm)
         self.lines = Lines()
         self.history = History(robot)
-        self.plan = plan
+        self.plan = plan or self.engine.beside
         self.numbers = count(1)
         self.position: Array | None = None
         self.stops = 0

@@ -8,10 +8,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from yarclang import __version__
 from yarclang.coordinator.ordered import OrderedSession
@@ -62,6 +62,26 @@ class _Work:
     do: Callable[[], Awaitable[Any]]
     done: asyncio.Future[Any]
     moves: bool
+
+
+class Running(Generic[T]):
+    """Work that was begun and goes on, whoever waits for its end.
+
+    Args:
+        task: that carries it out.
+    """
+
+    def __init__(self, task: asyncio.Task[T]) -> None:
+        self._task = task
+
+    @property
+    def has_ended(self) -> bool:
+        """True if it has ended, well or not."""
+        return self._task.done()
+
+    async def ended(self) -> T:
+        """Wait for its end, and return or raise what came of it. Who is cancelled here doesn't end it."""
+        return await asyncio.shield(self._task)
 
 
 class Engine:
@@ -153,6 +173,26 @@ class Engine:
         if not self._closing:
             self.under_way = name
         return await self._wait_for(work, moves=True)
+
+    async def begin(self, work: Coroutine[Any, Any, T], name: str) -> Running[T]:
+        """Begin what goes on by itself.
+
+        Args:
+            work: that calls `move`.
+            name: what people call it.
+
+        Raises:
+            Trouble: it was refused at once.
+        """
+        task = asyncio.create_task(work, name=name)
+        await asyncio.sleep(0)
+        if task.done():
+            task.result()
+        return Running(task)
+
+    async def beside(self, function: Callable[..., T], *arguments: Any) -> T:
+        """Call a function that takes long in a thread, so that nobody is kept from stopping the robot."""
+        return await asyncio.to_thread(function, *arguments)
 
     async def perform(self, job: Job) -> Ended:
         """Carry a job out; for work of `move`."""

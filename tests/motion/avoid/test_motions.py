@@ -65,14 +65,18 @@ def test_the_suffix_stands_between_target_and_profile(name):
 
 
 @pytest.mark.parametrize(
-    "line", [f"P0010 MOVEJ_AVOID {GO}", "P0010 MOVEJ_RPY_AVOID_POLY5 -714.2 412.4 1541.3 -30 0 60 [9]"]
+    ("line", "name"),
+    [
+        (f"P0010 MOVEJ_AVOID {GO}", "MOVEJ_SPLINE"),
+        ("P0010 MOVEJ_RPY_AVOID_POLY5 -714.2 412.4 1541.3 -30 0 60 [9]", "MOVEJ_SPLINE_RPY_POLY5"),
+    ],
 )
-def test_its_fix_writes_the_very_same_way(line):
+def test_its_fix_writes_the_very_same_way(line, name):
     text = HEAD + line
     plan, found = planned(text, load_cell=loading(POST))
     (note,) = [one for one in found if one.code == "Y0920"]
     fixed = applied(text, note.fix)
-    assert "MOVEJ_SPLINE" in fixed or "MOVEJ_SPLINE_RPY" in fixed
+    assert f"P0010 {name} P0010_VIA1; " in fixed
     assert "_AVOID" not in fixed
     again, told = planned(fixed, load_cell=loading(POST))
     assert "Y0920" not in codes(told)

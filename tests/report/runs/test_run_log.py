@@ -124,10 +124,18 @@ def test_joints_without_limits(tmp_path):
 # cut off, damaged, other things
 
 
+def hold_moments(run):
+    """Check that everything that was told and recorded comes as a moment, each at its time."""
+    moments = list(moments_of(run))
+    times = [*(float(time) for time in run.times), *(one.time for one in run.told)]
+    np.testing.assert_array_equal(np.sort([one.time for one in moments]), np.sort(times))
+    assert all(one.line.isprintable() for one in moments)
+
+
 def shown(result):
     """Everything that is done with a run: it must work with whatever was read."""
     run = result.value
-    assert list(moments_of(run)) is not None
+    hold_moments(run)
     planned = planned_motion(run)
     if planned.value is not None:
         assert draw_run(run, planned.value, "png").startswith(b"\x89PNG")
@@ -197,7 +205,7 @@ def test_turned_bits_are_findings(tally, log, tmp_path_factory, data):
         assert set(codes(result)) <= {"Y1401", "Y1403"}
     else:
         planned_motion(result.value)
-        assert list(moments_of(result.value)) is not None
+        hold_moments(result.value)
 
 
 def test_damage_in_the_middle_is_seen_by_the_sum_over_all(log, tmp_path):

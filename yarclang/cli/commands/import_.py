@@ -10,6 +10,7 @@ import click
 
 from yarclang.cli.options import PositiveNumber, robot_option
 from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
+from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:
     from yarclang.convert.course import Wishes
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 _TIME = re.compile(r"MIN|[0-9]+(\.[0-9]+)?%?", re.ASCII)
 
 
-class _Units(click.ParamType["UnitsByKind"]):
+class _Units(ParamType["UnitsByKind"]):
     """Units separated by commas, at most one of a kind."""
 
     name = "LENGTH,ANGLE,TIME"
@@ -43,7 +44,7 @@ class _Units(click.ParamType["UnitsByKind"]):
         return found
 
 
-class _Time(click.ParamType[str]):
+class _Time(ParamType[str]):
     """What stands in [ ] of a command."""
 
     name = "TIME"

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.parameter import ParamType
+
 if TYPE_CHECKING:
     from yarclang.report.runs.log import RecordedRun
     from yarclang.report.runs.text import Moment, View
 
 
-class _Speed(click.ParamType[float]):
+class _Speed(ParamType[float]):
     """A number, or max, which is infinite."""
 
     name = "N|max"

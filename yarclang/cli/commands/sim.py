@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.options import _robots as complete_robots
+from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:
     from yarclang.simulator.faults import Fault
@@ -19,7 +20,7 @@ _LOOK = 0.2
 """How often to look for words that aren't simulated [s]."""
 
 
-class _Rate(click.ParamType[float | None]):
+class _Rate(ParamType[float | None]):
     """real, max, or a number: how fast time passes. None is max."""
 
     name = "real|N|max"
@@ -41,7 +42,7 @@ class _Rate(click.ParamType[float | None]):
         return rate
 
 
-class _Fault(click.ParamType["Fault"]):
+class _Fault(ParamType["Fault"]):
     """A fault in the syntax of yarclang.simulator.faults."""
 
     name = "FAULT"
@@ -57,7 +58,7 @@ class _Fault(click.ParamType["Fault"]):
             self.fail(str(error), param, ctx)
 
 
-class _Address(click.ParamType[str]):
+class _Address(ParamType[str]):
     """An address or a name; the empty one would be all addresses, which nobody means."""
 
     name = "ADDRESS"

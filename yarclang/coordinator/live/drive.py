@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
 
+from yarclang.coordinator.engine import Running
 from yarclang.coordinator.live.generator import WATCHDOG, Generator
 from yarclang.coordinator.live.steering import JointVelocity, Master, Target, Twist
 from yarclang.robot.model import Array, Robot
@@ -36,7 +36,7 @@ class Drive:
         self,
         robot: Robot,
         generator: Generator,
-        running: asyncio.Task[Ended],
+        running: Running[Ended],
         now: Callable[[], float],
         stop: Callable[[], None],
         tell: Callable[[str], None],
@@ -56,7 +56,7 @@ class Drive:
     @property
     def alive(self) -> bool:
         """Whether it still takes what is wanted."""
-        return not self._running.done()
+        return not self._running.has_ended
 
     @property
     def end(self) -> Array:
@@ -121,7 +121,7 @@ class Drive:
 
     async def ended(self) -> Ended:
         """How it has ended, when it has."""
-        return await asyncio.shield(self._running)
+        return await self._running.ended()
 
 
 def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:

@@ -13,6 +13,7 @@ by how far the joints have moved. Near a singularity a joint turns half round in
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -39,11 +40,14 @@ _APART = 1e-9
 _NO_TIME = 1e-3
 """Shortest duration [s] for which a law is looked for: in less, every law needs the fewest segments and far less than the limits."""
 
-_NO_BOUND = 1e8
-"""A bound of the speed, squared, that is none."""
+_NO_BOUND = 1e5
+"""A bound of the squared speed, and of the acceleration, that is none. The solver's rounding errors grow with it."""
 
-_NO_FACTOR = 1e-9
-"""Factors of a limit that are smaller at a place don't matter there."""
+_SAME = 1e-9
+"""Factors that differ by less are the same."""
+
+_NO_FACTOR = 1e-12
+"""A joint with smaller factors stands."""
 
 _SHARE = 0.9998
 """The share of the limits that the law uses: between the places it may use a little more."""
@@ -148,18 +152,13 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
             a[:-1, joints:] = slope[1:] + 2.0 * np.diff(gridpoints)[:, None] * bend[1:]
             # the solver takes rows with small factors for parallel
             size = np.maximum(np.maximum(np.abs(a), np.abs(b)), _NO_FACTOR)
-            a, b, c = a / size, b / size, -_SHARE / size
+            a, b, c = a / size, b / size, -np.minimum(_SHARE / size, _NO_BOUND)
+            _leave_one(a, b, c)
             rows = np.eye(4 * joints)
-            bounds_of_x = np.stack((np.zeros_like(most), most), axis=1)
-            return (
-                np.hstack((a, -a)),
-                np.hstack((b, -b)),
-                np.hstack((c, c)),
-                rows,
-                np.zeros(len(rows)),
-                None,
-                bounds_of_x,
-            )
+            a, b, c = np.hstack((a, -a)), np.hstack((b, -b)), np.hstack((c, c))
+            of_u = np.tile([-_NO_BOUND, _NO_BOUND], (len(most), 1))
+            of_x = np.stack((np.zeros_like(most), most), axis=1)
+            return a, b, c, rows, np.zeros(len(rows)), of_u, of_x
 
     instance = toppra.algorithm.TOPPRA(
         [Limits()],
@@ -178,6 +177,20 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     steps = 2.0 * np.diff(scaled.gone) / (speed[1:] + speed[:-1])
     times = np.concatenate(([0.0], np.cumsum(steps))) * scaled.time
     return _Passed(times, speed / scaled.time, scaled.gone, scaled.s)
+
+
+def _leave_one(a: Array, b: Array, c: Array) -> None:
+    """Leave one of the limits (N, k) of a place that are the same but for rounding, or for the sign: the solver takes them for contradictory.
+
+    Where the wrist is straight, joints 4 and 6 turn against each other.
+    """
+    for one, other in combinations(range(a.shape[1]), 2):
+        for sign in (1.0, -1.0):
+            apart = np.abs(a[:, one] - sign * a[:, other]) + np.abs(b[:, one] - sign * b[:, other])
+            same = apart < _SAME
+            c[same, one] = np.maximum(c[same, one], c[same, other])
+            a[same, other] = b[same, other] = 0.0
+            c[same, other] = -1.0
 
 
 def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:

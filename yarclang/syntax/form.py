@@ -60,7 +60,7 @@ def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """A line that isn't empty: its code without blanks, in upper case outside of texts, and its comment."""
+    """A line that isn't empty: its code as it is written (without an index, if indices are new), and its comment."""
 
     line: int
     code: str
@@ -83,7 +83,7 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
     keeps_indices = meant is original
     before_rows, after_rows = (list(_rows(one, keeps_indices)) for one in (original.source, after))
     for row, other in zip(before_rows, after_rows, strict=False):
-        if row.code != other.code:
+        if row.code != other.code and _squeezed(row.code) != _squeezed(other.code):
             return row.line, "has other words"
         if row.comment != other.comment:
             return row.line, "has another comment"
@@ -96,10 +96,16 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
         first = parsed.diagnostics[0]
         what = _TOO_LONG if first.code == "Y0106" else "can't be read"
         return line_before.get(first.span.line if first.span else 0, 1), what
+    rewritten = {
+        row.line for row, other in zip(before_rows, after_rows, strict=True) if row.code != other.code
+    }
     read = parsed.value.statements
     for was, one, now in zip_longest(original.statements, meant.statements, read):
-        if was is None or now is None or meaning(one) != meaning(now):
-            return (was or original.statements[-1]).line, "is read otherwise"
+        if was is None or now is None:
+            return original.statements[-1].line, "is read otherwise"
+        is_rewritten = any(line in rewritten for line in range(was.line, was.line + was.rows))
+        if is_rewritten and meaning(one) != meaning(now):  # the same code is read alike
+            return was.line, "is read otherwise"
     again = SourceFile(after.name, print_module(parsed.value))
     if again.text != after.text:
         both = enumerate(zip(after.lines, again.lines, strict=False), 1)
@@ -114,9 +120,9 @@ def _rows(source: SourceFile, keeps_indices: bool) -> Iterator[_Row]:
         comment = line[len(code) :].rstrip()
         if not keeps_indices:
             code = _INDEX.sub("", code, count=1)
-        squeezed = _squeezed(code)
-        if squeezed or comment:
-            yield _Row(number, squeezed, comment)
+        code = code.strip()
+        if code or comment:
+            yield _Row(number, code, comment)
 
 
 def _squeezed(code: str) -> str:

@@ -23,6 +23,24 @@ def test_there_are_programs():
     assert len(programs()) > 100
 
 
+FAILED_ONCE = (
+    "DEFAULT {!TCP} [5] (mm,deg,s) {B}",  # fmt wrote its tail once more at each run
+    "LET A =\u20033 *",  # an IndexError
+    "LET A = 1 \u2028 2",
+    "minP0010 MOVEJ HOME [5] (s)",  # an index was found within a word
+    "P" + "1" * 10_000 + " STOP",  # a ValueError
+    'P0010 HOLD "abc ! def',
+    "\ufeffP0010 STOP\n\ufeffP0020 STOP",
+    "P0010 MOVEJ " + "a " * 4_000,  # a finding for each word
+)
+"""What broke a law before."""
+
+
+@pytest.mark.parametrize("text", FAILED_ONCE, ids=range(len(FAILED_ONCE)))
+def test_what_failed_once(text, tmp_path):
+    assert Laws().broken(1, tmp_path, text) == []
+
+
 @pytest.mark.parametrize("block", range(COUNT // BLOCK))
 def test_any_text_keeps_the_laws(block):
     laws = Laws()

@@ -6,9 +6,10 @@ value (`bytes` of arrays) or by identity (a robot, a path that was itself recall
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable
-from typing import Any, Protocol, TypeVar
+from contextlib import suppress
+from typing import Any, Generic, Protocol, TypeVar
 
 T = TypeVar("T")
 
@@ -45,6 +46,8 @@ class Recent:
     def __init__(self, most: int) -> None:
         self._most = most
         self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+        self._used: set[Hashable] = set()
+        self._uses = deque([0], maxlen=_LOOKS)
         self.hits = 0
         self.misses = 0
 
@@ -58,6 +61,7 @@ class Recent:
             self.misses += 1
             return None
         self.hits += 1
+        self._used.add(key)
         # before, nothing is dropped for long, and to keep the order costs more than the look
         if 2 * len(self._kept) > self._most:
             try:
@@ -69,15 +73,78 @@ class Recent:
     def keep(self, key: Hashable, value: object) -> None:
         """Keep a result, and drop what wasn't used for longest."""
         self._kept[key] = value
-        while len(self._kept) > self._most:
+        self._used.add(key)
+        self._drop(self._most)
+
+    def settle(self, least: int) -> None:
+        """Drop what wasn't used for long, after one look at something: up to `least` results stay, or as many as the largest of the last looks
+        has used, and as many again.
+        """
+        used, self._used = self._used, set()
+        self._uses.append(len(used))
+        for key in list(used):
+            with suppress(KeyError):  # it was dropped already
+                self._kept.move_to_end(key)
+        self._drop(max(least, 2 * max(self._uses)))
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._kept.clear()
+        self._used.clear()
+
+    def _drop(self, most: int) -> None:
+        while len(self._kept) > most:
             try:
                 self._kept.popitem(last=False)
             except KeyError:
                 return
 
-    def clear(self) -> None:
+
+_LOOKS = 32
+"""Looks at something that count for how much is kept after one of them."""
+
+
+class Lately(Generic[T]):
+    """A function of texts and numbers that keeps what it has given lately.
+
+    There are two tables. Once the younger one has more than enough, it becomes the older one, and what was in that and wasn't asked for since is forgotten. Two
+    threads may use it at once, as `Recent`.
+
+    Args:
+        make: gives a result.
+        least: how many results are enough at least.
+    """
+
+    def __init__(self, make: Callable[..., T], least: int) -> None:
+        self._make = make
+        self._least = self._enough = least
+        self._young: dict[Hashable, T] = {}
+        self._old: dict[Hashable, T] = {}
+        self.__doc__ = make.__doc__
+
+    def __call__(self, *key: Hashable) -> T:
+        """Return what was given lately, else what `make` gives."""
+        found: Any = self._young.get(key, self)
+        if found is self:
+            found = self._old.get(key, self)
+            if found is self:
+                found = self._make(*key)
+            if len(self._young) >= self._enough:
+                self._old, self._young = self._young, {}
+            self._young[key] = found
+        result: T = found
+        return result
+
+    def __len__(self) -> int:
+        return len(self._young) + len(self._old)
+
+    def expect(self, number: int) -> None:
+        """Take it that so many results are asked for next: they are kept until they are asked for again."""
+        self._enough = max(self._least, 2 * number)
+
+    def cache_clear(self) -> None:
         """Forget everything."""
-        self._kept.clear()
+        self._young, self._old = {}, {}
 
 
 def recall(memory: Memory, key: Hashable, make: Callable[[], T]) -> T:

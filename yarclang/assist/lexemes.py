@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
+
+from yarclang.memory import Lately
 
 Kind = Literal["comment", "string", "frame", "open_frame", "index", "number", "word", "mark"]
 
@@ -43,8 +44,7 @@ class Lexeme:
         return self.text.strip("{}").strip().upper()
 
 
-@lru_cache(maxsize=1 << 14)
-def lexemes_of(line: str) -> tuple[Lexeme, ...]:
+def _read(line: str) -> tuple[Lexeme, ...]:
     """The pieces of one line; blanks are none."""
     found: list[Lexeme] = []
     for match in _TOKEN.finditer(line):
@@ -53,6 +53,10 @@ def lexemes_of(line: str) -> tuple[Lexeme, ...]:
             kind = "index"
         found.append(Lexeme(kind, match[0], match.start() + 1))
     return tuple(found)
+
+
+lexemes_of = Lately(_read, 1 << 13)
+"""The same, for the lines that are looked at again and again."""
 
 
 def lexeme_at(line: str, column: int) -> Lexeme | None:

@@ -33,7 +33,10 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
 MOST_KEPT = 60_000
-"""Results that are remembered: about ten a motion, half of them small."""
+"""Results that are remembered at most: about ten a motion, half of them small."""
+
+LEAST_KEPT = 4_000
+"""Results that are remembered however short the programs are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,16 +129,20 @@ class Analyst:
         Returns:
             None where the work was given up; what was worked out up to there is remembered.
         """
+        options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
         try:
             with told_to(unless(cancelled) if cancelled is not None else None):
                 if begun is not None and not quick:
-                    return Analysis(check_further(begun))
-                options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
-                return Analysis(check_text(source, folder, options, plans=not quick))
+                    checked = check_further(begun)
+                else:
+                    checked = check_text(source, folder, options, plans=not quick)
         except GivenUp:
             if cancelled is None:
                 raise
             return None
+        if not quick:
+            self.memory.settle(LEAST_KEPT)
+        return Analysis(checked)
 
     def forget(self) -> None:
         """Remember nothing of what was."""

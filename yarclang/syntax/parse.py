@@ -7,11 +7,12 @@ fault costs one finding and nothing else, and an unchanged statement is parsed o
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache, lru_cache
+from functools import cache
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix, Result
 from yarclang.internal_errors import internal_error
+from yarclang.memory import Lately
 from yarclang.progress import tell
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module, Place, Statement, Word
@@ -47,6 +48,8 @@ def parse(source: SourceFile) -> Result[Module]:
     diagnostics: list[Diagnostic] = []
     unreadable: list[int] = []
     comment_lines: list[tuple[int, str]] = []
+    for kept in (_placed, parse_statement):
+        kept.expect(len(source.lines))
     for number, (line, text) in enumerate(_statements(source)):
         if number % _EVERY == 0:
             tell("reading", line, len(source.lines))
@@ -75,8 +78,7 @@ def parse(source: SourceFile) -> Result[Module]:
     return Result(module, tuple(diagnostics))
 
 
-@lru_cache(maxsize=1 << 15)
-def _placed(text: str, line: int) -> Statement | Fault | None:
+def _read_in_place(text: str, line: int) -> Statement | Fault | None:
     """The statement of a text in its line; None where it has nothing but a comment. While a program is edited, most lines stay where they are."""
     if not code_of(text).strip():
         return fault_in(text)
@@ -92,6 +94,12 @@ def _fix(line: int, fault: Fault) -> Fix | None:
     """Return the fix of a fault in a statement that begins in a line."""
     edits = tuple(Edit(_span(line, place), put) for place, put in fault.edits)
     return Fix(fault.title, edits, uncovers=True) if edits else None
+
+
+_KEPT = 4096
+"""Statements that are kept at least; of longer texts all."""
+
+_placed = Lately(_read_in_place, _KEPT)
 
 
 def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
@@ -142,8 +150,7 @@ def _too_long_text(source: SourceFile) -> Diagnostic:
     return Diagnostic("Y0106", message, source, Span.on_line(1, 1, 2), help_)
 
 
-@lru_cache(maxsize=1 << 17)
-def parse_statement(text: str) -> Statement | Fault:
+def _read(text: str) -> Statement | Fault:
     """Parse the text of one statement; `line` of the result is 0 until the caller sets it."""
     if (wrong := fault_in(text)) is not None:
         return _operator_instead(text, wrong) or wrong
@@ -165,6 +172,9 @@ def _operator_instead(text: str, wrong: Fault) -> Fault | None:
         return None
     parsed = statement_by_grammar(text)
     return parsed if isinstance(parsed, Fault) and parsed.code == "Y0111" else None
+
+
+parse_statement = Lately(_read, _KEPT)
 
 
 def statement_by_grammar(text: str) -> Statement | Fault:

@@ -76,7 +76,9 @@ def read(text):
     lines = text.split("\n")
     table = {}
     for line in lines:
-        if found := re.match(r"; command (\d+) (\S+) (\S+) \d+ (\d+) (\d+)(?: blend \d+)?$", line):
+        if found := re.match(
+            r"; command (\d+) (\S+) (\S+) \d+ (\d+) (\d+)(?: blend \d+)?(?: any-jerk)?$", line
+        ):
             table[int(found[1])] = (int(found[4]), int(found[5]))
     start = _axes(lines[lines.index("RAPID") + 2])
     tm, sequences = None, []
@@ -178,5 +180,5 @@ def _to_segment(point, a, b):
 
 def overlaps(text):
     """The segments in which each command overlaps with the next, by step number, of those that do."""
-    found = re.finditer(r"^; command (\d+) .* blend (\d+)$", text, re.MULTILINE)
+    found = re.finditer(r"^; command (\d+) .* blend (\d+)(?: any-jerk)?$", text, re.MULTILINE)
     return {int(one[1]): int(one[2]) for one in found}

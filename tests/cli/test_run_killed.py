@@ -70,7 +70,8 @@ def test_a_bug_of_ours(workshop, simulator, monkeypatch):
     shell = CliRunner(env=workshop.environment)
     with contextlib.chdir(workshop.folder):
         done = shell.invoke(yarc, run_on(simulator))
-    assert str(done.exception) == "a bug"
+    assert done.exit_code == 1
+    assert "RuntimeError: a bug" in done.output
     assert_on_path(simulator.stands())
     assert "a bug of yarclang has ended the run" in done.output
     assert places(done.output) == pytest.approx(simulator.stands(), abs=2e-3)

@@ -178,7 +178,8 @@ def held(robot, arm, seeds):
             ]
             text = emit(lower(plan, request.target, request.robot.tolerance)).text(())
             chosen = {motion.step: motion.waypoints for motion in plan.motions}
-            found = faults(arm, program.said, text, chosen, told_by_step(diagnostics))
+            told = told_by_step((*diagnostics, *judged.diagnostics))
+            found = faults(arm, program.said, text, chosen, told)
             assert (found, refused) == ([], []), f"seed {seed}:\n{program.text}"
             assert judged.value is not None or any(one.is_error for one in judged.diagnostics)
             flowing = independent.overlaps(text)

@@ -48,7 +48,7 @@ def parse(source: SourceFile) -> Result[Module]:
     diagnostics: list[Diagnostic] = []
     unreadable: list[int] = []
     comment_lines: list[tuple[int, str]] = []
-    for kept in (_placed, parse_statement):
+    for kept in _LATELY:
         kept.expect(len(source.lines))
     for number, (line, text) in enumerate(_statements(source)):
         if number % _EVERY == 0:
@@ -175,6 +175,8 @@ def _operator_instead(text: str, wrong: Fault) -> Fault | None:
 
 
 parse_statement = Lately(_read, _KEPT)
+
+_LATELY: tuple[Lately[Any], ...] = (_placed, parse_statement)
 
 
 def statement_by_grammar(text: str) -> Statement | Fault:

@@ -133,7 +133,7 @@ class Sessions(RuleBasedStateMachine):
     async def _end(self):
         if hasattr(self, "context"):
             self.world.plug()
-            self.client.stop()
+            self.client.motion.stop()
             await self.context.__aexit__(None, None, None)
             pending = [one for one in (self.going, *self.driving) if one is not None]
             await asyncio.gather(*pending, return_exceptions=True)
@@ -163,10 +163,10 @@ class Sessions(RuleBasedStateMachine):
     def line(self, text, wait):
         async def go():
             try:
-                made = await self.client.offer(text)
+                made = await self.client.motion.offer(text)
                 self.tally.count("lines offered", made.value is not None)
                 if made.value is not None:
-                    done = await self.client.go(made.value)
+                    done = await self.client.motion.go(made.value)
                     self.tally.count("lines carried out", done.well)
                     return done
             except Trouble as trouble:
@@ -183,9 +183,9 @@ class Sessions(RuleBasedStateMachine):
     def back(self, wait):
         async def go():
             try:
-                made = await self.client.offer_back()
+                made = await self.client.motion.offer_back()
                 self.tally.count("ways back offered", made.value is not None)
-                return made.value and await self.client.go(made.value)
+                return made.value and await self.client.motion.go(made.value)
             except Trouble as trouble:
                 return trouble
 
@@ -216,7 +216,7 @@ class Sessions(RuleBasedStateMachine):
                 if self.drive is not None and self.drive.alive:
                     self.drive.want(targets[kind])
                 else:
-                    made = await self.client.drive(targets[kind])
+                    made = await self.client.live.drive(targets[kind])
                     self.drive = made.value or self.drive
                     self.tally.count("drives begun", made.value is not None)
                 await asyncio.sleep(0.15)
@@ -239,14 +239,14 @@ class Sessions(RuleBasedStateMachine):
     @rule(who=st.sampled_from(["client", "other"]))
     def stop(self, who):
         self.tally.count("stops of what moves", self.world.moving)
-        getattr(self, who).stop()
+        getattr(self, who).motion.stop()
         self.rests_within(self.world.robot.controller.hold_time + REPLY)
 
     @precondition(lambda self: self.busy)
     @rule(who=st.sampled_from(["client", "other"]))
     def abort(self, who):
         self.tally.count("aborts of what moves", self.world.moving)
-        getattr(self, who).abort()
+        getattr(self, who).motion.abort()
         limits = self.world.robot.limits
         self.rests_within(2.0 * float((limits.velocity / limits.stop_acceleration).max()) + REPLY)
 
@@ -258,18 +258,18 @@ class Sessions(RuleBasedStateMachine):
     @precondition(lambda self: self.busy)
     @rule()
     def hold(self):
-        self.other.hold()
+        self.other.motion.hold()
         self.wait(0.3)
 
     @precondition(lambda self: self.busy)
     @rule(wait=st.sampled_from([0.0, 0.3]))
     def resume(self, wait):
-        self.client.resume()
+        self.client.motion.resume()
         self.wait(wait)
 
     @rule(percent=st.sampled_from([20.0, 60.0, 100.0]))
     def override(self, percent):
-        self.client.override(percent)
+        self.client.motion.override(percent)
         self.wait(0.05)
 
     @rule(seconds=st.sampled_from([0.01, 0.2, 1.0, 4.0]))
@@ -283,16 +283,16 @@ class Sessions(RuleBasedStateMachine):
         async def wanted():
             match what:
                 case "go":
-                    made = await self.other.offer("LET A1 = 1")
-                    await self.other.go(made.value)
+                    made = await self.other.motion.offer("LET A1 = 1")
+                    await self.other.motion.go(made.value)
                 case "drive":
-                    await self.other.drive(JointVelocity(np.ones(6) * 0.1))
+                    await self.other.live.drive(JointVelocity(np.ones(6) * 0.1))
                 case "own":
-                    self.other.own()
+                    self.other.session.own()
                 case "override":
-                    self.other.override(50.0)
+                    self.other.motion.override(50.0)
                 case "resume":
-                    self.other.resume()
+                    self.other.motion.resume()
 
         with pytest.raises(Trouble) as refused:
             self.do(wanted())
@@ -325,7 +325,7 @@ class Sessions(RuleBasedStateMachine):
         for motor in range(1, 7):
             self.world.machine.command(f"#{motor}J/", 9)
         try:
-            self.do(self.client.clear())
+            self.do(self.client.motion.clear())
         except Trouble:
             self.tally.count("faults cleared", False)
             return

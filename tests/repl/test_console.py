@@ -2,19 +2,17 @@
 
 import asyncio
 
-import numpy as np
 import pytest
 from coordinator.virtual import run
 from prompt_toolkit.input import create_pipe_input
 from prompt_toolkit.output import DummyOutput
 from repl.talking import talking
 
-from yarclang.coordinator.events import ProgressMade
+from yarclang.coordinator.messages.events import Position, ProgressMade
 from yarclang.repl import console
 from yarclang.repl.interpreter import Interpreter
 from yarclang.repl.toolbar import Toolbar
 from yarclang.runtime.state import State
-from yarclang.units import DEG
 
 
 class Recorder(Interpreter):
@@ -88,16 +86,18 @@ def test_a_home_that_cannot_be_written_is_no_reason_not_to_work(home, monkeypatc
 def test_the_line_at_the_bottom(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
-            toolbar = Toolbar(person.coordinator)
-            await person.world.until(lambda: person.coordinator.position is not None)
+            robot, picture = person.world.robot, person.interpreter.picture
+            toolbar = Toolbar(robot, picture)
+            await person.world.until(lambda: picture.joints is not None)
             first, second = toolbar.text(200).split("\n")
             assert first == " INDUSTRIAL6 stop | homed, enabled | 100 %"
             assert second.startswith(" {TCP} 0.00 1174.40 1764.00 mm | J1 0.00 | J2 0.00")
             assert all(len(line) <= 30 for line in toolbar.text(30).split("\n"))
             await person.begin("MOVEJ 40 0 0 0 20 0 [5] (deg,s)")
-            toolbar.hear(ProgressMade(0.0, 1.25, 3.75, "P0010 MOVEJ", 1))
+            picture.hear(ProgressMade(time_s=0.0, done_s=1.25, left_s=3.75, command="P0010 MOVEJ", line=1))
             assert "move | P0010 MOVEJ 1.2 s, 3.8 s to go" in toolbar.text(200)
-            person.coordinator.position = np.full(6, 1.0 * DEG)
+            joints = dict.fromkeys(robot.joint_names, 1.0)
+            picture.hear(Position(time_s=0.0, joints=joints, done_s=0.0))
             assert "J6 1.00" in toolbar.text(200)
             await person.settled()
 
@@ -109,7 +109,9 @@ def test_a_lost_connection_is_shown(tmp_path):
         async with talking(tmp_path) as person:
             person.world.unplug()
             await person.world.until(lambda: person.coordinator.state is State.DISCONNECTED)
-            assert "disconnected | not ready" in Toolbar(person.coordinator).text(200)
+            assert "disconnected | not ready" in Toolbar(person.world.robot, person.interpreter.picture).text(
+                200
+            )
             assert "disconnected" in person.taken()
             assert "no connection" in await person.type("MOVEJ 10 0 0 0 20 0 [1] (deg,s)")
             person.world.plug()

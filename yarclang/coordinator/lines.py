@@ -130,6 +130,12 @@ class Lines:
         self.count = 0
         self.revision = 0
 
+    def copy(self) -> Lines:
+        """Return the same, as they are now."""
+        made = Lines()
+        made.declarations, made.count, made.revision = list(self.declarations), self.count, self.revision
+        return made
+
     def behind(self, text: str) -> Typed:
         """A text behind all declarations."""
         before = "".join(f"{one}\n" for one in self.declarations)

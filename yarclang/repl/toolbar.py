@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from yarclang.coordinator.coordinator import Coordinator
-from yarclang.coordinator.events import Event, ProgressMade
+from yarclang.coordinator.describing import joints_of
+from yarclang.coordinator.picture import Picture
 from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Robot
 from yarclang.runtime.state import State
 from yarclang.units import MM
 
@@ -14,38 +15,34 @@ _NOT_READY = (State.DISCONNECTED, State.FAULT)
 
 
 class Toolbar:
-    """Made anew whenever it is drawn, from what the coordinator knows.
+    """Made anew whenever it is drawn, from what was told of the robot.
 
     Args:
-        coordinator: that owns the robot.
+        robot: that is shown.
+        picture: what it does.
     """
 
-    def __init__(self, coordinator: Coordinator) -> None:
-        self._coordinator = coordinator
-        self._progress: ProgressMade | None = None
-
-    def hear(self, event: Event) -> None:
-        """Keep how far the robot is."""
-        if isinstance(event, ProgressMade):
-            self._progress = event
+    def __init__(self, robot: Robot, picture: Picture) -> None:
+        self._robot = robot
+        self._picture = picture
 
     def text(self, width: int) -> str:
         """Two lines: state, progress, whether it is ready, override; and tool and joints. As far as they fit into `width` columns."""
-        coordinator = self._coordinator
-        state = coordinator.state
-        parts = [f"{coordinator.robot.name} {state.value}"]
-        if coordinator.under_way and self._progress is not None:
-            name = self._progress.command or coordinator.under_way
-            parts.append(f"{name} {self._progress.done:.1f} s, {self._progress.left:.1f} s to go")
+        picture = self._picture
+        state, progress = picture.state, picture.progress
+        parts = [f"{self._robot.name} {state.value}"]
+        if picture.under_way and progress is not None:
+            name = progress.command or picture.under_way
+            parts.append(f"{name} {progress.done_s:.1f} s, {progress.left_s:.1f} s to go")
         parts.append("not ready" if state in _NOT_READY else "homed, enabled")
-        parts.append(f"{coordinator.override:g} %")
+        parts.append(f"{picture.override:g} %")
         return f"{_joined(parts, width)}\n{_joined(self._places(), width)}"
 
     def _places(self) -> list[str]:
-        coordinator = self._coordinator
-        joints, robot = coordinator.position, coordinator.robot
-        if joints is None:
+        robot = self._robot
+        if self._picture.joints is None:
             return []
+        joints = joints_of(robot, self._picture.joints)
         values = np.round(joints / robot.axis_units, 2) + 0.0
         tool = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
         place = tool_poses(robot.chain, joints[None], robot.flange_from_frame[tool])[0, :3, 3] / MM

@@ -93,12 +93,23 @@ def test_the_line_at_the_bottom(tmp_path):
             assert first == " INDUSTRIAL6 stop | homed, enabled | 100 %"
             assert second.startswith(" {TCP} 0.00 1174.40 1764.00 mm | J1 0.00 | J2 0.00")
             assert all(len(line) <= 30 for line in toolbar.text(30).split("\n"))
+            assert toolbar.text(80).split("\n")[1].count(" 0.00") == 7  # all joints, and x
             await person.begin("MOVEJ 40 0 0 0 20 0 [5] (deg,s)")
             picture.hear(ProgressMade(time_s=0.0, done_s=1.25, left_s=3.75, command="P0010 MOVEJ", line=1))
             assert "move | P0010 MOVEJ 1.2 s, 3.8 s to go" in toolbar.text(200)
             joints = dict.fromkeys(robot.joint_names, 1.0)
             picture.hear(Position(time_s=0.0, joints=joints, done_s=0.0))
             assert "J6 1.00" in toolbar.text(200)
+            for width in range(20, 200):
+                assert all(len(line) <= width for line in toolbar.text(width).split("\n"))
+            for state, place in ((s, -170.0 - 0.25 * n) for n, s in enumerate(robot.joint_names)):
+                joints[state] = place
+            picture.hear(Position(time_s=0.0, joints=joints, done_s=0.0))
+            command = "P0010(I=2)>P0010 MOVEL_RPY_LSPB"
+            picture.hear(ProgressMade(time_s=0.0, done_s=125.0, left_s=375.0, command=command, line=1))
+            first, second = toolbar.text(80).split("\n")
+            assert first.endswith(" s to go | 100 %")
+            assert second.count("-17") == len(robot.joint_names)
             await person.settled()
 
     run(session())

@@ -137,7 +137,8 @@ class There:
         self._numbers = count(1)
         self._asked: dict[int, tuple[type[Reply], asyncio.Future[Any]]] = {}
         self._listeners: list[Subscription] = []
-        self._hearing = asyncio.get_running_loop().create_task(self._hear(), name="attached")
+        self._loop = asyncio.get_running_loop()
+        self._hearing = self._loop.create_task(self._hear(), name="attached")
 
     @classmethod
     async def attach(cls, path: Path, name: str) -> There:
@@ -192,7 +193,7 @@ class There:
         if self._hearing.done() or self._writer.is_closing():
             raise self._gone()
         number = next(self._numbers)
-        future = asyncio.get_running_loop().create_future()
+        future = self._loop.create_future()
         self._asked[number] = (order.answer, future)
         self._writer.write(write_order(order, number))
         return future

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from yarclang.coordinator.backwards import Passed, last_group, passed
-from yarclang.coordinator.lines import Lines
+from yarclang.coordinator.lines import Lines, relative, seen_from
 from yarclang.coordinator.offers import Offer
 from yarclang.hir import Array, Program
 from yarclang.robot.actuation import to_counts
@@ -27,9 +25,6 @@ _COUNT = 1.0
 
 _FIRST, _STEP = 10, 10
 """Indices of a saved program."""
-
-_CELL = re.compile(r'(?P<before>\s*CELL\s+)"(?P<file>[^"]+)"', re.IGNORECASE)
-"""The line that names a cell's file."""
 
 _BRIDGE = "[10%]"
 """How fast a saved program goes where the robot was moved by something else than its commands."""
@@ -127,7 +122,7 @@ class History:
         whole = [one for one in self._entries if one.whole]
         if whole:
             text.append(f"START {_values(robot, whole[0].start)} {_units(robot, '')}")
-        text += (_seen_from(one, home.absolute(), there) for one in lines.declarations)
+        text += (seen_from(one, home.absolute(), there) for one in lines.declarations)
         stands = whole[0].start if whole else robot.home
         for one in whole:
             if not stands_there(robot, one.start, stands):
@@ -144,19 +139,7 @@ class History:
 def _robot_name(robot: Robot, folder: Path) -> str:
     """A name of the library, else where it is, as it is seen from a folder."""
     known = any(one.folder == robot.folder for one in list_robots())
-    return robot.name if known else f'"{_relative(robot.folder / "robot.toml", folder)}"'
-
-
-def _seen_from(declaration: str, home: Path, folder: Path) -> str:
-    """A declaration of a session as it is written in a file of another folder: a CELL names a file."""
-    named = _CELL.match(declaration)
-    if named is None or Path(named["file"]).is_absolute():
-        return declaration
-    return f'{named["before"]}"{_relative(home / named["file"], folder)}"{declaration[named.end() :]}'
-
-
-def _relative(path: Path, folder: Path) -> str:
-    return os.path.relpath(path, folder).replace(os.sep, "/")
+    return robot.name if known else f'"{relative(robot.folder / "robot.toml", folder)}"'
 
 
 def _values(robot: Robot, q: Array) -> str:

@@ -61,7 +61,9 @@ class Undertaking:
             self.on_the_way = False
         ended = Ended(True)
         for number, job in enumerate(self._jobs()):
-            if number and steps and (stopped := await self._pause(job, number)) is not None:
+            # behind the way to the start, too: who goes step by step begins each step
+            waits = steps and (number or way is not None)
+            if waits and (stopped := await self._pause(job, number)) is not None:
                 return stopped
             self._tell(job, number + 1, len(steps) or self.times)
             ended = await self._perform(job)

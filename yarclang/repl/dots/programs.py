@@ -7,6 +7,7 @@ from pathlib import Path
 
 from yarclang.coordinator.attached import Here
 from yarclang.coordinator.client.files import write_program
+from yarclang.coordinator.lines import seen_from
 from yarclang.coordinator.messages import orders
 from yarclang.coordinator.messages.findings import findings_of
 from yarclang.repl.declaring import adopt
@@ -28,14 +29,14 @@ async def _load(interpreter: Interpreter, rest: str) -> None:
     interpreter.show(loaded.diagnostics)
     if loaded.value is None:
         return
-    if not await adopt(interpreter, loaded.value.declarations):
+    home, here = path.parent.absolute(), interpreter.folder.absolute()
+    declarations = tuple(seen_from(one, home, here) for one in loaded.value.declarations)
+    if not await adopt(interpreter, declarations):
         return
     interpreter.file = loaded.value
-    commands, declarations = loaded.value.commands, len(loaded.value.declarations)
+    commands, count = loaded.value.commands, len(declarations)
     which = f"{len(commands)} commands, {commands[0]} to {commands[-1]}" if commands else "no commands"
-    interpreter.say(
-        f"{path}: {which}; its {declarations} declarations hold here from now on; .run carries it out"
-    )
+    interpreter.say(f"{path}: {which}; its {count} declarations hold here from now on; .run carries it out")
 
 
 async def _run(interpreter: Interpreter, rest: str) -> None:

@@ -3,6 +3,7 @@
 - From a line that is given (Enter) to the first motion of a motor: planned, certified, loaded, begun. Goal: 150 ms, median, for MOVEJ and MOVEL.
 - From a key to the first motion of a jog at TM 10. Goal: 120 ms.
 - From the wish to go the other way to turning back: what the rotary buffer adds, and braking from 3 deg/s; and from a stop to rest.
+- From connecting to a served robot to its first event, by `yarclang/client.py`. Goal: 100 ms.
 - What an event stream at 50 Hz takes of a core, at rest and in motion. Goal: 10 %.
 """
 
@@ -23,12 +24,14 @@ from pathlib import Path
 
 import numpy as np
 
+from yarclang.client import Robot
 from yarclang.coordinator.client import Client
 from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.live.steering import JointVelocity
 from yarclang.coordinator.messages.events import Position
 from yarclang.coordinator.ordered import OrderedSession
+from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.description import load_robot
 from yarclang.runtime.messages import AskControl
 from yarclang.runtime.protocol import Connection
@@ -158,6 +161,18 @@ async def jog(client: Client, port: int, rounds: int) -> tuple[list[float], list
     return first, changed, rested
 
 
+async def attach(path: Path) -> list[float]:
+    """From connecting to the first event [s], of clients in a thread."""
+
+    def attached() -> float:
+        begun = time.perf_counter()
+        with Robot(str(path), name="bench") as robot:
+            next(robot.events(positions=True))
+        return time.perf_counter() - begun
+
+    return [await asyncio.to_thread(attached) for _ in range(21)]
+
+
 async def stream(client: Client, seconds: float) -> tuple[int, float]:
     """Positions that one subscriber takes, and what of a core all of this process takes meanwhile."""
     events, count = client.session.events(), 0
@@ -185,6 +200,8 @@ async def measure(port: int, rounds: int) -> None:
         told("a key", "first motion of a jog, TM 10", first, "120 ms")
         told("the other way is wanted", "it turns back", changed, "stated: 0.35 s and braking")
         told("a stop", "rest", rested, "hold time 250 ms")
+        async with ControlSocket(coordinator) as control:
+            told("connecting to the socket", "first event", await attach(control.path), "100 ms")
         print("\n| event stream | positions a second | of a core | goal |\n|---|---|---|---|")
         rate, used = await stream(client, 4.0)
         print(f"| at rest | {rate} | {used:.1%} | 10 % |")

@@ -202,6 +202,7 @@ class Desk:
         return replies.Offered(offer=offer_described(made.value, self.client.robot), findings=found)
 
     async def _go(self, order: orders.Go) -> replies.Ended:
+        self._coordinator.check_owner(self.client.name, "to move the robot")
         offer = self._offers.get(order.offer)
         if offer is None:
             raise Trouble(f"there is no offer {order.offer}", "ask for it again", "Y1613")
@@ -240,8 +241,9 @@ class Desk:
         return way_described(way, self.client.robot, loaded.rest.start)
 
     async def _run(self, order: orders.Run) -> replies.Ended:
-        loaded = self._loaded(order.program)
         coordinator = self._coordinator
+        coordinator.check_owner(self.client.name, "to move the robot")
+        loaded = self._loaded(order.program)
         stops, self._stops = self._stops, None
         undertaking = Undertaking(loaded, coordinator, order.times)
         ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)

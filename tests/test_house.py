@@ -15,7 +15,7 @@ DOORS = ("cli", "lsp", "repl")
 SOCKETS = {
     "client.py": {"socket", "tempfile", "threading"},
     "coordinator/attached.py": {"asyncio"},
-    "coordinator/coordinator.py": {"datetime"},
+    "coordinator/coordinator.py": {"asyncio", "datetime"},
     "coordinator/engine.py": {"asyncio"},
     "coordinator/live/serving.py": {"asyncio", "secrets"},
     "coordinator/serving.py": {"asyncio"},

@@ -208,6 +208,22 @@ def test_a_server_that_is_killed(workshop, simulator, served):
     )
 
 
+def test_a_server_that_hangs_is_given_up(workshop, simulator, served):
+    first = workshop.start("exec", "p.yarc", "--tm", "10", *to(simulator))
+    first.wait_for('"state": "move"')
+    served.signal(signal.SIGSTOP)
+    try:
+        assert_on_path(simulator.comes_to_rest())  # its guard PLC holds it
+        first.signal(signal.SIGTERM)
+        time.sleep(3.5)
+        first.signal(signal.SIGTERM)
+        assert "nobody knows what the robot does" in json.loads(first.end(1).splitlines()[-1])["what"]
+        text = workshop.yarc("run", "p.yarc", *to(simulator), status=1)
+        assert f"process {served.pid}" in text  # who holds the controller's lock
+    finally:
+        served.signal(signal.SIGCONT)
+
+
 # the client of one file
 
 

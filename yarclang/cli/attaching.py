@@ -23,6 +23,9 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.transports.runs import Run, find_runs, run_on
 
+_QUICK = 1.5
+"""Who takes longer to greet doesn't serve [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Served:
@@ -75,9 +78,9 @@ def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served |
 def _served(run: Run) -> Served | None:
     """What a run says of itself, if it serves others."""
     try:
-        with Asked(str(run.path), name="looking") as robot:
+        with Asked(str(run.path), name="looking", timeout=_QUICK) as robot:
             told = robot.welcome
-    except (Gone, Refused):
+    except (Gone, Refused, TimeoutError):  # one that hangs serves nobody
         return None
     if not told["serves"]:
         return None

@@ -15,6 +15,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from yarclang.cli.attaching import Place, attached
+from yarclang.cli.terminal import SILENT
 from yarclang.coordinator.attached import Attached, Here
 from yarclang.coordinator.messages import orders
 from yarclang.coordinator.messages.findings import Finding
@@ -137,6 +138,11 @@ def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
         return asyncio.run(work)
     except Trouble as trouble:
         lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
+    except asyncio.CancelledError:
+        what = (
+            "given up: the process that serves the robot doesn't answer, and nobody knows what the robot does"
+        )
+        lines.say(refused_line(what, "look at the robot", "Y1606"))
     except Lost as lost:
         lines.say(refused_line(f"the connection was lost: {lost}", "look at the robot", "Y1606"))
     return 1
@@ -229,7 +235,7 @@ async def tell(stream: Subscription, lines: Lines) -> None:
 
 
 class Signals:
-    """A termination stops the robot on its path, and ends then; Ctrl-Z holds.
+    """A termination stops the robot on its path, and ends then; a second one gives up a coordinator of whom nothing is heard. Ctrl-Z holds.
 
     Args:
         ended: called with each termination.
@@ -242,10 +248,12 @@ class Signals:
     def __init__(self, ended: Callable[[], object] = lambda: None) -> None:
         self._tell_end = ended
         self.attached: Attached | None = None
+        self._task: asyncio.Task[Any] | None = None
         self.ended = False
 
     def __enter__(self) -> Signals:
         loop = asyncio.get_running_loop()
+        self._task = asyncio.current_task()
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT):
             loop.add_signal_handler(number, self._end)
         loop.add_signal_handler(signal.SIGTSTP, self._hold)
@@ -257,6 +265,14 @@ class Signals:
             loop.remove_signal_handler(number)
 
     def _end(self) -> None:
+        if (
+            self.ended
+            and self.attached is not None
+            and self.attached.silence > SILENT
+            and self._task is not None
+        ):
+            self._task.cancel()  # nobody is there who could stop it
+            return
         self.ended = True
         self._tell_end()
         if self.attached is not None:

@@ -19,6 +19,9 @@ from yarclang.coordinator.messages.events import BaseEvent, StateChanged
 from yarclang.coordinator.picture import Picture
 from yarclang.runtime.state import State
 
+SILENT = 3.0
+"""Of whom nothing was heard for so long, nothing is known any more [s]."""
+
 _ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
@@ -87,7 +90,9 @@ class Terminal:
 
     @property
     def _state(self) -> State:
-        return State.DISCONNECTED if self._picture is None else self._picture.state
+        if self._picture is None or self._attached is None or self._attached.silence > SILENT:
+            return State.DISCONNECTED
+        return self._picture.state
 
     def _order(self, order: orders.Order[Any]) -> None:
         if self._attached is not None:

@@ -26,6 +26,9 @@ from yarclang.coordinator.subscription import Subscription
 from yarclang.runtime.actions import Trouble
 
 R = TypeVar("R", bound=Reply)
+_PATIENCE = 5.0
+"""Who doesn't greet within this time hangs [s]."""
+
 Refused = Callable[[Trouble], object]
 
 
@@ -37,6 +40,11 @@ class Attached(Protocol):
     """
 
     welcome: Welcome
+
+    @property
+    def silence(self) -> float:
+        """How long nothing was heard of the coordinator [s]: one that drives a robot tells positions all the time."""
+        ...
 
     async def ask(self, order: Order[R]) -> R:
         """Order something, and wait for the reply.
@@ -81,6 +89,11 @@ class Here:
         self.client = coordinator.attach(name)
         self.desk = Desk(coordinator, self.client)
         self.welcome = welcome(coordinator, self.client)
+
+    @property
+    def silence(self) -> float:
+        """Nothing: it is here."""
+        return 0.0
 
     async def ask(self, order: Order[R]) -> R:
         """Order something, as `Attached.ask`."""
@@ -138,6 +151,7 @@ class There:
         self._asked: dict[int, tuple[type[Reply], asyncio.Future[Any]]] = {}
         self._listeners: list[Subscription] = []
         self._loop = asyncio.get_running_loop()
+        self._heard = self._loop.time()
         self._hearing = self._loop.create_task(self._hear(), name="attached")
 
     @classmethod
@@ -154,11 +168,21 @@ class There:
             raise Trouble(f"{path.stem} can't be reached: {reason}", "has it ended?", "Y1606") from None
         made = cls(path, reader, writer)
         try:
-            made.welcome = await made.ask(orders.Hello(name=name))
+            async with asyncio.timeout(_PATIENCE):
+                made.welcome = await made.ask(orders.Hello(name=name))
+        except TimeoutError:
+            await made.leave()
+            what = f"{path.stem} doesn't answer within {_PATIENCE:g} s"
+            raise Trouble(what, "look whether its process hangs", "Y1606") from None
         except Trouble:
             await made.leave()
             raise
         return made
+
+    @property
+    def silence(self) -> float:
+        """How long nothing was heard [s]."""
+        return self._loop.time() - self._heard
 
     async def ask(self, order: Order[R]) -> R:
         """Order something, as `Attached.ask`."""
@@ -201,6 +225,7 @@ class There:
     async def _hear(self) -> None:
         try:
             while line := await self._reader.readline():
+                self._heard = self._loop.time()
                 self._take(line)
         except (OSError, ValueError):  # it is gone, or says what no coordinator says
             pass

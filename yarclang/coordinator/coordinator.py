@@ -5,6 +5,7 @@ Everything runs in one event loop; `plan` may hand planning to a thread. docs/co
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable
 from datetime import datetime
 from itertools import chain, count
@@ -93,7 +94,8 @@ class Coordinator:
         self.lines = Lines()
         self.names = Names(self.lines, self.planner)
         self.history = History(robot)
-        self.plan = plan or self.engine.beside
+        self._planning = asyncio.Lock()
+        self._plan = plan or self.engine.beside
         self.numbers = count(1)
         self.position: Array | None = None
         self.stops = 0
@@ -267,6 +269,11 @@ class Coordinator:
         return await self.engine.ask(lambda: stands_at(operation, robot))
 
     # what is carried out
+
+    async def plan(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a function that takes long where planning is done, one at a time: many of them would keep the task that streams from its work."""
+        async with self._planning:
+            return await self._plan(function, *arguments)
 
     async def carry_out(
         self, client: str, name: str, duration: float, work: Callable[[], Awaitable[Ended]], stops: int

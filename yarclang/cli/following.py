@@ -17,7 +17,6 @@ from yarclang.coordinator.live.opening import Settings
 from yarclang.coordinator.live.serving import Door, MasterServer, TcpDoor, UnixDoor
 from yarclang.coordinator.opened import opened
 from yarclang.robot.model import Robot
-from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.units import MM
 
@@ -79,19 +78,13 @@ async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines
             address.port,
             folder=Path(),
             name="follow",
+            cell=options["cell"],
             log=log,
             reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
         ) as coordinator:
             client = coordinator.attach("follow")
             client.own()
             signals.client = client
-            if options["cell"] is not None:
-                made = await client.offer(f'CELL "{options["cell"]}"')
-                if made.value is None:
-                    raise Trouble(
-                        f"the cell can't be used: {made.diagnostics[0].message}", "see its findings"
-                    )
-                await client.go(made.value)
             speed = options["speed"]
             settings = Settings(speed=None if speed is None else speed * MM)
             moving = "{" + options["moving"].strip("{} ") + "}"
@@ -101,7 +94,8 @@ async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines
                 )
                 async with MasterServer(client, _door(options), moving=moving, settings=settings) as server:
                     with _known(server, options["token_file"]) as listening:
-                        await lines.put(listening)
+                        around = coordinator.planner.cell
+                        await lines.put(listening | {"cell": None if around is None else around.source.name})
                         await ends.wait()
                     while coordinator.under_way:
                         await asyncio.sleep(0.02)

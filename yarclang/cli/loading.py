@@ -39,8 +39,6 @@ def load(file: str, first: str | None, options: dict[str, Any]) -> tuple[Loaded 
     Raises:
         click.UsageError: an option doesn't go with the file.
     """
-    if options.get("cell") is not None and not is_compiled(file):
-        raise click.UsageError("--cell: only with a .pmc; a program names its cell itself, in a CELL line")
     if options.get("source") is not None and not is_compiled(file):
         raise click.UsageError("--source: only with a .pmc, which it is the program of")
     result = _compiled_before(file, options) if is_compiled(file) else _compile(file, first, options)
@@ -57,7 +55,6 @@ def _compiled_before(file: str, options: dict[str, Any]) -> Result[Loaded]:
             read.value,
             Path(file).parent,
             options_from(options),
-            options.get("cell"),
             options.get("source"),
         )
     judged = made.value

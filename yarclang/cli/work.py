@@ -99,6 +99,7 @@ def options_from(planning: dict[str, Any]) -> Options:
         tm=planning.get("tm"),
         tolerance=None if tolerance is None else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
         target=planning.get("target", "rotary"),
+        cell=planning.get("cell"),
     )
 
 

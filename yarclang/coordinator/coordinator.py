@@ -42,6 +42,7 @@ class Coordinator:
         session: the connection to its controller.
         folder: where modules, cells and yarc.toml are looked for.
         tm: longest segment time of what is planned [ms]; None: the robot's.
+        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
         plan: where planning is done; None: in a thread, so that a long program doesn't keep anybody from stopping the robot.
 
@@ -60,12 +61,13 @@ class Coordinator:
         *,
         folder: Path,
         tm: float | None = None,
+        cell: str | None = None,
         log: Path | None = None,
         plan: Planning | None = None,
     ) -> None:
         self.robot = robot
         self.engine = Engine(robot, session, log, self._bug)
-        self.planner = Planner(robot, folder, tm)
+        self.planner = Planner(robot, folder, tm, cell)
         self.lines = Lines()
         self.history = History(robot)
         self.plan = plan or self.engine.beside

@@ -24,6 +24,7 @@ async def opened(
     folder: Path,
     name: str,
     tm: float | None = None,
+    cell: str | None = None,
     log: Path | None = None,
     reply_time: float = REPLY_TIME,
     pace: float = 1.0,
@@ -37,6 +38,7 @@ async def opened(
         folder: where modules, cells and yarc.toml are looked for.
         name: what `yarc status` calls it while nothing is under way.
         tm: longest segment time of what is planned [ms]; None: the robot's.
+        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
@@ -47,6 +49,6 @@ async def opened(
     """
     with controller_lock(host, port):
         session = OrderedSession(host, port, reply_time=reply_time, pace=pace)
-        coordinator = Coordinator(robot, session, folder=folder, tm=tm, log=log)
+        coordinator = Coordinator(robot, session, folder=folder, tm=tm, cell=cell, log=log)
         async with coordinator, ControlSocket(session, lambda: About(coordinator.under_way or name, robot)):
             yield coordinator

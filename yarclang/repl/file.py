@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from yarclang.cell.model import Cell
 from yarclang.coordinator.lines import parts_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.pipeline.inputs import Opened, Options, open_program
@@ -26,15 +27,17 @@ class LoadedFile:
     commands: tuple[str, ...]
 
 
-def open_file(path: Path, robot: Robot, stands: Array) -> Result[Opened]:
+def open_file(path: Path, robot: Robot, stands: Array, cell: Cell | None) -> Result[Opened]:
     """Read a program, to be run from where the robot stands unless the file says START.
 
     Args:
         path: of the file.
         robot: that it must be for.
         stands: (n,) [rad or m].
+        cell: that the session keeps to, and the program with it.
     """
-    opened = open_program(str(path), Options(robot=str(robot.folder)))
+    named = None if cell is None else cell.source.name
+    opened = open_program(str(path), Options(robot=str(robot.folder), cell=named))
     if opened.value is None or has_errors(opened.diagnostics):
         return Result(None, opened.diagnostics)
     request = opened.value.request
@@ -43,13 +46,13 @@ def open_file(path: Path, robot: Robot, stands: Array) -> Result[Opened]:
     return Result(replace(opened.value, request=request), opened.diagnostics)
 
 
-def load_file(path: Path, robot: Robot, stands: Array) -> Result[LoadedFile]:
-    """Read and check a program.
+def load_file(path: Path, robot: Robot, stands: Array, cell: Cell | None) -> Result[LoadedFile]:
+    """Read and check a program, as `open_file`.
 
     Returns:
         None where a finding forbids to work with it; what only planning tells isn't asked here.
     """
-    opened = open_file(path, robot, stands)
+    opened = open_file(path, robot, stands, cell)
     if opened.value is None:
         return Result(None, opened.diagnostics)
     module = opened.value.module

@@ -33,6 +33,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, refused_line
     from yarclang.cli.loading import is_compiled, load
+    from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
     from yarclang.runtime.rest import off_the_start
 
@@ -47,6 +48,8 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
         if loaded is None:
             lines.say(refused_line("the program has errors; nothing moved", "see the findings"))
             raise SystemExit(1)
+        if loaded.around is not None:
+            lines.say({"event": "message", "text": cell_text(loaded.around), "warning": False})
         program = loaded.program
         if options["times"] > 1 and (off := off_the_start(program, program.end)):
             what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {off.partition(': ')[2]}"

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from yarclang.cli.address import SIM, Address, AddressType
-from yarclang.cli.options import PositiveNumber, robot_option
+from yarclang.cli.options import PositiveNumber, cell_option, robot_option
 
 
 @click.command("follow")
@@ -43,7 +43,7 @@ from yarclang.cli.options import PositiveNumber, robot_option
     type=PositiveNumber("MM_S"),
     help="The largest speed of that frame, mm/s (default: the robot's, [jog] speed of its robot.toml).",
 )
-@click.option("--cell", type=click.Path(), help="A cell.toml: its obstacles and zones are kept to.")
+@cell_option
 @click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
 @click.option(
     "--log",
@@ -67,6 +67,8 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
     from yarclang.cli.controllers import controller
     from yarclang.cli.executing import Lines, findings_line, refused_line
     from yarclang.cli.following import follow
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.cells import session_cell
     from yarclang.pipeline.inputs import robot_for
     from yarclang.runtime.actions import Trouble
 
@@ -78,6 +80,12 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
             lines.say(findings_line(found.diagnostics))
         if found.value is None:
             lines.say(refused_line("the robot isn't known; nothing moved", "see the findings"))
+            raise SystemExit(1)
+        around = session_cell(Path(), found.value, options["cell"])
+        if around.diagnostics:
+            lines.say(findings_line(around.diagnostics))
+        if has_errors(around.diagnostics):
+            lines.say(refused_line("the cell can't be used; nothing moved", "see the findings"))
             raise SystemExit(1)
         with controller(to, found.value, found.value.home, tells=False) as address:
             raise SystemExit(follow(found.value, address, options, lines, own=to is None))

@@ -11,11 +11,12 @@ import click
 
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
-from yarclang.cli.options import Numbers, robot_option, tm_option
+from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
 
 
 @click.command("repl")
 @robot_option
+@cell_option
 @controller_option
 @click.option(
     "--start",
@@ -31,7 +32,10 @@ def command(to: Address | None, **options: Any) -> None:
     .help lists what else can be typed; Ctrl-C stops the robot. Standard input that is no terminal is read line by line.
     """
     from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.cells import session_cell
     from yarclang.pipeline.inputs import joint_position, robot_for
+    from yarclang.report.cell import cell_text
 
     check_controller_usage(to, options)
     if options["start"] and to is not None:
@@ -45,6 +49,12 @@ def command(to: Address | None, **options: Any) -> None:
     show_findings(placed.diagnostics)
     if placed.value is None:
         raise SystemExit(1)
+    around = session_cell(Path(), robot, options["cell"])
+    show_findings(around.diagnostics)
+    if has_errors(around.diagnostics):
+        raise SystemExit(1)
+    if around.value is not None and around.value.loaded.value is not None:
+        click.echo(cell_text(around.value.loaded.value), err=True)
     from yarclang.cli.controllers import controller
 
     with trouble_is_said(), controller(to, robot, placed.value, options["rate"]) as address:
@@ -72,6 +82,7 @@ async def _session(robot: Any, address: Address, options: dict[str, Any], *, own
             folder=Path.cwd(),
             name="repl",
             tm=options["tm"],
+            cell=options["cell"],
             log=NO_LOG if options["no_log"] else options["log"],
             reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
             pace=options["rate"] or 1.0,

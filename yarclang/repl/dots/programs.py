@@ -17,8 +17,8 @@ _ENDING = ".yarc"
 async def _load(interpreter: Interpreter, rest: str) -> None:
     if not rest:
         raise Misused("a file is missing")
-    path = interpreter.folder / rest
-    loaded = load_file(path, interpreter.coordinator.robot, await interpreter.coordinator.stands())
+    path, coordinator = interpreter.folder / rest, interpreter.coordinator
+    loaded = load_file(path, coordinator.robot, await coordinator.stands(), coordinator.planner.cell)
     interpreter.show(loaded.diagnostics)
     if loaded.value is None:
         return
@@ -52,7 +52,7 @@ async def _carry_out(interpreter: Interpreter, first: str, *, by_steps: bool) ->
     here = await coordinator.stands()
 
     def compiled() -> Result[Loaded]:
-        opened = open_file(file.path, coordinator.robot, here)
+        opened = open_file(file.path, coordinator.robot, here, coordinator.planner.cell)
         if opened.value is None:
             return Result(None, opened.diagnostics)
         made = load_program(opened.value, file.path.name, first.upper() or None, by_steps=by_steps)

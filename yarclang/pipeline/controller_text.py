@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from yarclang.certify.header import header_of
 from yarclang.certify.judge import certify, certify_text
 from yarclang.certify.text import Unreadable
 from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import Program
 from yarclang.identity import fingerprint
 from yarclang.motion.plan import MotionPlan
@@ -45,7 +46,7 @@ _TOLERANCES = ("Y1159", "Y1160", "Y1161", "Y1166")
 AGAIN = "it isn't as yarcc wrote it: compile the program again"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JudgedText:
     """A controller text that was judged.
 

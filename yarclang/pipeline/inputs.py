@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.pipeline.cells import cell_loader
@@ -28,7 +29,7 @@ from yarclang.syntax.parse import parse
 from yarclang.units import DEG, MM
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Options:
     """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
     `tolerance` in mm and deg (None: the robot's own), `cell` the path of a cell.toml. `texts` are files that are open somewhere, by their absolute
@@ -47,7 +48,7 @@ class Options:
     cell: str | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Opened:
     """A parsed program and the request to compile it."""
 

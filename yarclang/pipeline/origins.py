@@ -7,11 +7,11 @@ folder, is that program if it does the same; comments and layout may have change
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from yarclang.certify.header import header_of
 from yarclang.certify.text import Unreadable
+from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.inputs import Options, open_program
@@ -23,7 +23,7 @@ from yarclang.robot.model import Robot
 _AXIS = re.compile(r"[A-Z](-?\d+(?:\.\d+)?)")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Origins:
     """Where the commands of a text come from: `program`, or, where it is None, `missing`: why it isn't known."""
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.frozen import frozen
 from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.source import SourceFile, Span
 from yarclang.toml.places import find_places
@@ -18,7 +19,7 @@ _KEYS = ("robot", "cell", "start", "teach", "findings")
 _LEVELS = ("off", "note", "warning", "error")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Project:
     """The settings of a yarc.toml: a robot's name or path (relative to `folder`), the path of a cell.toml that all its programs keep to (likewise), where the
     robot stands [deg, mm for prismatic joints], whether its programs are for teaching at reduced speed, and how severe

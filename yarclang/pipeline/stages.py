@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import PurePath
@@ -18,6 +18,7 @@ from yarclang.certify.certificate import Certificate
 from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
+from yarclang.frozen import frozen
 from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
@@ -38,7 +39,7 @@ from yarclang.syntax.ast import Module
 from yarclang.units import MS
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Request:
     """What a door asks for besides the program.
 
@@ -62,7 +63,7 @@ class Request:
     enough: int | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Compiled:
     """A compiled program: the text and all that led to it."""
 

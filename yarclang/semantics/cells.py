@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import FrameLink, Output, Signal
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import Context, GivenCell
@@ -20,7 +21,7 @@ from yarclang.syntax.ast import Statement, Text
 from yarclang.transforms import constant
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CellName:
     """The file that a CELL line names, and where it names it."""
 

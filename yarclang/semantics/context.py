@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
@@ -16,7 +17,7 @@ from yarclang.syntax.ast import FrameName, Module, Statement, Time
 from yarclang.units import Kind, Unit
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class GivenCell:
     """The cell that a program keeps to whether or not a CELL line names it.
 
@@ -45,7 +46,7 @@ class GivenCell:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Context:
     """The robot, the profiles that the planner has, where the robot stands, and how a module is found: `load` gives the module of a
     name, or a finding.
@@ -70,7 +71,7 @@ class Context:
     """Lines in loops and SUBs after which a loop makes no further round; None: all are carried out."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Defaults:
     """What a DEFAULT line gives to the lines that leave it out; `statement` is the line itself.
 

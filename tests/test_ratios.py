@@ -10,7 +10,6 @@ BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 @pytest.fixture
 def ratios(monkeypatch):
-    pytest.importorskip("pyperf")
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     yield __import__("ratios")
     for name in ("ratios", "measure"):

@@ -26,8 +26,8 @@ import numpy as np
 from yarclang.coordinator.client import Client
 from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.engine import NO_LOG
-from yarclang.coordinator.events import Position
 from yarclang.coordinator.live.steering import JointVelocity
+from yarclang.coordinator.messages.events import Position
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.robot.description import load_robot
 from yarclang.runtime.messages import AskControl
@@ -98,9 +98,9 @@ def simulator() -> Iterator[int]:
 
 async def do(client: Client, text: str) -> None:
     """Offer and go."""
-    made = await client.offer(text)
+    made = await client.motion.offer(text)
     assert made.value is not None, made.diagnostics
-    ended = await client.go(made.value)
+    ended = await client.motion.go(made.value)
     assert ended.well, ended
 
 
@@ -132,7 +132,7 @@ async def jog(client: Client, port: int, rounds: int) -> tuple[list[float], list
         watch = Watch(port)
         await asyncio.sleep(0.1)
         begun = time.perf_counter()
-        drive = (await client.drive(turning(3.0 * side))).value
+        drive = (await client.live.drive(turning(3.0 * side))).value
         assert drive is not None
         for _ in range(40):
             if drive.alive:
@@ -160,7 +160,7 @@ async def jog(client: Client, port: int, rounds: int) -> tuple[list[float], list
 
 async def stream(client: Client, seconds: float) -> tuple[int, float]:
     """Positions that one subscriber takes, and what of a core all of this process takes meanwhile."""
-    events, count = client.events(), 0
+    events, count = client.session.events(), 0
     cpu, begun = time.process_time(), time.perf_counter()
     while time.perf_counter() - begun < seconds:
         count += isinstance(await events.next(), Position)
@@ -176,7 +176,7 @@ async def measure(port: int, rounds: int) -> None:
     session = OrderedSession("127.0.0.1", port, reply_time=20.0)
     async with Coordinator(robot, session, folder=Path.cwd(), log=NO_LOG) as coordinator:
         client = coordinator.attach("bench")
-        client.own()
+        client.session.own()
         await do(client, "MOVEJ 0 10 10 0 40 0 [3] (deg,s)")
         print("| from | to | median | most | goal |\n|---|---|---|---|---|")
         for name, lines in LINES.items():

@@ -13,13 +13,16 @@ PACKAGE = ROOT / "yarclang"
 DOORS = ("cli", "lsp", "repl")
 """Folders of the package that talk to the world."""
 SOCKETS = {
+    "client.py": {"socket", "tempfile", "threading"},
+    "coordinator/attached.py": {"asyncio"},
+    "coordinator/coordinator.py": {"datetime"},
     "coordinator/engine.py": {"asyncio"},
     "coordinator/live/serving.py": {"asyncio", "secrets"},
+    "coordinator/serving.py": {"asyncio"},
     "coordinator/subscription.py": {"asyncio"},
     "files.py": {"tempfile"},
     "runtime/log.py": {"datetime", "queue", "threading", "time"},
     "runtime/session.py": {"asyncio"},
-    "runtime/transports/local.py": {"asyncio", "datetime", "socket", "time"},
     "runtime/transports/lock.py": {"datetime", "selectors", "socket", "threading", "time"},
     "runtime/transports/private.py": {"socket", "tempfile"},
     "runtime/transports/tcp.py": {"asyncio"},

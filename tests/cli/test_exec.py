@@ -129,7 +129,11 @@ def test_a_robot_that_stands_elsewhere_is_approached_only_if_that_is_wanted(work
     assert "the robot doesn't stand where there.yarc starts: J1 -5.0000 deg" in last["what"]
     assert "--approach" in last["help"]
     found = events_in(workshop.yarc(*exec_on(simulator, "--approach", program="there.yarc")))
-    assert any(one.get("text", "").startswith("to the start, ") for one in found)
+    parts = [one for one in found if one["event"] == "part"]
+    assert [(one["name"], one["to_the_start"]) for one in parts] == [
+        ("to the start", True),
+        ("there.yarc", False),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -159,7 +159,7 @@ def test_each_says_at_the_start_which_cell_it_keeps_to(project, monkeypatch):
     first = json.loads(yarc("exec", "above.yarc", "--no-log", "--rate", "50").stdout.splitlines()[0])
     assert (first["event"], first["text"]) == ("message", "cell: cell.toml")
     done = CliRunner().invoke(main, ["repl", "--no-log"], input=".where\n")
-    assert (done.exit_code, done.stderr.splitlines()[0]) == (0, "cell: cell.toml")
+    assert (done.exit_code, done.stderr.splitlines()[1]) == (0, "cell: cell.toml")
     monkeypatch.setattr("yarclang.view.show.show", lambda stage, door, ready: None)
     CliRunner().invoke(yarcc, ["above.yarc"])
     (project / "above.yarc").rename(project / "gone.yarc")
@@ -173,7 +173,7 @@ def test_a_master_cannot_steer_through_the_table(workshop, industrial6):
     (workshop.folder / "cell.toml").write_text(TABLE.replace("1300", "1600"))
     process = workshop.start("follow", "--no-log")
     event = listening(process)
-    assert event["cell"] == "cell.toml"
+    assert event["cell"] == str(workshop.folder / "cell.toml")
     with connected(event) as lines:
         for _ in range(250):
             assert asked(lines, '{"twist": [0, 0, -80, 0, 0, 0]}')["ok"]
@@ -185,3 +185,20 @@ def test_a_master_cannot_steer_through_the_table(workshop, industrial6):
     # a link is above the table's edge, lower than the tool: the top is at 1650 mm
     assert 1.66 < pose[2, 3] < 1.764 - 0.01
     assert any("too near to TABLE" in text for text in process.out)
+
+
+def test_a_served_robot_keeps_to_its_cell_whoever_comes(workshop):
+    """A program that knows no cell keeps to that of the robot's server, and so does the prompt; another cell is refused."""
+    (workshop.folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
+    for name in ("cell.toml", "other.toml"):
+        (workshop.folder / name).write_text(TABLE)
+    process = workshop.start("serve", "--no-log")
+    process.wait_for("is served")
+    assert "cell: cell.toml" in process.text
+    (workshop.folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
+    (workshop.folder / "below.yarc").write_text(BELOW)
+    assert "Y0901" in workshop.yarc("exec", "below.yarc", status=1)
+    assert "Y1373" in workshop.yarc("exec", "below.yarc", "--cell", "other.toml", status=1)
+    assert "Y1373" in workshop.yarc("follow", "--cell", "other.toml", status=1)
+    process.signal(signal.SIGTERM)
+    process.end(0)

@@ -20,15 +20,18 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.cli.address import SIM, Address, AddressType
 from yarclang.cli.commands import stop
 from yarclang.cli.yarc import main as yarc
+from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.engine import NO_LOG
+from yarclang.coordinator.ordered import OrderedSession
+from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.serving import ControlSocket
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.settings import items_of
 from yarclang.pmac.requests import PORT
 from yarclang.runtime.notices import Changed
-from yarclang.runtime.performance import connect, look, perform
-from yarclang.runtime.remote import About
+from yarclang.runtime.performance import connect, look
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
-from yarclang.runtime.transports.local import ControlSocket
 from yarclang.runtime.transports.lock import controller_lock
 from yarclang.simulator.commissioning import commissioned
 from yarclang.simulator.embedded import EmbeddedSimulator
@@ -92,18 +95,22 @@ class Running:
 
     async def _main(self):
         self._loop, self._task = asyncio.get_running_loop(), asyncio.current_task()
-        session = self.session = Session("127.0.0.1", self._port)
+        session = self.session = OrderedSession("127.0.0.1", self._port)
         session.listen(self._hear)
-        async with contextlib.AsyncExitStack() as stack:
-            stack.callback(session.close)
-            stack.enter_context(controller_lock("127.0.0.1", self._port))
-            if self._heard_of:
-                about = About(self._job.name, self._job.robot)
-                await stack.enter_async_context(ControlSocket(session, lambda: about))
-            await session.perform(connect(session.operation))
-            found = await session.perform(look(session.operation, self._job.robot, items_of(self._job.robot)))
-            assert not found.errors
-            self.ended = await session.perform(perform(session.operation, self._job))
+        coordinator = Coordinator(self._job.robot, session, folder=Path(), log=NO_LOG, name=self._job.name)
+        try:
+            with controller_lock("127.0.0.1", self._port):
+                await coordinator.start()
+                async with contextlib.AsyncExitStack() as stack:
+                    if self._heard_of:
+                        await stack.enter_async_context(ControlSocket(coordinator))
+                    client = coordinator.attach("run")
+                    client.session.own(shared=True)
+                    self.ended = await client.motion.run(Loaded(self._job, self._job))
+                await coordinator.close()
+        finally:
+            coordinator.give_up()
+            session.close()
 
     def _hear(self, notice):
         if isinstance(notice, Changed) and notice.state is State.MOVE:

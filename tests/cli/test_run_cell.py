@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 from conftest import EXAMPLES
 
-from yarclang.cli.loading import load
+from yarclang.cli.loading import load, source_of
 from yarclang.cli.yarc import main
 from yarclang.cli.yarcc import main as yarcc
 from yarclang.coordinator.programs import way_to_start
@@ -32,7 +32,8 @@ def made(tmp_path_factory):
 
 
 def loaded(file, **options):
-    return load(str(file), None, {"robot": None, "step": False, "approach": True, "cell": None, **options})
+    words = {"robot": None, "step": False, "approach": True, "cell": None, **options}
+    return load(source_of(str(file), None, words))
 
 
 def commands(found):

@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from tests.cli.run_processes import assert_on_path, command_at, off_the_path, places, run_on
-from yarclang.cli import performing
 from yarclang.cli.yarc import main as yarc
+from yarclang.coordinator import engine
 from yarclang.runtime.performance import perform
 from yarclang.runtime.state import State
 
@@ -66,14 +66,14 @@ def test_a_bug_of_ours(workshop, simulator, monkeypatch):
                     raise RuntimeError("a bug")
             outcome = yield action
 
-    monkeypatch.setattr(performing, "perform", with_a_bug)
+    monkeypatch.setattr(engine, "perform", with_a_bug)
     shell = CliRunner(env=workshop.environment)
     with contextlib.chdir(workshop.folder):
         done = shell.invoke(yarc, run_on(simulator))
     assert done.exit_code == 1
     assert "RuntimeError: a bug" in done.output
     assert_on_path(simulator.stands())
-    assert "a bug of yarclang has ended the run" in done.output
+    assert "a bug of yarclang has ended what was under way" in done.output
     assert places(done.output) == pytest.approx(simulator.stands(), abs=2e-3)
     assert simulator.complaints() == []
 

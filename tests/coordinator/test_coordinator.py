@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from coordinator.virtual import World, codes, coordinating, done, run
 
-from yarclang.coordinator import events
+from yarclang.coordinator.messages import events
+from yarclang.coordinator.messages.lines import read_event
 from yarclang.coordinator.ownership import NotOwner
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.state import State
@@ -17,14 +18,14 @@ MOVE = "MOVEJ 10 0 0 0 20 0 [1] (deg,s)"
 def test_a_line_is_offered_and_then_carried_out():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            made = await client.offer(MOVE)
+            made = await client.motion.offer(MOVE)
             offer = made.value
             assert offer.duration == pytest.approx(1.0)
             assert [one.title for one in offer.motions] == ["P0010 MOVEJ"]
             assert 0.0 < offer.motions[0].proved.velocity.share < 1.0
             assert offer.end / world.robot.axis_units == pytest.approx([10, 0, 0, 0, 20, 0])
             assert world.stands() == pytest.approx(np.zeros(6), abs=1e-4)  # nothing moves by it
-            ended = await client.go(offer)
+            ended = await client.motion.go(offer)
             assert ended.well
             assert world.stands() == pytest.approx([10, 0, 0, 0, 20, 0], abs=1e-4)
             assert coordinator.state is State.STOP
@@ -54,7 +55,7 @@ def test_declarations_stay():
             await done(client, "MOVEJ READY")
             nods = await done(client, "REPEAT $N\n  CALL NOD\nEND")
             assert len(nods.motions) == 4
-            again = await client.offer("JOINTS READY 0 0 0 0 0 0 (deg)")
+            again = await client.motion.offer("JOINTS READY 0 0 0 0 0 0 (deg)")
             assert again.value is None
             assert codes(again) == ["Y0206"]
             assert len(coordinator.lines.declarations) == 4
@@ -66,12 +67,12 @@ def test_findings_have_their_places_in_the_line():
     async def session():
         async with coordinating() as (_, _, client):
             await done(client, "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nJOINTS READY 0 10 10 0 30 0 (deg)")
-            made = await client.offer("MOVEJ REDY")
+            made = await client.motion.offer("MOVEJ REDY")
             assert made.value is None
             (found,) = made.diagnostics
             assert (found.code, found.span.line, found.span.column) == ("Y0205", 1, 7)
             assert found.source.text == "MOVEJ REDY\n"
-            made = await client.offer("MOVEJ 200 0 0 0 0 0")
+            made = await client.motion.offer("MOVEJ 200 0 0 0 0 0")
             assert [(one.code, one.span.line, one.span.column) for one in made.diagnostics] == [
                 ("Y0502", 1, 7)
             ]
@@ -94,7 +95,7 @@ def test_findings_have_their_places_in_the_line():
 def test_a_wrong_line_is_found_and_nothing_moves(text, code):
     async def session():
         async with coordinating() as (world, coordinator, client):
-            made = await client.offer(text)
+            made = await client.motion.offer(text)
             assert made.value is None
             assert any(one.is_error for one in made.diagnostics), made
             found = [one.code for one in made.diagnostics]
@@ -109,7 +110,7 @@ def test_a_wrong_line_is_found_and_nothing_moves(text, code):
 def test_an_empty_line_offers_nothing(text):
     async def session():
         async with coordinating() as (_, _, client):
-            made = await client.offer(text)
+            made = await client.motion.offer(text)
             assert (made.value, made.diagnostics) == (None, ())
 
     run(session())
@@ -119,10 +120,10 @@ def test_an_empty_line_offers_nothing(text):
 def test_a_stop_overtakes_everything(after):
     async def session():
         async with coordinating() as (world, coordinator, client):
-            offer = (await client.offer("MOVEJ 30 0 0 0 20 0 [2] (deg,s)")).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer("MOVEJ 30 0 0 0 20 0 [2] (deg,s)")).value
+            going = asyncio.create_task(client.motion.go(offer))
             await asyncio.sleep(after)
-            client.stop()
+            client.motion.stop()
             took = await world.until(lambda: not world.moving)
             assert took <= world.robot.controller.hold_time + 0.05
             ended = await going
@@ -139,12 +140,12 @@ def test_a_stop_overtakes_everything(after):
 def test_hold_and_resume():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            offer = (await client.offer(MOVE)).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer(MOVE)).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
-            client.hold()
+            client.motion.hold()
             await world.until(lambda: coordinator.state is State.HOLD and not world.moving)
-            client.resume()
+            client.motion.resume()
             assert (await going).well
             assert world.stands() == pytest.approx([10, 0, 0, 0, 20, 0], abs=1e-4)
 
@@ -154,11 +155,11 @@ def test_hold_and_resume():
 def test_an_abort_ends_it():
     async def session():
         async with coordinating() as (world, _, client):
-            offer = (await client.offer(MOVE)).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer(MOVE)).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
             await asyncio.sleep(0.3)
-            client.abort()
+            client.motion.abort()
             ended = await going
             assert (ended.well, ended.what) == (False, "aborted: off its path")
 
@@ -168,13 +169,13 @@ def test_an_abort_ends_it():
 def test_the_override_holds_for_what_comes():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            client.override(50.0)
+            client.motion.override(50.0)
             since = world.machine.now
             await done(client, MOVE)
             assert world.machine.now - since > 1.9
             assert coordinator.override == pytest.approx(50.0)
             with pytest.raises(Trouble, match="an override of 0 %"):
-                client.override(0.0)
+                client.motion.override(0.0)
 
     run(session())
 
@@ -184,25 +185,29 @@ def test_one_owns_the_robot_and_all_others_watch():
         async with coordinating() as (world, coordinator, client):
             other = coordinator.attach("pendant")
             with pytest.raises(NotOwner, match="test owns the robot; pendant can only watch") as refused:
-                other.own()
+                other.session.own()
             assert refused.value.code == "Y1611"
-            offer = (await other.offer(MOVE)).value  # anybody may ask
-            for wanted in (other.go(offer), other.clear(), other.set("X", 1.0)):
+            offer = (await other.motion.offer(MOVE)).value  # anybody may ask
+            for wanted in (other.motion.go(offer), other.motion.clear(), other.signals.set("X", 1.0)):
                 with pytest.raises(NotOwner):
                     await wanted
-            for wanted in (other.resume, lambda: other.override(50.0), lambda: other.give("test")):
+            for wanted in (
+                other.motion.resume,
+                lambda: other.motion.override(50.0),
+                lambda: other.session.give("test"),
+            ):
                 with pytest.raises(NotOwner):
                     wanted()
-            going = asyncio.create_task(client.go(offer))
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
-            other.stop()  # is for everybody
+            other.motion.stop()  # is for everybody
             assert not (await going).well
-            client.give("pendant")
-            assert (other.owns, client.owns) == (True, False)
+            client.session.give("pendant")
+            assert (other.session.owns, client.session.owns) == (True, False)
             with pytest.raises(NotOwner, match="there is no client 'nobody'"):
-                other.give("nobody")
-            other.release()
-            client.own()
+                other.session.give("nobody")
+            other.session.release()
+            client.session.own()
 
     run(session())
 
@@ -210,14 +215,14 @@ def test_one_owns_the_robot_and_all_others_watch():
 def test_who_goes_away_leaves_the_robot_at_rest():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            offer = (await client.offer(MOVE)).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer(MOVE)).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
-            client.leave()
+            client.session.leave()
             await world.until(lambda: not world.moving, within=0.5)
             assert coordinator.owner == ""
             assert not (await going).well
-            coordinator.attach("next").own()
+            coordinator.attach("next").session.own()
 
     run(session())
 
@@ -225,15 +230,15 @@ def test_who_goes_away_leaves_the_robot_at_rest():
 def test_what_was_offered_before_does_not_hold_for_ever():
     async def session():
         async with coordinating() as (_, _, client):
-            old = (await client.offer(MOVE)).value
+            old = (await client.motion.offer(MOVE)).value
             await done(client, "MOVEJ 5 0 0 0 0 0 [1] (deg,s)")
             with pytest.raises(Trouble, match="doesn't stand any more") as refused:
-                await client.go(old)
+                await client.motion.go(old)
             assert refused.value.code == "Y1613"
-            old = (await client.offer(MOVE)).value
+            old = (await client.motion.offer(MOVE)).value
             await done(client, "LET A = 1")
             with pytest.raises(Trouble, match="a declaration has come"):
-                await client.go(old)
+                await client.motion.go(old)
 
     run(session())
 
@@ -241,10 +246,15 @@ def test_what_was_offered_before_does_not_hold_for_ever():
 def test_while_it_moves_nothing_else_begins():
     async def session():
         async with coordinating() as (world, _, client):
-            offer = (await client.offer(MOVE)).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer(MOVE)).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
-            for wanted in (client.offer(MOVE), client.go(offer), client.where(), client.clear()):
+            for wanted in (
+                client.motion.offer(MOVE),
+                client.motion.go(offer),
+                client.motion.where(),
+                client.motion.clear(),
+            ):
                 with pytest.raises(Trouble, match="is under way") as refused:
                     await wanted
                 assert refused.value.code == "Y1612"
@@ -255,16 +265,16 @@ def test_while_it_moves_nothing_else_begins():
 
 def test_events_tell_what_happens():
     async def session():
-        async with coordinating() as (_, coordinator, client):
-            with client.events() as stream:
+        async with coordinating() as (_, _, client):
+            with client.session.events() as stream:
                 await done(client, MOVE)
                 told = [event async for event in _until(stream, events.Finished)]
-            names = [events.name_of(one) for one in told]
+            names = [one.event for one in told]
             states = [one.state for one in told if isinstance(one, events.StateChanged)]
             assert states == [State.INIT, State.MOVE, State.STOP]
             assert names[0] == "began"
             assert names.count("began") == 1
-            assert all(events.event_json(one, coordinator.robot)["event"] for one in told)
+            assert all(read_event(one.to_json()) == one for one in told)
 
     run(session())
 
@@ -279,9 +289,9 @@ async def _until(stream, kind):
 def test_positions_come_fifty_times_a_second():
     async def session():
         async with coordinating() as (world, _, client):
-            offer = (await client.offer("MOVEJ 10 0 0 0 20 0 [2] (deg,s)")).value
-            stream = client.events()
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer("MOVEJ 10 0 0 0 20 0 [2] (deg,s)")).value
+            stream = client.session.events()
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
             count, since = 0, world.machine.now
             while not going.done():
@@ -295,7 +305,7 @@ def test_positions_come_fifty_times_a_second():
 def test_a_slow_client_slows_nothing_and_knows_what_it_missed():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            slow = client.events(capacity=8)
+            slow = client.session.events(capacity=8)
             for number in range(40):
                 coordinator.tell(f"message {number}")
             since = world.machine.now
@@ -317,7 +327,7 @@ def test_a_lost_connection_is_made_again():
             world.unplug()
             await world.until(lambda: coordinator.state is State.DISCONNECTED)
             with pytest.raises(Trouble, match="no connection"):
-                await client.offer(MOVE)
+                await client.motion.offer(MOVE)
             world.plug()
             await world.until(lambda: coordinator.state is State.STOP)
             await done(client, MOVE)
@@ -328,8 +338,8 @@ def test_a_lost_connection_is_made_again():
 def test_a_connection_that_is_lost_in_motion_leaves_it_at_rest_and_a_fault():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            offer = (await client.offer("MOVEJ 60 0 0 0 20 0 [6] (deg,s)")).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer("MOVEJ 60 0 0 0 20 0 [6] (deg,s)")).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
             await asyncio.sleep(1.0)
             world.unplug()
@@ -340,8 +350,8 @@ def test_a_connection_that_is_lost_in_motion_leaves_it_at_rest_and_a_fault():
             assert not ended.well
             assert coordinator.state is State.FAULT
             with pytest.raises(Trouble, match="nothing moves behind a fault"):
-                await client.go((await client.offer(MOVE)).value)
-            await client.clear()
+                await client.motion.go((await client.motion.offer(MOVE)).value)
+            await client.motion.clear()
             await done(client, MOVE)
 
     run(session())
@@ -353,9 +363,9 @@ def test_a_fault_at_rest_is_seen():
             world.machine.command("#2K", 9)
             await world.until(lambda: coordinator.state is State.FAULT, within=1.0)
             with pytest.raises(Trouble, match="things aren't as they must be"):
-                await client.clear()
+                await client.motion.clear()
             world.machine.command("#2J/", 9)
-            await client.clear()
+            await client.motion.clear()
             await done(client, MOVE)
 
     run(session())
@@ -365,11 +375,11 @@ def test_outputs_are_set_and_inputs_read():
     async def session():
         async with coordinating() as (world, _, client):
             await done(client, "OUTPUT GRIP M1 OFF\nINPUT DOOR M11")
-            assert (await client.set("GRIP", "ON")).value == 1.0
+            assert (await client.signals.set("GRIP", "ON")).value == 1.0
             assert world.machine.command("M1", 9).items == ("1",)
             world.machine.command("M11=1", 9)
-            assert (await client.read("DOOR")).value == 1.0
-            missing = await client.read("DOR")
+            assert (await client.signals.read("DOOR")).value == 1.0
+            missing = await client.signals.read("DOR")
             assert missing.value is None
             assert missing.diagnostics
 
@@ -380,11 +390,11 @@ def test_where_tells_joints_and_pose():
     async def session():
         async with coordinating() as (_, _, client):
             await done(client, "FRAME {TABLE} 100 200 300 0 0 0 (mm,deg) {B}")
-            home = (await client.where()).value
+            home = (await client.motion.where()).value
             assert home.base_from_moving[:3, 3] == pytest.approx([0.0, 1.1744, 1.764], abs=1e-6)
-            there = (await client.where("{TABLE}")).value
+            there = (await client.motion.where("{TABLE}")).value
             assert there.base_from_moving[:3, 3] == pytest.approx([-0.1, 0.9744, 1.464], abs=1e-6)
-            assert (await client.where("{TABEL}")).value is None
+            assert (await client.motion.where("{TABEL}")).value is None
 
     run(session())
 

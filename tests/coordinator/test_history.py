@@ -31,16 +31,16 @@ def test_back_goes_along_the_same_path(name):
             since = world.machine.now
             await done(client, MOTIONS[name])
             there = _path(world, since)
-            made = await client.offer_back()
+            made = await client.motion.offer_back()
             assert made.value is not None, made.diagnostics
             since = world.machine.now
-            assert (await client.go(made.value)).well
+            assert (await client.motion.go(made.value)).well
             assert world.stands() == pytest.approx(before, abs=1e-4)
             assert _apart(there, _path(world, since)) < 0.01  # deg
             # it was taken back: the one before comes next
-            assert (await client.go((await client.offer_back()).value)).well
+            assert (await client.motion.go((await client.motion.offer_back()).value)).well
             assert world.stands() == pytest.approx(np.zeros(6), abs=1e-4)
-            assert codes(await client.offer_back()) == ["Y1614"]
+            assert codes(await client.motion.offer_back()) == ["Y1614"]
 
     run(session())
 
@@ -68,14 +68,14 @@ def test_back_from_where_a_line_was_stopped():
         async with coordinating() as (world, _, client):
             await done(client, READY)
             before = world.stands()
-            offer = (await client.offer(MOTIONS["line"])).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer(MOTIONS["line"])).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
             await asyncio.sleep(1.0)
-            client.stop()
+            client.motion.stop()
             assert not (await going).well
-            back = (await client.offer_back()).value
-            assert (await client.go(back)).well
+            back = (await client.motion.offer_back()).value
+            assert (await client.motion.go(back)).well
             assert world.stands() == pytest.approx(before, abs=1e-4)
 
     run(session())
@@ -85,13 +85,13 @@ def test_back_from_within_a_spline_is_refused():
     async def session():
         async with coordinating() as (world, _, client):
             await done(client, READY)
-            offer = (await client.offer(MOTIONS["joint spline"])).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer(MOTIONS["joint spline"])).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
             await asyncio.sleep(1.0)
-            client.stop()
+            client.motion.stop()
             await going
-            assert codes(await client.offer_back()) == ["Y1614"]
+            assert codes(await client.motion.offer_back()) == ["Y1614"]
 
     run(session())
 
@@ -107,9 +107,9 @@ def test_a_saved_session_compiles_to_the_same_motions(tmp_path):
                 offer = await done(client, line)
                 plans.extend(offer.plan.motions)
             await done(client, "REPEAT 2\n  DMOVEJ 5 0 0 0 0 0 [1]\nEND")
-            undone = (await client.offer_back()).value
-            await client.go(undone)
-            client.save(tmp_path / "saved.yarc")
+            undone = (await client.motion.offer_back()).value
+            await client.motion.go(undone)
+            client.files.save(tmp_path / "saved.yarc")
 
     run(session())
     text = (tmp_path / "saved.yarc").read_text()
@@ -126,14 +126,14 @@ def test_a_saved_session_bridges_what_no_command_did():
     async def session():
         async with coordinating() as (world, _, client):
             await done(client, READY)
-            offer = (await client.offer("MOVEJ 30 10 10 0 40 0 [2] (deg,s)")).value
-            going = asyncio.create_task(client.go(offer))
+            offer = (await client.motion.offer("MOVEJ 30 10 10 0 40 0 [2] (deg,s)")).value
+            going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
             await asyncio.sleep(0.9)
-            client.stop()
+            client.motion.stop()
             await going
             line = await done(client, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
-            return client.saved(), line.start, line.end
+            return client.files.saved(), line.start, line.end
 
     text, start, end = run(session())
     assert "to where the robot was moved" in text
@@ -149,6 +149,6 @@ def test_what_cannot_be_saved_is_said(tmp_path):
     async def session():
         async with coordinating() as (_, _, client):
             with pytest.raises(Trouble, match="can't be written: no such file"):
-                client.save(tmp_path / "missing" / "saved.yarc")
+                client.files.save(tmp_path / "missing" / "saved.yarc")
 
     run(session())

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from coordinator.virtual import coordinating, done, run
 
-from yarclang.coordinator import events
+from yarclang.coordinator.messages import events
 from yarclang.coordinator.programs import load_program
 from yarclang.pipeline.inputs import Options, open_source
 from yarclang.runtime.actions import Trouble
@@ -30,8 +30,8 @@ def loaded(text=TEXT, **options):
 def test_a_program_is_run_twice():
     async def session():
         async with coordinating() as (world, _, client):
-            stream = client.events()
-            assert (await client.run(loaded(), times=2)).well
+            stream = client.session.events()
+            assert (await client.motion.run(loaded(), times=2)).well
             assert world.stands() == pytest.approx([0.0] * 6, abs=1e-4)
             commands = {one.command for one in stream.waiting() if isinstance(one, events.ProgressMade)}
             assert commands  # the newest one waits
@@ -42,16 +42,16 @@ def test_a_program_is_run_twice():
 def test_command_by_command():
     async def session():
         async with coordinating() as (world, coordinator, client):
-            running = asyncio.create_task(client.run(loaded(by_steps=True)))
+            running = asyncio.create_task(client.motion.run(loaded(by_steps=True)))
             for place in ([5, 0, 0, 0, 0, 0], [5, 5, 0, 0, 0, 0]):
                 await world.until(lambda: coordinator.engine.session.paused)
                 assert world.stands() == pytest.approx(place, abs=1e-4)
-                client.resume()
+                client.motion.resume()
                 await asyncio.sleep(0.05)
             assert (await running).well
-            running = asyncio.create_task(client.run(loaded(by_steps=True)))
+            running = asyncio.create_task(client.motion.run(loaded(by_steps=True)))
             await world.until(lambda: coordinator.engine.session.paused)
-            client.stop()
+            client.motion.stop()
             ended = await running
             assert (ended.well, ended.what) == (False, "ended before P0020 MOVEJ")
             assert coordinator.state is State.STOP
@@ -67,8 +67,8 @@ def test_from_a_command_on_and_from_elsewhere():
             with pytest.raises(
                 Trouble, match=r"the robot doesn't stand where P0020 MOVEJ starts: J1 -4\.0000 deg"
             ):
-                await client.run(rest)
-            assert (await client.run(rest, approach=True)).well
+                await client.motion.run(rest)
+            assert (await client.motion.run(rest, approach=True)).well
             assert world.stands() == pytest.approx([0.0] * 6, abs=1e-4)
 
     run(session())
@@ -78,10 +78,10 @@ def test_a_program_that_waits_for_the_operator():
     async def session():
         async with coordinating() as (world, coordinator, client):
             text = TEXT.replace("P0020 MOVEJ", 'P0015 HOLD "look"\nP0020 MOVEJ')
-            running = asyncio.create_task(client.run(loaded(text)))
+            running = asyncio.create_task(client.motion.run(loaded(text)))
             await world.until(lambda: coordinator.state is State.HOLD)
             assert world.stands() == pytest.approx([5, 0, 0, 0, 0, 0], abs=1e-4)
-            client.resume()
+            client.motion.resume()
             assert (await running).well
 
     run(session())

@@ -1,4 +1,4 @@
-"""Sessions by chance: any order of commands, stops, faults and disconnects, by two clients, against the simulator in virtual time.
+"""Sessions by chance: any order of commands, stops, faults and disconnects, by two clients, in the process and over its socket, against the simulator in virtual time.
 
 What holds for all of them: nothing is streamed that wasn't certified, no joint is ever beyond a limit, and after a stop the robot is at rest within the time that physics
 allows. The same sessions are looked at each time; `YARCLANG_RANDOM_SESSIONS=1000` looks at so many others, for a night.
@@ -6,7 +6,10 @@ allows. The same sessions are looked at each time; `YARCLANG_RANDOM_SESSIONS=100
 
 import asyncio
 import os
+import tempfile
 from contextlib import contextmanager
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -17,9 +20,12 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from yarclang.coordinator import engine as engines
+from yarclang.coordinator.attached import There
 from yarclang.coordinator.live.proof import Judge
 from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
+from yarclang.coordinator.messages import orders, wants
 from yarclang.coordinator.ownership import NotOwner
+from yarclang.coordinator.serving import ControlSocket
 from yarclang.pmac.requests import Code
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.actions import Trouble
@@ -133,7 +139,7 @@ class Sessions(RuleBasedStateMachine):
     async def _end(self):
         if hasattr(self, "context"):
             self.world.plug()
-            self.client.stop()
+            self.client.motion.stop()
             await self.context.__aexit__(None, None, None)
             pending = [one for one in (self.going, *self.driving) if one is not None]
             await asyncio.gather(*pending, return_exceptions=True)
@@ -163,10 +169,10 @@ class Sessions(RuleBasedStateMachine):
     def line(self, text, wait):
         async def go():
             try:
-                made = await self.client.offer(text)
+                made = await self.client.motion.offer(text)
                 self.tally.count("lines offered", made.value is not None)
                 if made.value is not None:
-                    done = await self.client.go(made.value)
+                    done = await self.client.motion.go(made.value)
                     self.tally.count("lines carried out", done.well)
                     return done
             except Trouble as trouble:
@@ -183,9 +189,9 @@ class Sessions(RuleBasedStateMachine):
     def back(self, wait):
         async def go():
             try:
-                made = await self.client.offer_back()
+                made = await self.client.motion.offer_back()
                 self.tally.count("ways back offered", made.value is not None)
-                return made.value and await self.client.go(made.value)
+                return made.value and await self.client.motion.go(made.value)
             except Trouble as trouble:
                 return trouble
 
@@ -216,7 +222,7 @@ class Sessions(RuleBasedStateMachine):
                 if self.drive is not None and self.drive.alive:
                     self.drive.want(targets[kind])
                 else:
-                    made = await self.client.drive(targets[kind])
+                    made = await self.client.live.drive(targets[kind])
                     self.drive = made.value or self.drive
                     self.tally.count("drives begun", made.value is not None)
                 await asyncio.sleep(0.15)
@@ -239,14 +245,14 @@ class Sessions(RuleBasedStateMachine):
     @rule(who=st.sampled_from(["client", "other"]))
     def stop(self, who):
         self.tally.count("stops of what moves", self.world.moving)
-        getattr(self, who).stop()
+        getattr(self, who).motion.stop()
         self.rests_within(self.world.robot.controller.hold_time + REPLY)
 
     @precondition(lambda self: self.busy)
     @rule(who=st.sampled_from(["client", "other"]))
     def abort(self, who):
         self.tally.count("aborts of what moves", self.world.moving)
-        getattr(self, who).abort()
+        getattr(self, who).motion.abort()
         limits = self.world.robot.limits
         self.rests_within(2.0 * float((limits.velocity / limits.stop_acceleration).max()) + REPLY)
 
@@ -258,18 +264,18 @@ class Sessions(RuleBasedStateMachine):
     @precondition(lambda self: self.busy)
     @rule()
     def hold(self):
-        self.other.hold()
+        self.other.motion.hold()
         self.wait(0.3)
 
     @precondition(lambda self: self.busy)
     @rule(wait=st.sampled_from([0.0, 0.3]))
     def resume(self, wait):
-        self.client.resume()
+        self.client.motion.resume()
         self.wait(wait)
 
     @rule(percent=st.sampled_from([20.0, 60.0, 100.0]))
     def override(self, percent):
-        self.client.override(percent)
+        self.client.motion.override(percent)
         self.wait(0.05)
 
     @rule(seconds=st.sampled_from([0.01, 0.2, 1.0, 4.0]))
@@ -283,16 +289,16 @@ class Sessions(RuleBasedStateMachine):
         async def wanted():
             match what:
                 case "go":
-                    made = await self.other.offer("LET A1 = 1")
-                    await self.other.go(made.value)
+                    made = await self.other.motion.offer("LET A1 = 1")
+                    await self.other.motion.go(made.value)
                 case "drive":
-                    await self.other.drive(JointVelocity(np.ones(6) * 0.1))
+                    await self.other.live.drive(JointVelocity(np.ones(6) * 0.1))
                 case "own":
-                    self.other.own()
+                    self.other.session.own()
                 case "override":
-                    self.other.override(50.0)
+                    self.other.motion.override(50.0)
                 case "resume":
-                    self.other.resume()
+                    self.other.motion.resume()
 
         with pytest.raises(Trouble) as refused:
             self.do(wanted())
@@ -325,7 +331,7 @@ class Sessions(RuleBasedStateMachine):
         for motor in range(1, 7):
             self.world.machine.command(f"#{motor}J/", 9)
         try:
-            self.do(self.client.clear())
+            self.do(self.client.motion.clear())
         except Trouble:
             self.tally.count("faults cleared", False)
             return
@@ -375,3 +381,189 @@ class TestSessions(Sessions.TestCase):
         Sessions.tally = Tally()
         super().runTest()
         assert Sessions.tally.below(FLOORS) == []
+
+
+class Remote:
+    """A client over a socket, with as much of a client's parts as sessions need."""
+
+    def __init__(self, there, coordinator):
+        self.there, self.coordinator = there, coordinator
+        self.motion = self.live = self
+
+    @classmethod
+    async def attach(cls, coordinator, control, name):
+        return cls(await There.attach(control.path, name), coordinator)
+
+    async def offer(self, text):
+        return SimpleNamespace(value=(await self.there.ask(orders.Offer(text=text))).offer)
+
+    async def offer_back(self):
+        return SimpleNamespace(value=(await self.there.ask(orders.OfferBack())).offer)
+
+    async def go(self, offer):
+        return await self.there.ask(orders.Go(offer=offer.number))
+
+    async def clear(self):
+        await self.there.ask(orders.Clear())
+
+    def stop(self):
+        self.there.send(orders.Stop())
+
+    def abort(self):
+        self.there.send(orders.Abort())
+
+    def hold(self):
+        self.there.send(orders.Hold())
+
+    def resume(self):
+        self.there.send(orders.Resume())
+
+    def override(self, percent):
+        self.there.send(orders.Override(percent=percent))
+
+    async def drive(self, target):
+        await self.there.ask(orders.Steer(again=False))
+        await self.there.ask(want_of(target))
+        return SimpleNamespace(value=RemoteDrive(self))
+
+
+class RemoteDrive:
+    """A live motion over a socket."""
+
+    def __init__(self, client):
+        self.client = client
+
+    @property
+    def alive(self):
+        return self.client.coordinator.under_way == "master"
+
+    def want(self, target):
+        self.client.there.send(want_of(target))
+
+    def finish(self):
+        self.client.there.send(wants.Finish())
+
+    async def ended(self):
+        while self.alive:
+            await asyncio.sleep(0.01)
+
+
+def want_of(target):
+    """What a target is in a message."""
+    degrees = np.rad2deg
+    match target:
+        case JointVelocity(velocity=velocity):
+            return wants.MoveJoints(velocity={f"J{n + 1}": float(degrees(v)) for n, v in enumerate(velocity)})
+        case Twist(linear=linear, angular=angular, axes=axes):
+            return wants.MoveTool(twist=(*(linear * 1e3).tolist(), *degrees(angular).tolist()), axes=axes)
+        case Master(q=q, rate=rate):
+            return wants.BeThere(joints=tuple(degrees(q).tolist()), rate=tuple(degrees(rate).tolist()))
+
+
+class ServedSessions(Sessions):
+    """The same with two clients over the socket, connections that break, and an owner that changes."""
+
+    async def _begin(self):
+        self.world = World(joints=START, record=True)
+        self.context = coordinating(world=self.world)
+        _, self.coordinator, first = await self.context.__aenter__()
+        first.session.leave()
+        self.folder = tempfile.TemporaryDirectory(prefix="yarc-")
+        with mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": self.folder.name}):
+            self.control = ControlSocket(self.coordinator)
+            await self.control.__aenter__()
+        self.client = await Remote.attach(self.coordinator, self.control, "client")
+        self.other = await Remote.attach(self.coordinator, self.control, "other")
+        await self.client.there.ask(orders.Own())
+
+    async def _end(self):
+        if hasattr(self, "control"):
+            self.world.plug()
+            self.client.stop()
+            await asyncio.sleep(1.0)
+            for one in (self.client, self.other):
+                await one.there.leave()
+            await self.control.__aexit__(None, None, None)
+            self.folder.cleanup()
+        if hasattr(self, "context"):
+            await self.context.__aexit__(None, None, None)
+            await asyncio.gather(*(one for one in (self.going,) if one is not None), return_exceptions=True)
+            assert not self.world.moving
+
+    @rule(what=st.sampled_from(["go", "drive", "own", "override", "resume", "set", "load"]))
+    def the_other_wants_to_move_it(self, what):
+        async def wanted():
+            there = self.other.there
+            match what:
+                case "go":
+                    made = await self.other.offer("LET A1 = 1")
+                    await self.other.go(made.value)
+                case "drive":
+                    await there.ask(want_of(JointVelocity(np.ones(6) * 0.1)))
+                case "own":
+                    await there.ask(orders.Own())
+                case "override":
+                    await there.ask(orders.Override(percent=50.0))
+                case "resume":
+                    await there.ask(orders.Resume())
+                case "set":
+                    await there.ask(orders.SetOutput(name="GRIP", value="ON"))
+                case "load":
+                    await there.ask(orders.Run(program=1))
+
+        with pytest.raises(Trouble):
+            self.do(wanted())
+        assert self.coordinator.owner == "client"
+
+    @rule(wait=st.sampled_from([0.0, 0.3]))
+    def the_owner_is_cut_off(self, wait):
+        """Its process dies: the robot comes to rest, and is nobody's."""
+        self.client.there._writer.transport.abort()
+        self.tally.count("owners cut off in motion", self.world.moving)
+        self.wait(0.002)
+        assert self.coordinator.owner == ""
+        self.rests_within(self.world.robot.controller.hold_time + REPLY)
+        self.wait(wait)
+        self.do(self._again())
+
+    async def _again(self):
+        await self.client.there.leave()
+        self.client = await Remote.attach(self.coordinator, self.control, "client")
+        await self.client.there.ask(orders.Own())
+        self.drive = None
+
+    @precondition(lambda self: not self.busy)
+    @rule()
+    def the_robot_is_given_over(self):
+        async def given():
+            await self.client.there.ask(orders.Give(to=self.other.there.welcome.name))
+            assert self.coordinator.owner == "other"
+            await self.other.there.ask(orders.Release())
+            await self.client.there.ask(orders.Own())
+
+        self.do(given())
+
+    @rule(line=st.binary(max_size=40) | st.sampled_from([b"{}", b'{"order": "go"}', b'{"order": "abort"']))
+    def somebody_says_nonsense(self, line):
+        async def said():
+            reader, writer = await asyncio.open_unix_connection(str(self.control.path))
+            writer.write(line + b"\n")
+            writer.write_eof()
+            answers = await reader.read()
+            writer.close()
+            return answers
+
+        assert b'"ok": true' not in self.do(said())
+
+
+ServedSessions.TestCase.settings = Sessions.TestCase.settings
+
+
+class TestServedSessions(ServedSessions.TestCase):
+    def runTest(self):
+        Sessions.tally = ServedSessions.tally = Tally()
+        super().runTest()
+        # owners that change seldom have a motion to take back
+        floors = {**FLOORS, "owners cut off in motion": 0.05}
+        del floors["ways back offered"]
+        assert ServedSessions.tally.below(floors) == []

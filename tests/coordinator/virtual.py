@@ -189,15 +189,15 @@ async def coordinating(*, folder=Path(), log=NO_LOG, world=None, **options):
     coordinator = Coordinator(world.robot, session, folder=folder, log=log, plan=planned_here)
     async with coordinator:
         client = coordinator.attach("test")
-        client.own()
+        client.session.own()
         yield world, coordinator, client
 
 
 async def done(client, text):
     """Offer and go; it must be well."""
-    made = await client.offer(text)
+    made = await client.motion.offer(text)
     assert made.value is not None, made.diagnostics
-    ended = await client.go(made.value)
+    ended = await client.motion.go(made.value)
     assert ended.well, ended
     return made.value
 

@@ -5,6 +5,8 @@ import contextlib
 
 from coordinator.virtual import coordinating
 
+from yarclang.coordinator.attached import Here
+from yarclang.coordinator.messages import orders
 from yarclang.repl.interpreter import PROMPT, Interpreter
 
 
@@ -15,9 +17,9 @@ class Person:
         said: all that was said since it was last taken.
     """
 
-    def __init__(self, world, coordinator, client, folder, asks):
+    def __init__(self, world, coordinator, attached, folder, asks):
         self.world, self.coordinator, self.said = world, coordinator, []
-        self.interpreter = Interpreter(coordinator, client, self.said.append, folder, asks=asks)
+        self.interpreter = Interpreter(attached, world.robot, self.said.append, folder, asks=asks)
 
     async def type(self, *texts, within=200.0):
         """Type one after the other, each when the one before is done or asks something; what was said."""
@@ -48,7 +50,10 @@ class Person:
 async def talking(folder, *, asks=False, **options):
     """A person at a robot."""
     async with coordinating(folder=folder, **options) as (world, coordinator, client):
-        person = Person(world, coordinator, client, folder, asks)
+        client.session.leave()
+        attached = Here(coordinator, "person")
+        await attached.ask(orders.Own(shared=True))
+        person = Person(world, coordinator, attached, folder, asks)
         served = asyncio.create_task(person.interpreter.serve())
         with coordinator.subscribe() as events:
             heard = asyncio.create_task(_hear(events, person.interpreter))

@@ -75,10 +75,10 @@ def test_nothing_moves_where_the_cell_is_not_known(project, cell):
 
     async def session():
         async with coordinating(folder=project) as (world, _, client):
-            made = await client.offer("MOVEJ 5 0 0 0 0 0 [1] (deg,s)")
+            made = await client.motion.offer("MOVEJ 5 0 0 0 0 0 [1] (deg,s)")
             assert made.value is None
             assert codes(made)[0] in ("Y1302", "Y1393")
-            drive = await client.drive(JointVelocity(np.full(6, 0.1)))
+            drive = await client.live.drive(JointVelocity(np.full(6, 0.1)))
             assert drive.value is None
             assert world.stands() == pytest.approx([0] * 6, abs=1e-9)
 

@@ -2,19 +2,17 @@
 
 import asyncio
 
-import numpy as np
 import pytest
 from coordinator.virtual import run
 from prompt_toolkit.input import create_pipe_input
 from prompt_toolkit.output import DummyOutput
 from repl.talking import talking
 
-from yarclang.coordinator.events import ProgressMade
+from yarclang.coordinator.messages.events import Position, ProgressMade
 from yarclang.repl import console
 from yarclang.repl.interpreter import Interpreter
 from yarclang.repl.toolbar import Toolbar
 from yarclang.runtime.state import State
-from yarclang.units import DEG
 
 
 class Recorder(Interpreter):
@@ -88,17 +86,30 @@ def test_a_home_that_cannot_be_written_is_no_reason_not_to_work(home, monkeypatc
 def test_the_line_at_the_bottom(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
-            toolbar = Toolbar(person.coordinator)
-            await person.world.until(lambda: person.coordinator.position is not None)
+            robot, picture = person.world.robot, person.interpreter.picture
+            toolbar = Toolbar(robot, picture)
+            await person.world.until(lambda: picture.joints is not None)
             first, second = toolbar.text(200).split("\n")
             assert first == " INDUSTRIAL6 stop | homed, enabled | 100 %"
             assert second.startswith(" {TCP} 0.00 1174.40 1764.00 mm | J1 0.00 | J2 0.00")
             assert all(len(line) <= 30 for line in toolbar.text(30).split("\n"))
+            assert toolbar.text(80).split("\n")[1].count(" 0.00") == 7  # all joints, and x
             await person.begin("MOVEJ 40 0 0 0 20 0 [5] (deg,s)")
-            toolbar.hear(ProgressMade(0.0, 1.25, 3.75, "P0010 MOVEJ", 1))
+            picture.hear(ProgressMade(time_s=0.0, done_s=1.25, left_s=3.75, command="P0010 MOVEJ", line=1))
             assert "move | P0010 MOVEJ 1.2 s, 3.8 s to go" in toolbar.text(200)
-            person.coordinator.position = np.full(6, 1.0 * DEG)
+            joints = dict.fromkeys(robot.joint_names, 1.0)
+            picture.hear(Position(time_s=0.0, joints=joints, done_s=0.0))
             assert "J6 1.00" in toolbar.text(200)
+            for width in range(20, 200):
+                assert all(len(line) <= width for line in toolbar.text(width).split("\n"))
+            for state, place in ((s, -170.0 - 0.25 * n) for n, s in enumerate(robot.joint_names)):
+                joints[state] = place
+            picture.hear(Position(time_s=0.0, joints=joints, done_s=0.0))
+            command = "P0010(I=2)>P0010 MOVEL_RPY_LSPB"
+            picture.hear(ProgressMade(time_s=0.0, done_s=125.0, left_s=375.0, command=command, line=1))
+            first, second = toolbar.text(80).split("\n")
+            assert first.endswith(" s to go | 100 %")
+            assert second.count("-17") == len(robot.joint_names)
             await person.settled()
 
     run(session())
@@ -109,7 +120,9 @@ def test_a_lost_connection_is_shown(tmp_path):
         async with talking(tmp_path) as person:
             person.world.unplug()
             await person.world.until(lambda: person.coordinator.state is State.DISCONNECTED)
-            assert "disconnected | not ready" in Toolbar(person.coordinator).text(200)
+            assert "disconnected | not ready" in Toolbar(person.world.robot, person.interpreter.picture).text(
+                200
+            )
             assert "disconnected" in person.taken()
             assert "no connection" in await person.type("MOVEJ 10 0 0 0 20 0 [1] (deg,s)")
             person.world.plug()

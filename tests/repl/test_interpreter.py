@@ -255,11 +255,11 @@ def test_another_client_owns_the_robot(tmp_path):
         async with talking(tmp_path) as person:
             await person.type(".release")
             other = person.coordinator.attach("pendant")
-            other.own()
+            other.session.own()
             told = await person.type(MOVE)
             assert "pendant owns the robot" in told
             assert person.world.stands() == pytest.approx([0] * 6, abs=1e-4)
-            other.release()
+            other.session.release()
             assert "done" in await person.type(MOVE)  # it is taken again by moving it
 
     run(session())

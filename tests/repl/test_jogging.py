@@ -2,12 +2,11 @@
 
 import asyncio
 
-import numpy as np
 import pytest
 from coordinator.virtual import run
 from repl.talking import talking
 
-from yarclang.coordinator.live.steering import JointVelocity, Twist
+from yarclang.coordinator.messages.wants import MoveJoints, MoveTool
 from yarclang.repl.jogging import HELD, Axis, Jogging, axis_of
 from yarclang.robot.description import load_robot
 from yarclang.runtime.actions import Trouble
@@ -17,16 +16,15 @@ ROBOT = load_robot("industrial6").value
 
 def test_a_press_moves_for_a_moment_and_a_held_key_goes_on():
     jogging = Jogging(ROBOT, Axis("joint", 2))
-    assert not jogging.target(0.0).velocity.any()
+    assert jogging.want(0.0).velocity == {"J3": 0.0}
     jogging.press("+", 1.0)
-    assert jogging.target(1.0 + 0.9 * HELD).velocity[2] > 0.0
-    assert not jogging.target(1.0 + 1.1 * HELD).velocity.any()
+    assert jogging.want(1.0 + 0.9 * HELD).velocity["J3"] > 0.0
+    assert jogging.want(1.0 + 1.1 * HELD).velocity == {"J3": 0.0}
     jogging.press("-", 2.0)
     jogging.press("-", 2.1)
-    wanted = jogging.target(2.0 + HELD)
-    assert isinstance(wanted, JointVelocity)
-    assert wanted.velocity[2] < 0.0
-    assert np.count_nonzero(wanted.velocity) == 1
+    wanted = jogging.want(2.0 + HELD)
+    assert isinstance(wanted, MoveJoints)
+    assert wanted.velocity["J3"] < 0.0
 
 
 @pytest.mark.parametrize("key", ["1", "x", "up", "down", "w", "t", "enter", "?"])
@@ -47,10 +45,10 @@ def test_keys_choose_axes_and_speeds():
     jogging.press("b", 0.0)
     assert "b of {TCP} at 3 deg/s" in jogging.text
     jogging.press("-", 0.0)
-    wanted = jogging.target(0.0)
-    assert isinstance(wanted, Twist)
+    wanted = jogging.want(0.0)
+    assert isinstance(wanted, MoveTool)
     assert wanted.axes == "tool"
-    assert wanted.angular[1] < 0.0
+    assert wanted.twist[4] < 0.0
     jogging.press("6", 0.0)
     jogging.press("7", 0.0)  # there is no such joint
     assert jogging.axis == Axis("joint", 5)
@@ -58,7 +56,7 @@ def test_keys_choose_axes_and_speeds():
         jogging.press("up", 0.0)
     jogging.press("x", 0.0)
     jogging.press("+", 0.0)
-    assert jogging.target(0.0).linear[0] == pytest.approx(0.25)  # never more
+    assert jogging.want(0.0).twist[0] == pytest.approx(250.0)  # never more
     assert not jogging.ended
     jogging.press("enter", 0.0)
     assert jogging.ended

@@ -1,6 +1,8 @@
 """Programs in files: loaded, run, stepped through, saved, touched up."""
 
 import asyncio
+import shutil
+from pathlib import Path
 
 import pytest
 from coordinator.virtual import run
@@ -157,5 +159,100 @@ def test_touching_up_keeps_crlf(folder):
             await person.type(".load cell.yarc", ".teach READY", "y")
             content = (folder / "cell.yarc").read_bytes()
             assert content.count(b"\r\n") == content.count(b"\n") == PROGRAM.count("\n")
+
+    run(session())
+
+
+STEPS = """ROBOT INDUSTRIAL6
+START 3 0 0 0 20 0 (deg)
+P0010 MOVEJ 8 0 0 0 20 0 [1] (deg,s)
+P0020 MOVEL {TCP} 0 1150 1400 0 0 0 [50%] (mm,deg,s) {B}
+"""
+
+
+@pytest.mark.parametrize("early", [0.02, 0.5, 1.0])
+def test_enter_during_an_approach_starts_no_step(folder, early):
+    async def session():
+        (folder / "steps.yarc").write_text(STEPS.replace("P0020 MOVEL", "P0020 MOVEJ_RPY"))
+        async with talking(folder) as person:
+            await person.type(".load steps.yarc", ".step")
+            assert "approach it slowly first" in person.asked
+            person.interpreter.typed("y")
+            await person.world.until(lambda: person.world.moving)
+            await asyncio.sleep(early)
+            for _ in range(3):
+                person.interpreter.typed("")
+            picture = person.interpreter.picture
+            await person.world.until(lambda: picture.paused)
+            await asyncio.sleep(2.0)
+            assert person.world.stands()[0] == pytest.approx(3.0, abs=1e-3)
+            person.interpreter.typed("")
+            await person.world.until(lambda: person.world.moving)
+            person.interpreter.typed("")  # too early again
+            await person.world.until(lambda: picture.paused)
+            await asyncio.sleep(2.0)
+            assert person.world.stands()[0] == pytest.approx(8.0, abs=1e-3)
+            person.interpreter.typed("")
+            await person.settled()
+
+    run(session())
+
+
+def test_back_works_behind_steps_and_runs(folder):
+    async def session():
+        async with talking(folder) as person:
+            (folder / "steps.yarc").write_text(PROGRAM)
+            await person.type(".load steps.yarc")
+            before = person.world.stands()
+            person.interpreter.typed(".step")
+            places = [before]
+            while not person.interpreter.idle:
+                await person.world.until(lambda: person.interpreter.picture.paused or person.interpreter.idle)
+                places.append(person.world.stands())
+                person.interpreter.typed("")
+                await asyncio.sleep(0.1)
+            assert len(places) > 2
+            for place in reversed(places[:-1]):
+                assert "done" in await person.type(".back")
+                assert person.world.stands() == pytest.approx(place, abs=1e-3)
+            assert "nothing has moved" in await person.type(".back")
+
+    run(session())
+
+
+def test_back_works_behind_a_step_that_was_stopped(folder):
+    async def session():
+        async with talking(folder) as person:
+            (folder / "steps.yarc").write_text("P0010 MOVEJ 20 0 0 0 20 0 [4] (deg,s)\n")
+            await person.type(".load steps.yarc")
+            before = person.world.stands()
+            person.interpreter.typed(".step")
+            await person.world.until(lambda: person.world.moving)
+            await asyncio.sleep(1.5)
+            person.interpreter.typed(".stop")
+            await person.settled()
+            assert 0.5 < person.world.stands()[0] < 19.0
+            assert "done" in await person.type(".back")
+            assert person.world.stands() == pytest.approx(before, abs=1e-3)
+
+    run(session())
+
+
+def test_a_session_is_saved_with_names_as_they_are_seen_from_its_folder(folder):
+    async def session():
+        (folder / "cells").mkdir()
+        (folder / "saved" / "deep").mkdir(parents=True)
+        shutil.copy(Path(__file__).parents[2] / "examples" / "cell.toml", folder / "cells" / "table.toml")
+        async with talking(folder) as person:
+            told = await person.type('CELL "cells/table.toml"')
+            assert "it holds" in told, told
+            await person.type(
+                "MOVEJ 5 0 0 0 20 0 [1] (deg,s)", ".save saved/deep/mine.yarc", ".save mine.yarc"
+            )
+            assert 'CELL "../../cells/table.toml"' in (folder / "saved" / "deep" / "mine.yarc").read_text()
+            assert 'CELL "cells/table.toml"' in (folder / "mine.yarc").read_text()
+            assert str(folder) not in (folder / "mine.yarc").read_text()
+            assert "its 1 declarations hold" in await person.type(".load saved/deep/mine.yarc")
+            assert person.coordinator.lines.declarations == ['CELL "cells/table.toml"']
 
     run(session())

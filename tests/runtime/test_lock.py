@@ -14,9 +14,9 @@ import time
 import pytest
 
 from yarclang.runtime.transports import lock
-from yarclang.runtime.transports.local import find_runs
 from yarclang.runtime.transports.lock import SPACE, controller_lock, holder_of
 from yarclang.runtime.transports.private import ControlError
+from yarclang.runtime.transports.runs import find_runs
 
 NOBODY = 65534
 """A user that every Linux has."""

@@ -144,7 +144,7 @@ def trouble_is_said() -> Iterator[None]:
 def _runs(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
     """The runs whose names begin so, for completion."""
     from yarclang.runtime.actions import Trouble
-    from yarclang.runtime.transports.local import find_runs
+    from yarclang.runtime.transports.runs import find_runs
 
     with contextlib.suppress(Trouble):
         return [run.name for run in find_runs() if run.name.startswith(incomplete.lower())]

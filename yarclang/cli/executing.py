@@ -11,26 +11,19 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Coroutine
-from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from yarclang.cli.address import Address
-from yarclang.cli.controllers import SIMULATED_REPLY_TIME
-from yarclang.cli.ending import Ending
-from yarclang.coordinator import events
-from yarclang.coordinator.client import Client
-from yarclang.coordinator.coordinator import Coordinator
-from yarclang.coordinator.engine import NO_LOG
-from yarclang.coordinator.opened import opened
+from yarclang.cli.attaching import Place, attached
+from yarclang.coordinator.attached import Attached, Here
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import Finding
+from yarclang.coordinator.messages.replies import Ended, LogTold, ProgramDescribed
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.subscription import Subscription
 from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
-from yarclang.runtime.log import RunLog
-from yarclang.runtime.outcome import Ended
-from yarclang.runtime.session import REPLY_TIME
 
 _LAST_WORDS = 5.0
 """A reader that takes longer for the last lines doesn't get them [s]."""
@@ -107,7 +100,7 @@ def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:
     }
 
 
-def log_told(log: RunLog | None, lines: Lines) -> tuple[str | None, bool]:
+def log_line(log: LogTold | None, lines: Lines) -> tuple[str | None, bool]:
     """Tell what is wrong with a closed log, if anything is.
 
     Returns:
@@ -116,24 +109,26 @@ def log_told(log: RunLog | None, lines: Lines) -> tuple[str | None, bool]:
     if log is None:
         return None, True
     if log.problem:
-        lines.say({"event": "message", "text": f"{log.problem}; {log.remedy}", "warning": True})
-    return None if log.loss else str(log.path), not log.problem
+        lines.say({"event": "message", "text": f"{log.problem}; {log.help}", "warning": True})
+    return None if log.lost else log.path, not log.problem
 
 
-def execute(loaded: Loaded, address: Address, options: dict[str, Any], lines: Lines, *, own: bool) -> int:
+def execute(
+    loaded: Loaded | orders.Load, name: str, place: Place, options: dict[str, Any], lines: Lines
+) -> int:
     """Carry a program out.
 
     Args:
-        loaded: the program.
-        address: of the controller.
+        loaded: the program, or the order to load it there where the robot is.
+        name: what people call it.
+        place: where.
         options: of the command line.
         lines: where events go.
-        own: whether the controller is a simulator of our own.
 
     Returns:
         The exit status.
     """
-    return status_of(_execute(loaded, address, options, lines, own=own), lines)
+    return status_of(_execute(loaded, name, place, options, lines), lines)
 
 
 def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
@@ -148,57 +143,89 @@ def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
 
 
 async def _execute(
-    loaded: Loaded, address: Address, options: dict[str, Any], lines: Lines, *, own: bool
+    loaded: Loaded | orders.Load, name: str, place: Place, options: dict[str, Any], lines: Lines
 ) -> int:
-    robot = loaded.program.robot
-    log: Path | None = NO_LOG if options["no_log"] else options["log"]
     signals = Signals()
+    whose = loaded.program.robot if isinstance(loaded, Loaded) else None
     with signals:
-        async with opened(
-            robot,
-            address.host,
-            address.port,
-            folder=Path(),
-            name=loaded.name,
-            log=log,
-            reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
-            pace=options["rate"] or 1.0,
-        ) as coordinator:
-            client = coordinator.attach("exec")
-            client.own()
-            signals.client = client
-            stream = client.events()
-            telling = asyncio.create_task(tell(stream, lines, coordinator, positions=options["positions"]))
+        async with attached(place, whose, "exec", options, what=name) as robot:
+            await robot.ask(orders.Own(shared=True))
+            signals.attached = robot
+            stream = await robot.listen(positions=options["positions"])
+            telling = asyncio.create_task(tell(stream, lines))
             try:
-                ended = await _run(client, loaded, options, signals)
+                ended = await _run(robot, loaded, options, signals, lines)
             finally:
                 stream.close()
                 await asyncio.wait((telling,), timeout=_LAST_WORDS)
-            ended = Ending(loaded, "", None).placed(ended)
-            coordinator.engine.ended = ended
-    path, sound = log_told(coordinator.engine.run_log, lines)
+            released = await robot.ask(orders.Release())
+    path, sound = log_line(released.log, lines)
+    if ended is None:
+        return 1
     status = int(not (ended.well and sound))
-    lines.say({"event": "ended", "status": status, **events.ended_json(ended, robot), "log": path})
+    lines.say({"event": "ended", "status": status, **_ended(ended), "log": path})
     return status
 
 
-async def _run(client: Client, loaded: Loaded, options: dict[str, Any], signals: Signals) -> Ended:
+def _ended(ended: Ended) -> dict[str, Any]:
+    """The part of an end that the last line tells."""
+    content = ended.to_json()
+    return {key: content[key] for key in ("well", "what", "help", "code", "command", "done_s", "joints")}
+
+
+async def _run(
+    robot: Attached, loaded: Loaded | orders.Load, options: dict[str, Any], signals: Signals, lines: Lines
+) -> Ended | None:
+    """How it has ended; None where it wasn't begun, which was told."""
+    if isinstance(loaded, Loaded):
+        assert isinstance(robot, Here)  # who loads it here runs it here
+        program = robot.desk.keep(loaded)
+    else:
+        made = await robot.ask(loaded)
+        if made.findings:
+            lines.say({"event": "findings", "findings": [_finding(one) for one in made.findings]})
+        if made.program is None:
+            lines.say(refused_line("the program has errors; nothing moved", "see the findings"))
+            return None
+        program = made.program
+        if refused := not_repeated(program, options):
+            lines.say(refused)
+            return None
+    state = robot.welcome.status.state
     if signals.ended:
-        return Ended(False, "stopped before it began; nothing moved")
+        return Ended(well=False, what="stopped before it began; nothing moved", state=state)
+    order = orders.Run(
+        program=program.number,
+        approach=options["approach"] or program.begins_within,
+        times=options["times"],
+    )
     try:
-        return await client.run(
-            loaded, approach=options["approach"] or loaded.begins_within, times=options["times"]
-        )
+        return await robot.ask(order)
     except Trouble as trouble:
         remedy = trouble.remedy.replace("approach it first", "--approach moves there slowly, certified")
-        return Ended(False, trouble.what, remedy, code=trouble.code)
+        return Ended(
+            well=False, what=trouble.what, help=remedy or None, code=trouble.code or None, state=state
+        )
 
 
-async def tell(stream: Subscription, lines: Lines, coordinator: Coordinator, *, positions: bool) -> None:
+def _finding(one: Finding) -> dict[str, Any]:
+    content = one.to_json()
+    del content["text"]
+    return content
+
+
+def not_repeated(program: ProgramDescribed, options: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the last event of a program that can't be carried out several times; None where it can, or where that isn't wanted."""
+    if options["times"] <= 1 or not program.not_looped:
+        return None
+    what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {program.not_looped}"
+    return refused_line(what, "end it with a motion to its start")
+
+
+async def tell(stream: Subscription, lines: Lines) -> None:
     """Events to lines, as fast as they are read."""
     async for event in stream:
-        if positions or not isinstance(event, events.Position):
-            await lines.put(events.event_json(event, coordinator.robot))
+        await lines.put(event.to_json())
 
 
 class Signals:
@@ -208,13 +235,13 @@ class Signals:
         ended: called with each termination.
 
     Attributes:
-        client: who orders; None before there is one.
+        attached: who is ordered; None before there is somebody.
         ended: whether a termination has come.
     """
 
     def __init__(self, ended: Callable[[], object] = lambda: None) -> None:
         self._tell_end = ended
-        self.client: Client | None = None
+        self.attached: Attached | None = None
         self.ended = False
 
     def __enter__(self) -> Signals:
@@ -232,10 +259,10 @@ class Signals:
     def _end(self) -> None:
         self.ended = True
         self._tell_end()
-        if self.client is not None:
-            self.client.stop()
+        if self.attached is not None:
+            self.attached.send(orders.Stop())
 
     def _hold(self) -> None:
         """A process that sleeps can't look after a robot."""
-        if self.client is not None:
-            self.client.hold()
+        if self.attached is not None:
+            self.attached.send(orders.Hold())

@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import click
 
 from yarclang.diagnostics import Diagnostic
-from yarclang.pipeline.origins import Origins
 from yarclang.report.finding import finding_text
-from yarclang.runtime.outcome import Concerned, Where
 from yarclang.source import SourceFile, Span
 
 
-def where_of(origins: Origins, concerned: Concerned) -> Where:
-    """Where a command stands in its source, as far as the source is known."""
-    origin = origins.of(concerned.index, concerned.name, concerned.source_line)
-    if origin is None:
-        note = origins.missing or "the program has no such command"
-        return Where(line=concerned.source_line, note=note)
-    span = origin.span
-    end = span.end_column if span.end_line == span.line else len(origin.source.line(span.line)) + 1
-    return Where(origin.source.name, span.line, span.column, end, origin.source.line(span.line))
+class Placed(Protocol):
+    """A place in a source, as far as the source is known; else `note` says why not."""
+
+    @property
+    def file(self) -> str:
+        """Empty where the source isn't known."""
+
+    @property
+    def line(self) -> int:
+        """From 1."""
+
+    @property
+    def column(self) -> int:
+        """From 1."""
+
+    @property
+    def end_column(self) -> int:
+        """Behind the last character."""
+
+    @property
+    def text(self) -> str:
+        """The line."""
+
+    @property
+    def note(self) -> str:
+        """Why the source isn't known."""
 
 
-def fault_text(code: str, what: str, remedy: str, where: Where | None) -> str:
+def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
     """A fault with its place, the source line and the remedy; where the source isn't known, the line that the text gives it."""
     if where is not None and where.file:
         # of the whole source only this line is known, and no other is shown

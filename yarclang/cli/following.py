@@ -8,33 +8,33 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from yarclang.cli.address import Address
-from yarclang.cli.controllers import SIMULATED_REPLY_TIME
-from yarclang.cli.executing import Lines, Signals, log_told, refused_line, status_of, tell
+from yarclang.cli.attaching import Place, attached, check_cell
+from yarclang.cli.executing import Lines, Signals, log_line, refused_line, status_of, tell
 from yarclang.cli.secret_file import secret_file
-from yarclang.coordinator.engine import NO_LOG
-from yarclang.coordinator.live.opening import Settings
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.engine import UNDER_WAY
 from yarclang.coordinator.live.serving import Door, MasterServer, TcpDoor, UnixDoor
-from yarclang.coordinator.opened import opened
+from yarclang.coordinator.messages import orders
 from yarclang.robot.model import Robot
-from yarclang.runtime.session import REPLY_TIME
-from yarclang.units import MM
+from yarclang.runtime.actions import Trouble
+
+_EACH = 0.02
+"""How often it is looked whether the robot rests [s]."""
 
 
-def follow(robot: Robot, address: Address, options: dict[str, Any], lines: Lines, *, own: bool) -> int:
+def follow(robot: Robot, place: Place, options: dict[str, Any], lines: Lines) -> int:
     """Let another process steer the robot until a termination comes.
 
     Args:
         robot: that hangs on the controller.
-        address: of the controller.
+        place: where.
         options: of the command line.
         lines: where events go.
-        own: whether the controller is a simulator of our own.
 
     Returns:
         The exit status.
     """
-    return status_of(_follow(robot, address, options, lines, own=own), lines)
+    return status_of(_follow(robot, place, options, lines), lines)
 
 
 def _door(options: dict[str, Any]) -> Door:
@@ -67,42 +67,39 @@ def _known(server: MasterServer, token_file: Path | None) -> Iterator[dict[str, 
         yield event | {"token_file": str(token_file)}
 
 
-async def _follow(robot: Robot, address: Address, options: dict[str, Any], lines: Lines, *, own: bool) -> int:
+async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Lines) -> int:
     ends = asyncio.Event()
     signals = Signals(ends.set)
-    log: Path | None = NO_LOG if options["no_log"] else options["log"]
     with signals:
-        async with opened(
-            robot,
-            address.host,
-            address.port,
-            folder=Path(),
-            name="follow",
-            cell=options["cell"],
-            log=log,
-            reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
-        ) as coordinator:
-            client = coordinator.attach("follow")
-            client.own()
-            signals.client = client
-            speed = options["speed"]
-            settings = Settings(speed=None if speed is None else speed * MM)
+        async with attached(place, whose, "follow", options, what="follow") as robot:
+            await robot.ask(orders.Own())
+            signals.attached = robot
+            if place.served is not None and options["cell"] is not None:
+                check_cell(robot, options["cell"])
             moving = "{" + options["moving"].strip("{} ") + "}"
-            with client.events() as stream:
-                telling = asyncio.create_task(
-                    tell(stream, lines, coordinator, positions=options["positions"])
-                )
-                async with MasterServer(client, _door(options), moving=moving, settings=settings) as server:
+            with await robot.listen(positions=options["positions"]) as stream:
+                telling = asyncio.create_task(tell(stream, lines))
+                async with MasterServer(
+                    robot, _door(options), robot=whose.name, moving=moving, speed=options["speed"]
+                ) as server:
                     with _known(server, options["token_file"]) as listening:
-                        around = coordinator.planner.cell
-                        await lines.put(listening | {"cell": None if around is None else around.source.name})
+                        await lines.put(listening | {"cell": robot.welcome.status.cell})
                         await ends.wait()
-                    while coordinator.under_way:
-                        await asyncio.sleep(0.02)
+                    stands = await _at_rest(robot)
             await asyncio.wait((telling,), timeout=1.0)
-            stands = await client.stands()
-    joints = dict(zip(robot.joint_names, (stands / robot.axis_units).round(6).tolist(), strict=True))
-    path, sound = log_told(coordinator.engine.run_log, lines)
-    said = {"status": int(not sound), "well": True, "joints": joints, "log": path}
+            released = await robot.ask(orders.Release())
+    path, sound = log_line(released.log, lines)
+    said = {"status": int(not sound), "well": True, "joints": stands, "log": path}
     lines.say({**refused_line("a termination has come", ""), **said})
     return int(not sound)
+
+
+async def _at_rest(robot: Attached) -> dict[str, float]:
+    """Where the robot stands, when it does [deg or mm]."""
+    while True:
+        try:
+            return (await robot.ask(orders.AskPlace())).joints
+        except Trouble as trouble:
+            if trouble.code != UNDER_WAY:
+                raise
+        await asyncio.sleep(_EACH)

@@ -1,8 +1,8 @@
-"""A program's file to what can be run."""
+"""A program's file to what can be run, with progress."""
 
 from __future__ import annotations
 
-import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +10,14 @@ import click
 
 from yarclang.cli.outputs import STANDARD
 from yarclang.cli.work import Progress, options_from
-from yarclang.coordinator.programs import Loaded, load_program
-from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
-from yarclang.pipeline.checking import check_program_file
-from yarclang.pipeline.controller_text import COMPILED, judge_text, read_controller_text
-from yarclang.pipeline.jobs import Papers, job_of
-from yarclang.pipeline.origins import Origins
+from yarclang.coordinator.loading import Source
+from yarclang.coordinator.loading import load as load_source
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.programs import Loaded
+from yarclang.diagnostics import Diagnostic
+from yarclang.pipeline.controller_text import COMPILED, read_controller_text, robot_of_text
+from yarclang.pipeline.inputs import open_program, robot_for
+from yarclang.robot.model import Robot
 
 Found = tuple[Diagnostic, ...]
 
@@ -25,60 +27,74 @@ def is_compiled(file: str) -> bool:
     return file.lower().endswith(COMPILED)
 
 
-def load(file: str, first: str | None, options: dict[str, Any]) -> tuple[Loaded | None, Found]:
-    """Compile a program, or read a compiled one and judge it again.
+def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
+    """Return what a command line wants to be run.
 
     Args:
         file: a .yarc or .pmc file.
         first: the index of the command to begin with, or None.
         options: of the command line.
 
-    Returns:
-        None where an error forbids to run it; all findings.
-
     Raises:
         click.UsageError: an option doesn't go with the file.
     """
     if options.get("source") is not None and not is_compiled(file):
         raise click.UsageError("--source: only with a .pmc, which it is the program of")
-    result = _compiled_before(file, options) if is_compiled(file) else _compile(file, first, options)
-    return (None if has_errors(result.diagnostics) else result.value), in_order(result.diagnostics)
+    return Source(
+        file,
+        None,
+        first,
+        bool(options.get("step")),
+        options_from(options),
+        options.get("source"),
+        bool(options.get("approach")),
+    )
 
 
-def _compiled_before(file: str, options: dict[str, Any]) -> Result[Loaded]:
-    """A .pmc file, judged against the program beside it."""
-    read = read_controller_text(file)
-    if read.value is None:
-        return Result(None, read.diagnostics)
+def load(source: Source) -> tuple[Loaded | None, Found]:
+    """Compile a program, or read a compiled one and judge it again.
+
+    Returns:
+        None where an error forbids to run it; all findings.
+    """
     with Progress():
-        made = judge_text(
-            read.value,
-            Path(file).parent,
-            options_from(options),
-            options.get("source"),
-        )
-    judged = made.value
-    if judged is None:
-        return Result(None, made.diagnostics)
-    diagnostics = made.diagnostics
-    source = "" if judged.program is None else judged.program.source.text
-    papers = Papers(source, json.dumps(judged.certificate.to_json()))
-    job = job_of(judged.certificate, judged.text.text, judged.robot, Path(file).name, papers)
-    if job.value is None:
-        return Result(None, job.diagnostics)
-    if options.get("approach") and judged.cell is None and judged.program is None:
-        message = f"the approach is planned without a cell: {judged.missing}"
-        help_ = "look that the straight way is free; or --cell FILE.toml says what is around"
-        diagnostics = (*diagnostics, Diagnostic("Y0927", message, judged.text, help=help_))
-    origins = Origins(judged.program, judged.missing)
-    return Result(Loaded(job.value, job.value, origins=lambda: origins, cell=judged.cell), diagnostics)
+        made = load_source(source)
+    return made.value, made.diagnostics
 
 
-def _compile(file: str, first: str | None, options: dict[str, Any]) -> Result[Loaded]:
-    with Progress():
-        checked = check_program_file(file, options_from(options))
-        if checked.opened is None or checked.compiled is None:
-            return Result(None, checked.diagnostics)
-        name = "stdin" if file == STANDARD else Path(file).name
-        compiled = Result(checked.compiled, checked.diagnostics)
-        return load_program(checked.opened, name, first, by_steps=options["step"], compiled=compiled)
+def load_order(source: Source) -> orders.Load:
+    """Return the order to load it there where the robot is; standard input is read here."""
+
+    def absolute(path: str | None) -> str | None:
+        return None if path is None else str(Path(path).absolute())
+
+    text = None
+    if source.file == STANDARD:
+        text = sys.stdin.buffer.read().decode("utf-8", "replace")
+    options = source.options
+    tolerance = options.tolerance
+    return orders.Load(
+        file=str(Path("stdin" if text is not None else source.file).absolute()),
+        text=text,
+        first=source.first,
+        by_steps=source.by_steps,
+        start=options.start,
+        tolerance=None if tolerance is None else tuple(one for one in tolerance if one is not None),
+        tm=options.tm,
+        cell=absolute(options.cell),
+        source=absolute(source.program),
+        approach=source.approach,
+    )
+
+
+def robot_of(source: Source) -> Robot | None:
+    """Return the robot that a program is for, without compiling it; None where that isn't known, as of standard input."""
+    if source.options.robot is not None:
+        return robot_for(Path(), source.options.robot).value
+    if source.is_compiled:
+        read = read_controller_text(source.file)
+        return None if read.value is None else robot_of_text(read.value, None).value
+    if source.file == STANDARD:
+        return robot_for(Path(), None).value
+    opened = open_program(source.file, source.options)
+    return None if opened.value is None else opened.value.request.robot

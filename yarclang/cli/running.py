@@ -1,331 +1,254 @@
-"""The terminal that a run was started in: signals and keys that give orders, questions, and the line that changes."""
+"""`yarc run` from the door's side: ask, show, and say how it ended."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
-import re
-import signal
-import sys
-import textwrap
-import threading
-import time
-from collections.abc import Callable
-from dataclasses import replace
-from queue import SimpleQueue
-from types import TracebackType
+from dataclasses import dataclass
+from typing import Any
 
 import click
 
-from yarclang.coordinator.ordered import OrderedSession
-from yarclang.report.runs.text import PLAIN_EACH, View, notice_text, over, time_text
-from yarclang.runtime.feedback import Sample
-from yarclang.runtime.job import Job, JobCommand
-from yarclang.runtime.notices import (
-    Abort,
-    Changed,
-    Hold,
-    Notice,
-    Progress,
-    Remark,
-    Resume,
-    Stop,
-)
-from yarclang.runtime.operation import Operation
-from yarclang.runtime.state import State
+from yarclang.cli.address import trouble_is_said
+from yarclang.cli.attaching import Place, attached
+from yarclang.cli.display import Axes, Display
+from yarclang.cli.ending import Ending, error_text, joints_text
+from yarclang.cli.screen import Screen
+from yarclang.cli.show import show_findings
+from yarclang.cli.table import checked_table
+from yarclang.cli.terminal import Terminal
+from yarclang.coordinator.attached import Attached, Here
+from yarclang.coordinator.describing import program_described
+from yarclang.coordinator.engine import NotReady
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import findings_of
+from yarclang.coordinator.messages.replies import Ended, LogTold, ProgramDescribed, Status
+from yarclang.coordinator.picture import Picture
+from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.subscription import Subscription
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
 
-_WIDTH = 80
-"""Columns of a terminal that doesn't say how many it has."""
-
-_SAME = 1e-6
-"""Times that are nearer to each other are one [s]."""
-
-_STAYS = "\xa0"
-_TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms|%)\b)|(?<=\bJ\d) (?=[-+]?\d)")
-"""A space that no line ends at: between a joint and its value, and a value and its unit."""
-
-_VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
-_ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+_LAST_WORDS = 5.0
+"""Events that are on their way are waited for so long behind the end [s]."""
 
 
-class Screen:
-    """Standard error, written by a thread of its own: a terminal that was stopped by Ctrl-S, or is gone, delays no robot."""
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is to be run: a program that was loaded in this process, or the order to load it there where the robot is.
 
-    def __init__(self) -> None:
-        self.live = sys.stderr.isatty()
-        self._shown = False
-        self._queue: SimpleQueue[str | None] = SimpleQueue()
-        self._thread = threading.Thread(target=self._write, name="screen", daemon=True)
-        self._thread.start()
-
-    def say(self, text: str) -> None:
-        """Write whole lines; on a terminal, broken where words end."""
-        before = "\r\x1b[K" if self._shown else ""
-        self._shown = False
-        self._queue.put(f"{before}{self._broken(text) if self.live else text}\n")
-
-    def change(self, text: str) -> None:
-        """Put a line in the place of the one that changes."""
-        if self._queue.empty():
-            width = self._width()
-            self._queue.put(over(_cut(text, width - 1), width))
-            self._shown = True
-
-    def ask(self, text: str) -> None:
-        """Write what somebody is to answer behind."""
-        self._queue.put(text)
-
-    def close(self) -> None:
-        """Write what is left, if the terminal is still there."""
-        if self._shown:
-            self._queue.put("\n")
-            self._shown = False
-        self._queue.put(None)
-        self._thread.join()
-
-    def _write(self) -> None:
-        with contextlib.suppress(OSError, ValueError):  # it is gone
-            while (text := self._queue.get()) is not None:
-                click.echo(text, err=True, nl=False)
-
-    def _broken(self, text: str) -> str:
-        width = self._width()
-        lines: list[str] = []
-        for line in text.split("\n"):
-            indent = " " * (len(line) - len(line.lstrip(" ")) + 4)
-            long = click.unstyle(line)
-            if len(long) < width or "yarc run" in line:  # what somebody may copy stays whole
-                lines.append(line)
-            else:
-                kept = _TOGETHER.sub(_STAYS, line)
-                lines += textwrap.wrap(kept, width - 1, subsequent_indent=indent, break_on_hyphens=False)
-        return "\n".join(lines).replace(_STAYS, " ")
-
-    def _width(self) -> int:
-        try:
-            return os.get_terminal_size(sys.stderr.fileno()).columns or _WIDTH
-        except (OSError, ValueError):
-            return _WIDTH
-
-
-def _cut(line: str, width: int) -> str:
-    """What of a line fits, to the end of a value: half a number would be another number."""
-    if len(line) <= width:
-        return line
-    ends = [found.end() for found in _VALUE.finditer(line, 0, width + 1) if found.end() <= width]
-    return line[: ends[-1]] if ends else line[:width]
-
-
-class Display:
-    """Shows a run: on a terminal with one line that changes, else with a line now and then."""
-
-    def __init__(self, screen: Screen, operation: Operation, program: Job) -> None:
-        self._screen = screen
-        self._operation = operation
-        self._program = program
-        self._view = View(program.robot, program.duration)
-        self._command = ""
-        self._instead = ""
-        self._behind = 0.0
-        self._brief = False
-        self._written = 0.0
-        self._ahead: list[JobCommand] = []
-
-    def begin(self, job: Job, *, instead: str = "", brief: bool = False) -> None:
-        """From here on, this job is performed.
-
-        Args:
-            job: the program, a part of it, or the way to its start.
-            instead: what its command is called; empty: as in the program.
-            brief: leave out what is told of every job.
-        """
-        self._instead, self._brief, self._command = instead, brief, ""
-        of_program = not instead
-        self._behind = self._program.duration - job.offset - job.duration if of_program else 0.0
-        self._view = self._view.performing(self._program.duration if of_program else job.duration)
-        ends = job.offset + job.duration
-        self._ahead = [
-            one for one in self._program.commands if job.offset - _SAME <= one.begins < ends - _SAME
-        ]
-
-    def take(self, notice: Notice) -> None:
-        """Show a notice."""
-        before = self._view.state
-        match notice:
-            case Sample():
-                self._view = self._view.at(notice.joints(self._program.robot))
-            case Progress():
-                self._view = self._view.behind(self._of_program(notice))
-                self._show_progress()
-            case Changed() | Remark():
-                self._view = self._view.behind(notice)
-                if not (isinstance(notice, Changed) and self._left_out(notice, before)):
-                    self._screen.say(notice_text(notice))
-
-    def _of_program(self, progress: Progress) -> Progress:
-        """Progress of a part as that of the whole program."""
-        left = progress.left + self._behind / max(self._operation.override, 0.01)
-        return replace(progress, left=left, command=self._instead or progress.command)
-
-    def _show_progress(self) -> None:
-        if self._screen.live:
-            self._screen.change(self._view.line)
-        elif self._view.state is not State.INIT and self._view.progress is not None:
-            self._show_plain(self._view.progress)
-
-    def _show_plain(self, progress: Progress) -> None:
-        """Each command as it begins, and now and then how far a long one is."""
-        now = time.monotonic()
-        if self._instead:
-            begun = [] if self._command else [self._instead]
-        elif self._program.legs:  # which commands are executed isn't known before
-            command = self._program.command_at(progress.done) if progress.command else None
-            begun = [self._command_line(command)] if command and progress.command != self._command else []
-        else:
-            # at the end, all have begun, also those that nobody was told of
-            begun = [self._command_line(one) for one in self._ahead if one.begins <= progress.done + _SAME]
-            del self._ahead[: len(begun)]
-        self._command = progress.command
-        for line in begun:
-            self._screen.say(line)
-        if begun:
-            self._written = now
-        elif progress.command and now - self._written > PLAIN_EACH:
-            self._written = now
-            self._screen.say(self._view.line)
-
-    def _command_line(self, command: JobCommand) -> str:
-        """A command, and when it is executed."""
-        begins, ends, of = map(time_text, (command.begins, command.ends, self._program.duration))
-        return f"{command.title}  {begins} to {ends} of {of}"
-
-    def _left_out(self, change: Changed, before: State) -> bool:
-        """How it ends is told when all of it is known. Again and again, only what is out of the ordinary counts."""
-        if change.state is State.FAULT or (change.state is State.STOP and not self._instead):
-            return True
-        ordinary = before is not State.HOLD and change.state in (State.INIT, State.MOVE)
-        left_out = self._brief and ordinary
-        # a program that waits for an input, say, is loaded leg by leg
-        self._brief = self._brief or change.state is State.MOVE
-        return left_out
-
-
-class Terminal:
-    """Ctrl-C holds, and aborts the second time; Enter goes on behind a hold; a termination ends on the path.
-
-    Args:
-        session: what is ordered.
-        screen: where it is told.
-        give_up: called where nothing moves yet, and where nothing can be done.
-
-    Attributes:
-        performing: whether a job is; before that, there is nothing to hold.
-        gave_up: whether somebody gave up a robot that can't be reached.
+    `robot` is whose it is, where that must be known, `name` what people call it, `where` and `again` are for the commands that are recommended: the options that name controller
+    and robot, and the command line without --from (empty: none can be given; None: the simulator is gone with the run).
     """
 
-    def __init__(self, session: OrderedSession, screen: Screen, give_up: Callable[[], object]) -> None:
-        self.performing = False
-        self.gave_up = False
-        self._session = session
-        self._screen = screen
-        self._give_up = give_up
-        self._asked_to_hold = False
-        self._asked_to_abort = False
-        self._answer: asyncio.Future[str] | None = None
-        self._keys = sys.stdin is not None and sys.stdin.isatty()
-        session.listen(self._hear)
+    loaded: Loaded | None
+    load: orders.Load | None
+    robot: Robot | None
+    name: str
+    where: str
+    again: str | None
 
-    def __enter__(self) -> Terminal:
-        loop = asyncio.get_running_loop()
-        loop.add_signal_handler(signal.SIGINT, self._interrupted)
-        loop.add_signal_handler(signal.SIGTSTP, self._suspended)
-        for number in _ENDING:
-            loop.add_signal_handler(number, self._terminated)
-        if self._keys:
-            loop.add_reader(sys.stdin, self._typed)
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        loop = asyncio.get_running_loop()
-        if self._keys:
-            loop.remove_reader(sys.stdin)
-        for number in (signal.SIGINT, signal.SIGTSTP, *_ENDING):
-            loop.remove_signal_handler(number)
+def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
+    """Run a program.
 
-    async def agrees(self, question: str) -> bool:
-        """Whether the user says yes. Without a terminal nobody can be asked, and that is wrong usage."""
-        if not self._keys:
-            raise click.UsageError(f"{question} Nobody can be asked here: give --yes")
-        self._screen.ask(f"{question} [y/N]: ")
-        self._answer = asyncio.get_running_loop().create_future()
-        try:
-            return (await self._answer).strip().lower() in ("y", "yes")
-        finally:
-            self._answer = None
+    Args:
+        wanted: what.
+        place: where.
+        options: of the command line.
 
-    def _hear(self, notice: Notice) -> None:
-        if isinstance(notice, Changed) and notice.state is State.MOVE:
-            self._asked_to_hold = False
-
-    def _interrupted(self) -> None:
-        """Ctrl-C."""
-        state = self._session.operation.state
-        if not self.performing:
-            self._give_up()
-        elif state is State.DISCONNECTED:
-            self._while_disconnected()
-        elif state not in (State.MOVE, State.HOLD):
-            self._session.order(Stop())
-        elif not self._asked_to_hold:
-            self._asked_to_hold = True
-            self._session.order(Hold())
-            self._screen.say("holding: Enter or `yarc resume` goes on, `yarc stop` ends, Ctrl-C again aborts")
-        else:
-            self._session.order(Abort())
-            self._screen.say("aborting: each motor stops at once")
-
-    def _while_disconnected(self) -> None:
-        if not self._asked_to_abort:
-            self._asked_to_abort = True
-            self._session.order(Abort())
-            self._screen.say(
-                "there is no connection; it will be told to abort as soon as there is one; Ctrl-C again gives up"
+    Returns:
+        The exit status.
+    """
+    if wanted.loaded is not None and not _may_loop(program_described(0, wanted.loaded), options):
+        return 1
+    run = _Run(wanted, place, options)
+    try:
+        with trouble_is_said():
+            return asyncio.run(run.whole())
+    except asyncio.CancelledError:
+        run.screen.close()
+        if run.terminal.gave_up:
+            guarded = run.program is not None and run.program.guarded
+            guard = " (its guard PLC holds the motion when the buffer runs low)" * guarded
+            _say_error(
+                f"given up without a connection: nobody knows what the robot does{guard}", "look at the robot"
             )
         else:
-            self.gave_up = True
-            self._give_up()
+            _say("given up; nothing was moved")
+    return 1
 
-    def _suspended(self) -> None:
-        """Ctrl-Z: a process that sleeps can't look after a robot."""
-        state = self._session.operation.state
-        if self.performing and state in (State.MOVE, State.HOLD):
-            self._session.order(Hold())
-            self._screen.say("this process can't sleep while it drives a robot: holding on the path instead")
-        else:
-            self._screen.say("this process can't sleep while it drives a robot; Ctrl-C ends it")
 
-    def _terminated(self) -> None:
-        if self.performing:
-            self._session.order(Stop())
-        else:
-            self._give_up()
+def _may_loop(program: ProgramDescribed, options: dict[str, Any]) -> bool:
+    if not (options["loop"] or (options["times"] or 1) > 1) or not program.not_looped:
+        return True
+    _say_error(
+        f"{program.name} doesn't end where it starts, so that it can't be looped: {program.not_looped}",
+        "end it with a motion to its start",
+    )
+    return False
 
-    def _typed(self) -> None:
-        """A line, or the end of the terminal."""
-        descriptor = sys.stdin.fileno()
-        try:
-            if os.tcgetpgrp(descriptor) != os.getpgrp():
-                return  # it is somebody else's
-            data = os.read(descriptor, 4096)
-        except OSError:
-            data = b""
-        if not data and not os.isatty(descriptor):
-            asyncio.get_running_loop().remove_reader(sys.stdin)
-        if self._answer is not None:
-            if not self._answer.done():
-                self._answer.set_result(data.decode(errors="replace"))
-        elif data and (self._session.paused or self._session.operation.state is State.HOLD):
-            self._session.order(Resume())
+
+def _say(text: str, *, err: bool = True) -> None:
+    """Say something; a terminal that is gone doesn't change how a run ends."""
+    with contextlib.suppress(OSError):
+        click.echo(text, err=err)
+
+
+def _say_error(what: str, remedy: str) -> None:
+    _say(error_text(what, remedy))
+
+
+class _Run:
+    """One `yarc run`."""
+
+    terminal: Terminal
+
+    def __init__(self, wanted: Wanted, place: Place, options: dict[str, Any]) -> None:
+        self.wanted = wanted
+        self.place = place
+        self.options = options
+        self.screen = Screen()
+        self.program: ProgramDescribed | None = None
+        self._attached: Attached | None = None
+
+    async def whole(self) -> int:
+        """Everything, in order."""
+        task = asyncio.current_task()
+        assert task is not None
+
+        def give_up() -> None:
+            if isinstance(self._attached, Here):
+                self._attached.give_up()
+            task.cancel()
+
+        self.terminal = Terminal(self.screen, give_up)
+        wanted = self.wanted
+        with self.terminal:
+            try:
+                async with attached(
+                    self.place, wanted.robot, "run", self.options, what=wanted.name
+                ) as self._attached:
+                    return await self._in_order(self._attached)
+            except NotReady as trouble:
+                return self._refuse(trouble)
+            finally:
+                self.screen.close()
+
+    def _refuse(self, trouble: NotReady) -> int:
+        ending = Ending(self.wanted.name, self.wanted.where, self.wanted.again)
+        inspection = trouble.inspection
+        count = len(inspection.errors)
+        self.screen.say(ending.filled(checked_table(inspection.errors)))
+        wrong = (
+            f"{count} of {len(inspection.checked)} things "
+            f"{'isn' if count == 1 else 'aren'}'t as {'it' if count == 1 else 'they'} must be; nothing moved"
+        )
+        self.screen.say(error_text(wrong, ending.filled("`yarc doctor` shows all of them")))
+        return 1
+
+    async def _in_order(self, robot: Attached) -> int:
+        program = self.program = await self._loaded(robot)
+        if program is None or not _may_loop(program, self.options):
+            return 1
+        await robot.ask(orders.Own(shared=True))
+        status = robot.welcome.status
+        ending = Ending(self.wanted.name, self.wanted.where, self.wanted.again, program)
+        picture = Picture(status)
+        self.terminal.serve(robot, picture)
+        goes = await self._way_to_start(robot, program, ending)
+        if goes is None or self.options["dry_run"]:
+            if goes is not None:
+                self.screen.close()
+                looked = await robot.ask(orders.Look())
+                _say(
+                    f"{looked.checked} things looked at, all as they should be; nothing moved (--dry-run)",
+                    err=False,
+                )
+            return int(goes is None)
+        display = Display(self.screen, picture, Axes.of(status), program)
+        with await robot.listen() as stream:
+            showing = asyncio.create_task(self._show(stream, picture, display))
+            try:
+                self.terminal.performing = True
+                ended = await robot.ask(orders.Run(program=program.number, approach=goes, times=self._times))
+            except Trouble as trouble:
+                # what was so a moment ago isn't any more
+                self.screen.say(error_text(trouble.what, ending.filled(trouble.remedy)))
+                return 1
+            finally:
+                self.terminal.performing = False
+                stream.close()
+                await asyncio.wait((showing,), timeout=_LAST_WORDS)
+        released = await robot.ask(orders.Release())
+        return self._told(ended, ending, released.log, status)
+
+    @property
+    def _times(self) -> int | None:
+        return self.options["times"] or (None if self.options["loop"] else 1)
+
+    async def _loaded(self, robot: Attached) -> ProgramDescribed | None:
+        """The program, as the coordinator knows it; None where it has errors."""
+        if self.wanted.loaded is not None:
+            assert isinstance(robot, Here)  # who loads it here runs it here
+            return robot.desk.keep(self.wanted.loaded)
+        assert self.wanted.load is not None
+        made = await robot.ask(self.wanted.load)
+        show_findings(findings_of(made.findings))
+        return made.program
+
+    async def _way_to_start(self, robot: Attached, program: ProgramDescribed, ending: Ending) -> bool | None:
+        """Whether the robot moves to the start first; None where the run is refused."""
+        options = self.options
+        way = await robot.ask(orders.AskWay(program=program.number))
+        if not way.text:
+            return False
+        if not (options["approach"] or program.begins_within):
+            self._wrong(way.text, "--approach moves there slowly, certified", ending)
+            return None
+        if way.duration_s is None:
+            show_findings(findings_of(way.findings))
+            self._wrong(way.text, "there is no slow joint motion to the start: jog the robot there", ending)
+            return None
+        how = "round what is in the way" if "SPLINE" in way.title else "all joints straight"
+        where = joints_text(way.end, robot.welcome.status)
+        self.screen.say(f"{way.text}\nan approach takes {way.duration_s:.1f} s, {how} to {where}")
+        if options["dry_run"]:
+            return True
+        if not (options["yes"] or await self.terminal.agrees("Move there?")):
+            self.screen.say("nothing moved")
+            return None
+        return True
+
+    async def _show(self, stream: Subscription, picture: Picture, display: Display) -> None:
+        async for event in stream:
+            picture.hear(event)
+            self.terminal.hear(event)
+            display.take(event)
+
+    def _told(self, ended: Ended, ending: Ending, log: LogTold | None, status: Status) -> int:
+        """Say how it ended.
+
+        Returns:
+            The exit status.
+        """
+        if log is not None and not log.lost:
+            self.screen.say(f"log: {log.path}{', which ends early' if log.problem else ''}")
+        if not ended.well:
+            if log is not None and log.lost:
+                self._wrong(log.problem, log.help, ending)
+            for line in ending.lines(ended, status):
+                self.screen.say(line)
+            return 1
+        self.screen.close()  # what follows goes elsewhere
+        times = f" {ended.passes} times" if ended.passes > 1 else ""
+        where = f"{status.robot} stands where it ends, to a count"
+        _say(f"{self.wanted.name}: done{times}; {where}", err=False)
+        if log is None or not log.problem:
+            return 0
+        _say_error(log.problem, log.help)
+        return 1
+
+    def _wrong(self, what: str, remedy: str, ending: Ending) -> None:
+        """Say what is wrong, behind what the screen shows."""
+        self.screen.say(error_text(what, ending.filled(remedy)))

@@ -29,6 +29,7 @@ _COMMANDS = {
     "resume": "Go on behind a hold.",
     "robot": "Make, check and list robots.",
     "run": "Run a program on a controller, or simulated.",
+    "serve": "Own a robot for others: one moves it, all watch.",
     "settings": "Print the controller's settings for a robot.",
     "sim": "Simulate a Turbo PMAC on a TCP port.",
     "status": "Say how a run is going, or a controller is.",

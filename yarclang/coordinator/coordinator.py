@@ -6,16 +6,19 @@ Everything runs in one event loop; `plan` may hand planning to a thread. docs/co
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from datetime import datetime
 from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-from yarclang.coordinator import events
 from yarclang.coordinator.client import Client
+from yarclang.coordinator.describing import finished, joints_by_name
 from yarclang.coordinator.engine import Engine
 from yarclang.coordinator.history import History, stands_there
 from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.mailbox import CAPACITY
+from yarclang.coordinator.messages import events
+from yarclang.coordinator.names import Names
 from yarclang.coordinator.offers import Planner
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.ownership import Ownership
@@ -24,11 +27,15 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.notices import Abort, Changed, Hold, Notice, Progress, Remark, Stop
+from yarclang.runtime.outcome import Ended
 from yarclang.runtime.rest import stands_at
 from yarclang.runtime.state import State
 
 POSITIONS_EACH = 0.02
 """Time between two positions that are told [s]: 50 Hz, if the link allows."""
+
+_SAME_PACE = 1e-6
+"""Percent."""
 
 Planning = Callable[..., Awaitable[Any]]
 """Calls a function with arguments somewhere and gives what it gives."""
@@ -44,6 +51,9 @@ class Coordinator:
         tm: longest segment time of what is planned [ms]; None: the robot's.
         cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
+        name: what `yarc status` calls it while nothing is under way.
+        simulated: whether the controller is a simulator of our own.
+        serves: whether it is there to serve other processes.
         plan: where planning is done; None: in a thread, so that a long program doesn't keep anybody from stopping the robot.
 
     Attributes:
@@ -51,7 +61,11 @@ class Coordinator:
         planner: makes offers.
         lines: the declarations of the session.
         history: what it has done.
+        names: what names mean behind them.
         stops: how often somebody wanted a stop or an abort: what was asked for before doesn't begin any more.
+        inspection: what was looked at on the controller at first.
+        why: the reason of the robot's last state.
+        progress: what was told last of how far a program is.
     """
 
     def __init__(
@@ -63,23 +77,41 @@ class Coordinator:
         tm: float | None = None,
         cell: str | None = None,
         log: Path | None = None,
+        name: str = "",
+        simulated: bool = False,
+        serves: bool = False,
         plan: Planning | None = None,
     ) -> None:
         self.robot = robot
+        self.name = name
+        self.simulated = simulated
+        self.serves = serves
+        self.since = datetime.now().astimezone().isoformat(timespec="seconds")
         self.engine = Engine(robot, session, log, self._bug)
         self.planner = Planner(robot, folder, tm, cell)
         self.lines = Lines()
+        self.names = Names(self.lines, self.planner)
         self.history = History(robot)
         self.plan = plan or self.engine.beside
         self.numbers = count(1)
         self.position: Array | None = None
         self.stops = 0
+        self.inspection: Inspection | None = None
+        self.why = ""
+        self.progress: events.ProgressMade | None = None
+        self._percent = 100.0
         self._session = session
         self._ownership = Ownership()
         self._clients: dict[str, Client] = {}
         self._subscriptions: list[Subscription] = []
         session.operation.positions_each = POSITIONS_EACH * session.pace
         session.listen(self._hear)
+
+    @property
+    def cell(self) -> str | None:
+        """The path of the cell.toml that all motions keep to; None if only a CELL line can name one."""
+        cell = self.planner.cell
+        return None if cell is None else str(Path(cell.source.name).absolute())
 
     # from beginning to end
 
@@ -89,7 +121,12 @@ class Coordinator:
         Raises:
             Trouble: it can't be reached, or isn't what the robot needs (`NotReady`).
         """
-        return await self.engine.start()
+        self.inspection = await self.engine.start()
+        return self.inspection
+
+    def give_up(self) -> None:
+        """End without waiting for a robot that can't be reached: nobody knows then what it does."""
+        self.engine.give_up()
 
     async def close(self) -> None:
         """Bring the robot to rest on its path, end the connection, and all event streams."""
@@ -125,7 +162,7 @@ class Coordinator:
         if self.owner == name:
             self.stop()
             self._ownership.owner = ""
-            self._tell(events.OwnerChanged(self.now, ""))
+            self._tell(events.OwnerChanged(time_s=self.time, owner=None))
 
     @property
     def owner(self) -> str:
@@ -137,14 +174,16 @@ class Coordinator:
         """Who is there."""
         return tuple(self._clients)
 
-    def own(self, name: str) -> None:
-        """Somebody owns the robot from now on.
+    def own(self, name: str, *, shared: bool = False) -> None:
+        """Somebody owns the robot from now on; `shared`: others may resume and change the pace as well.
 
         Raises:
             NotOwner: somebody else does.
         """
-        if self._ownership.take(name):
-            self._tell(events.OwnerChanged(self.now, name))
+        if self._ownership.take(name, shared=shared):
+            if not self.under_way:
+                self.engine.close_log()  # each owner's motions have a log of their own
+            self._tell(events.OwnerChanged(time_s=self.time, owner=name))
 
     def give(self, name: str, to: str) -> None:
         """The owner gives the robot to somebody, or (empty) to nobody.
@@ -153,7 +192,7 @@ class Coordinator:
             NotOwner: it isn't theirs, or nobody is called so.
         """
         self._ownership.give(name, to, self.clients)
-        self._tell(events.OwnerChanged(self.now, to))
+        self._tell(events.OwnerChanged(time_s=self.time, owner=to or None))
 
     def check_owner(self, name: str, what: str) -> None:
         """Whether somebody may do what is for the owner.
@@ -163,12 +202,40 @@ class Coordinator:
         """
         self._ownership.check(name, what)
 
+    def check_pace(self, name: str, what: str) -> None:
+        """Check whether somebody may resume, and change the pace.
+
+        Raises:
+            NotOwner: no.
+        """
+        self._ownership.check_pace(name, what)
+
     # what is known
 
     @property
     def now(self) -> float:
         """The session's clock [s]."""
         return self.engine.operation.now
+
+    @property
+    def time(self) -> float:
+        """The same, as events tell it."""
+        return round(self.now, 4)
+
+    @property
+    def paused(self) -> bool:
+        """Whether the robot stands between two commands that are carried out one by one."""
+        return self._session.paused
+
+    @property
+    def waiting(self) -> int:
+        """Orders that weren't looked at yet."""
+        return len(self.engine.operation.orders)
+
+    @property
+    def address(self) -> str:
+        """Of the controller, HOST:PORT."""
+        return f"{self._session.host}:{self._session.port}"
 
     @property
     def state(self) -> State:
@@ -204,6 +271,35 @@ class Coordinator:
         operation, robot = self.engine.operation, self.robot
         return await self.engine.ask(lambda: stands_at(operation, robot))
 
+    # what is carried out
+
+    async def carry_out(
+        self, client: str, name: str, duration: float, work: Callable[[], Awaitable[Ended]], stops: int
+    ) -> Ended:
+        """Carry work out, unless somebody has wanted a stop since there were so many `stops`.
+
+        Args:
+            client: who wants it.
+            name: what people call it.
+            duration: how long it takes [s].
+            work: moves the robot.
+            stops: as they were counted when it was asked for.
+
+        Raises:
+            Trouble: something else is under way, or the state forbids it.
+        """
+
+        async def told() -> Ended:
+            if self.stops != stops:
+                return Ended(False, "stopped before it began; nothing moved")
+            began = events.Began(time_s=self.time, name=name, duration_s=round(duration, 4), client=client)
+            self._tell(began)
+            ended = await work()
+            self._tell(finished(self.time, name, ended, self.robot))
+            return ended
+
+        return await self.engine.move(name, told)
+
     # orders, for everybody
 
     def stop(self) -> None:
@@ -226,35 +322,67 @@ class Coordinator:
 
     # who listens
 
-    def subscribe(self, capacity: int = CAPACITY) -> Subscription:
-        """All events from now on. Whoever doesn't take them costs nothing but `capacity` events."""
-        one = Subscription(capacity, self._subscriptions.remove)
+    def subscribe(
+        self,
+        capacity: int = CAPACITY,
+        *,
+        positions: bool = True,
+        arrived: Callable[[], object] = lambda: None,
+    ) -> Subscription:
+        """Return all events from now on. Whoever doesn't take them costs nothing but `capacity` events.
+
+        Args:
+            capacity: events that wait at most.
+            positions: whether positions are wanted.
+            arrived: called when an event has arrived, for whoever doesn't wait for it.
+        """
+        one = Subscription(capacity, self._subscriptions.remove, positions=positions, told=arrived)
         self._subscriptions.append(one)
         return one
 
     def tell(self, text: str, *, warning: bool = False) -> None:
         """Tell everybody something."""
-        self._tell(events.Message(self.now, text, warning))
+        self._tell(events.Told(time_s=self.time, text=text, warning=warning))
 
-    def announce(self, event: events.Event) -> None:
+    def tell_override(self) -> None:
+        """Tell everybody the pace, if it is another one now."""
+        if abs(self.override - self._percent) > _SAME_PACE:
+            self._percent = self.override
+            self._tell(events.OverrideChanged(time_s=self.time, percent=round(self.override, 6)))
+
+    def announce(self, event: events.BaseEvent) -> None:
         """Tell everybody an event."""
         self._tell(event)
 
-    def _tell(self, event: events.Event) -> None:
+    def _tell(self, event: events.BaseEvent) -> None:
         for one in tuple(self._subscriptions):
             one.put(event)
 
     def _hear(self, notice: Notice) -> None:
+        time = round(notice.time, 4)
         match notice:
-            case Changed(time=time, state=state, why=why):
-                self._tell(events.StateChanged(time, state, why))
-            case Progress(time=time, done=done, left=left, command=command, source_line=line):
-                self._tell(events.ProgressMade(time, done, left, command, line))
-            case Remark(time=time, text=text, warning=warning):
-                self._tell(events.Message(time, text, warning))
+            case Changed(state=state, why=why):
+                self.why = why
+                self._tell(events.StateChanged(time_s=time, state=state, why=why))
+            case Progress():
+                self.progress = events.ProgressMade(
+                    time_s=time,
+                    done_s=round(notice.done, 4),
+                    left_s=round(notice.left, 4),
+                    command=notice.command,
+                    line=notice.source_line,
+                )
+                self._tell(self.progress)
+            case Remark(text=text, warning=warning):
+                self._tell(events.Told(time_s=time, text=text, warning=warning))
             case Sample():
                 self.position = notice.joints(self.robot)
-                self._tell(events.Position(notice.time, self.position, notice.program_time))
+                joints = joints_by_name(self.robot, self.position)
+                done = round(notice.program_time, 4)
+                self._tell(events.Position(time_s=time, joints=joints, done_s=done))
+        self.tell_override()
 
-    def _bug(self, error: BaseException) -> None:
-        self.tell(f"a bug of yarclang has ended what was under way: {error!r}; report it", warning=True)
+    def _bug(self, error: BaseException, where: str) -> None:
+        rests = f"; {where}" if where else ""
+        text = f"a bug of yarclang has ended what was under way: {error!r}{rests}; report it"
+        self.tell(text, warning=True)

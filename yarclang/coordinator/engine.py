@@ -22,11 +22,12 @@ from yarclang.runtime.idling import idle
 from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
-from yarclang.runtime.log import RunLog
+from yarclang.runtime.log import FOLDER, RunLog
 from yarclang.runtime.notices import Fail, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.performance import connect, end_what_runs, look, perform, perform_live
+from yarclang.runtime.rest import described
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import Event, State
 
@@ -37,6 +38,9 @@ _AGAIN_EACH = 0.5
 
 _RESCUE = 30.0
 """How long to try to bring a robot to rest behind a bug of ours [s]."""
+
+UNDER_WAY = "Y1612"
+"""Code of what can't be done since something is under way."""
 
 NO_LOG = Path()
 """Where nothing is logged."""
@@ -91,7 +95,7 @@ class Engine:
         robot: that hangs on it.
         session: its connection.
         log: where motions are logged: a file or a folder; None: a new file in yarc-runs/; `NO_LOG`: nowhere.
-        on_bug: called with what was wrong with yarclang itself; the robot was brought to rest before.
+        on_bug: called with what was wrong with yarclang itself, and where the robot was brought to rest before.
 
     Attributes:
         under_way: what is carried out: its name, or empty.
@@ -100,7 +104,11 @@ class Engine:
     """
 
     def __init__(
-        self, robot: Robot, session: OrderedSession, log: Path | None, on_bug: Callable[[BaseException], None]
+        self,
+        robot: Robot,
+        session: OrderedSession,
+        log: Path | None,
+        on_bug: Callable[[BaseException, str], None],
     ) -> None:
         self.robot = robot
         self.session = session
@@ -127,11 +135,14 @@ class Engine:
             Trouble: the robot's settings aren't proved; the controller can't be reached, or not be looked at.
         """
         self._items = items_of(self.robot)
-        await self.session.perform(connect(self.operation))
-        found = await self.look()
-        if found.errors:
+        try:
+            await self.session.perform(connect(self.operation))
+            found = await self.look()
+            if found.errors:
+                raise NotReady(found)
+        except BaseException:
             self.session.close()
-            raise NotReady(found)
+            raise
         self._task = asyncio.create_task(self._serve(), name="coordinator")
         return found
 
@@ -142,10 +153,25 @@ class Engine:
             self.session.order(Stop())
         self.session.wake()
         if self._task is not None:
-            await self._task
-        if self.run_log is not None:
-            self.run_log.close(self.ended)
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+        self.close_log()
         self.session.close()
+
+    def give_up(self) -> None:
+        """End without waiting for a robot that can't be reached. What its controller still says isn't heard any more."""
+        self._closing = True
+        if self._task is not None:
+            self._task.cancel()
+
+    def close_log(self) -> RunLog | None:
+        """Close the log of the motions so far, if there is one, and return it; the next motion begins another."""
+        log, self.run_log = self.run_log, None
+        if log is not None:
+            self.session.unlisten(log.take)
+            self.session.log = None
+            log.close(self.ended)
+        return log
 
     async def ask(self, script: Callable[[], Script[T]]) -> T:
         """Carry a short script out between two looks; nothing moves meanwhile.
@@ -194,20 +220,22 @@ class Engine:
         """Call a function that takes long in a thread, so that nobody is kept from stopping the robot."""
         return await asyncio.to_thread(function, *arguments)
 
-    async def perform(self, job: Job) -> Ended:
-        """Carry a job out; for work of `move`."""
-        return await self._logged(job, perform(self.operation, job))
+    async def perform(self, job: Job, program: Job | None = None) -> Ended:
+        """Carry a job out; for work of `move`. `program` is the whole that it is a part of: the log is named after it."""
+        return await self._logged(job, perform(self.operation, job), program)
 
     async def perform_live(self, live: Live) -> Ended:
         """Carry a live motion out; for work of `move`. The log has its states, positions and orders; its lines are made on the way."""
         return await self._logged(live.job, perform_live(self.operation, live))
 
-    async def _logged(self, job: Job, script: Script[Ended]) -> Ended:
+    async def _logged(self, job: Job, script: Script[Ended], program: Job | None = None) -> Ended:
         try:
-            self._log(job)
+            self._log(job, program or job)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            return Ended(False, f"the log can't be made: {reason}; nothing moved", "make room", code="Y1601")
+            place = error.filename or self._log_place or FOLDER
+            what = f"the log can't be made, {place}: {reason}; nothing moved"
+            return Ended(False, what, "make room, or say --log PATH, or --no-log", code="Y1601")
         self.ended = await self.session.perform(script)
         return self.ended
 
@@ -218,10 +246,18 @@ class Engine:
             NotReady: it isn't well.
             Trouble: something is under way, or there is no connection.
         """
-        self._refuse_while_under_way()
-        found = await self._wait_for(self.look, moves=False)
+        found = await self.look_again()
         if found.errors:
             raise NotReady(found)
+
+    async def look_again(self) -> Inspection:
+        """Look at everything on the controller, between two motions.
+
+        Raises:
+            Trouble: something is under way, or there is no connection.
+        """
+        self._refuse_while_under_way()
+        return await self._wait_for(self.look, moves=False)
 
     async def look(self) -> Inspection:
         """Look at the controller; where all is well, a fault is forgotten."""
@@ -229,7 +265,7 @@ class Engine:
 
     def _refuse_while_under_way(self) -> None:
         if self.under_way:
-            raise Trouble(f"{self.under_way} is under way", "wait for its end, or stop it", "Y1612")
+            raise Trouble(f"{self.under_way} is under way", "wait for its end, or stop it", UNDER_WAY)
 
     # the task
 
@@ -252,8 +288,7 @@ class Engine:
             except Lost as lost:
                 await self._reconnect(str(lost))
             except Exception as error:
-                await self._rescue()
-                self._on_bug(error)
+                self._on_bug(error, await self._rescue())
 
     def _wanted(self) -> bool:
         return bool(self._work) or self._closing
@@ -269,8 +304,9 @@ class Engine:
         except Trouble as trouble:
             self._end(work, trouble)
         except Exception as error:
+            where = await self._rescue()  # whoever waits for the end hears of it when the robot rests
             self._end(work, error)
-            raise
+            self._on_bug(error, where)
         else:
             self._end(work, None)
             if not work.done.done():
@@ -303,22 +339,30 @@ class Engine:
                 operation.go(Event.FAULT, str(NotReady(found)))
             return
 
-    async def _rescue(self) -> None:
-        """Behind a bug of ours: bring the robot to rest and end what runs. Nothing of the session's state is trusted."""
+    async def _rescue(self) -> str:
+        """Behind a bug of ours: bring the robot to rest and end what runs. Nothing of the session's state is trusted.
+
+        Returns:
+            Where the robot is then, as the end of a sentence; empty where nothing had moved.
+        """
         session, operation = self.session, self.operation
         operation.orders.clear()
         if operation.state in (State.STOP, State.FAULT):
-            return
+            return ""
         rescuer = Session(session.host, session.port, pace=session.pace, connector=session.connector)
         session.close()
+        where = "couldn't be brought to rest: look at it"
         with contextlib.suppress(Exception):
             async with asyncio.timeout(_RESCUE):
                 await rescuer.perform(connect(rescuer.operation))
-                await rescuer.perform(end_what_runs(rescuer.operation, self.robot, abort=False))
+                joints = await rescuer.perform(end_what_runs(rescuer.operation, self.robot, abort=False))
+                stands = described(self.robot, joints) if joints is not None else ""
+                where = f"stands at {stands}" if stands else "isn't homed any more"
         rescuer.close()
         operation.go(Event.FAULT, "a bug of yarclang has ended the motion")
+        return f"{self.robot.name} {where}"
 
-    def _log(self, job: Job) -> None:
+    def _log(self, job: Job, program: Job) -> None:
         """Open the log with the first motion.
 
         Raises:
@@ -330,12 +374,12 @@ class Engine:
             loop = asyncio.get_running_loop()
 
             def failed(reason: str) -> None:
-                what = Fail(f"the log can't be written: {reason}", "make room on the disk")
+                what = Fail(f"the log can't be written: {reason}", "make room on the disk, or give --no-log")
                 loop.call_soon_threadsafe(self.session.order, what)
 
             self.run_log = RunLog.open(
                 self._log_place,
-                job,
+                program,
                 f"{self.session.host}:{self.session.port}",
                 version=__version__,
                 on_failure=failed,

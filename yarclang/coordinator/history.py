@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from yarclang.coordinator.backwards import Passed, last_group, passed
-from yarclang.coordinator.lines import Lines
+from yarclang.coordinator.lines import Lines, relative, seen_from
 from yarclang.coordinator.offers import Offer
 from yarclang.hir import Array, Program
 from yarclang.robot.actuation import to_counts
@@ -77,6 +78,10 @@ class History:
             entry = Entry((), motions, offer.compiled.program, offer.start, ended.joints, False)
         self._entries.append(entry)
 
+    def ran(self, motions: tuple[Passed, ...], program: Program) -> None:
+        """Motions of a program from a file were carried out. They are no commands of the session: only the way back needs them."""
+        self._entries.append(Entry((), motions, program, motions[0].start, motions[-1].end, False))
+
     def _take_back(self, offer: Offer, ended: Ended) -> None:
         """What it leaves of the last entry is no command any more."""
         if not ended.well and (ended.joints is None or not ended.command):
@@ -101,17 +106,23 @@ class History:
             return None
         return last_group(entry.motions), entry.program
 
-    def saved(self, lines: Lines) -> str:
-        """The session as a program: its declarations, and what was carried out to its end.
+    def saved(self, lines: Lines, home: Path, folder: Path | None = None) -> str:
+        """Return the session as a program: its declarations, and what was carried out to its end.
 
         Where the robot was moved by something else between two commands, a slow motion of all joints leads to where the next began.
+
+        Args:
+            lines: of the session.
+            home: the session's folder: names of files are seen from there.
+            folder: where the program is to stand, from where they are seen then; None: in that folder.
         """
         robot = self._robot
-        text = [f"ROBOT {_robot_name(robot)}"]
+        there = (home if folder is None else folder).absolute()
+        text = [f"ROBOT {_robot_name(robot, there)}"]
         whole = [one for one in self._entries if one.whole]
         if whole:
             text.append(f"START {_values(robot, whole[0].start)} {_units(robot, '')}")
-        text += lines.declarations
+        text += (seen_from(one, home.absolute(), there) for one in lines.declarations)
         stands = whole[0].start if whole else robot.home
         for one in whole:
             if not stands_there(robot, one.start, stands):
@@ -125,10 +136,10 @@ class History:
         return print_module(renumbered(module, _FIRST, _STEP))
 
 
-def _robot_name(robot: Robot) -> str:
-    """A name of the library, else where it is."""
+def _robot_name(robot: Robot, folder: Path) -> str:
+    """A name of the library, else where it is, as it is seen from a folder."""
     known = any(one.folder == robot.folder for one in list_robots())
-    return robot.name if known else f'"{robot.folder / "robot.toml"}"'
+    return robot.name if known else f'"{relative(robot.folder / "robot.toml", folder)}"'
 
 
 def _values(robot: Robot, q: Array) -> str:

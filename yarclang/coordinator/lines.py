@@ -6,7 +6,10 @@ is told by where the robot stands.
 
 from __future__ import annotations
 
+import os
+import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.source import SourceFile, Span
@@ -19,6 +22,9 @@ SESSION = "<session>"
 
 TYPED = "<line>"
 """How findings call the text that somebody gives."""
+
+_CELL = re.compile(r'(?P<before>\s*CELL\s+)"(?P<file>[^"]+)"', re.IGNORECASE)
+"""The line that names a cell's file."""
 
 _STEP = 10
 """Between two indices."""
@@ -88,6 +94,25 @@ def _last(node: Node) -> Statement:
     return _last(inside[-1]) if inside else node.head
 
 
+def seen_from(declaration: str, home: Path, folder: Path) -> str:
+    """Return a declaration of a file in one folder as it is written in another: a CELL names a file.
+
+    Args:
+        declaration: as it was written.
+        home: the folder, from where its file's name is seen, absolute.
+        folder: the other one, absolute.
+    """
+    named = _CELL.match(declaration)
+    if named is None or Path(named["file"]).is_absolute():
+        return declaration
+    return f'{named["before"]}"{relative(home / named["file"], folder)}"{declaration[named.end() :]}'
+
+
+def relative(path: Path, folder: Path) -> str:
+    """Return a file's name as it is seen from a folder; both are absolute."""
+    return os.path.relpath(path, folder).replace(os.sep, "/")
+
+
 @dataclass(frozen=True, slots=True)
 class Typed:
     """A text behind the session's declarations: `source` is both, the text begins behind `before` lines."""
@@ -129,6 +154,12 @@ class Lines:
         self.declarations: list[str] = []
         self.count = 0
         self.revision = 0
+
+    def copy(self) -> Lines:
+        """Return the same, as they are now."""
+        made = Lines()
+        made.declarations, made.count, made.revision = list(self.declarations), self.count, self.revision
+        return made
 
     def behind(self, text: str) -> Typed:
         """A text behind all declarations."""

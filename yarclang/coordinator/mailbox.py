@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from yarclang.coordinator.events import COALESCED, Event, Missed
+from yarclang.coordinator.messages.events import COALESCED, BaseEvent, Missed
 
 CAPACITY = 256
 """Events that wait for a subscriber, if nobody says otherwise."""
@@ -22,13 +22,13 @@ class Mailbox:
         if capacity < 4:
             raise ValueError(f"a mailbox of {capacity}: 4 or more are wanted")
         self._capacity = capacity
-        self._events: deque[Event] = deque()
+        self._events: deque[BaseEvent] = deque()
         self._missed = 0
 
     def __len__(self) -> int:
         return len(self._events) + bool(self._missed)
 
-    def put(self, event: Event) -> None:
+    def put(self, event: BaseEvent) -> None:
         """One more."""
         if isinstance(event, COALESCED):
             kind = type(event)
@@ -39,11 +39,11 @@ class Mailbox:
         if len(self._events) > self._capacity:
             self._make_room()
 
-    def take(self) -> Event | None:
+    def take(self) -> BaseEvent | None:
         """The oldest; None where there is none."""
         if self._missed:
             count, self._missed = self._missed, 0
-            return Missed(self._events[0].time, count)
+            return Missed(time_s=self._events[0].time_s, count=count)
         return self._events.popleft() if self._events else None
 
     def _make_room(self) -> None:

@@ -1,38 +1,25 @@
-"""A coordinator on a controller, alone on this computer, and to be ordered about from other terminals (`yarc status`, `yarc stop`)."""
+"""A coordinator on a controller, alone on this computer, and to be ordered about by other processes (`yarc status`, `yarc stop`, clients)."""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.ordered import OrderedSession
+from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.model import Robot
-from yarclang.runtime.remote import About
 from yarclang.runtime.session import REPLY_TIME
-from yarclang.runtime.transports.local import ControlSocket
 from yarclang.runtime.transports.lock import controller_lock
 
 
-@asynccontextmanager
-async def opened(
-    robot: Robot,
-    host: str,
-    port: int,
-    *,
-    folder: Path,
-    name: str,
-    tm: float | None = None,
-    cell: str | None = None,
-    log: Path | None = None,
-    reply_time: float = REPLY_TIME,
-    pace: float = 1.0,
-) -> AsyncIterator[Coordinator]:
-    """A coordinator that is at work as long as the context lasts.
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Where a coordinator works, and how.
 
-    Args:
-        robot: that hangs on the controller.
+    Attributes:
         host: of the controller.
         port: likewise.
         folder: where modules, cells and yarc.toml are looked for.
@@ -42,13 +29,47 @@ async def opened(
         log: where motions are logged (`Engine`).
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
+        simulated: whether the controller is a simulator of our own.
+        serves: whether the coordinator is there to serve other processes.
+    """
+
+    host: str
+    port: int
+    folder: Path
+    name: str
+    tm: float | None = None
+    log: Path | None = None
+    reply_time: float = REPLY_TIME
+    pace: float = 1.0
+    simulated: bool = False
+    serves: bool = False
+    cell: str | None = None
+
+
+@asynccontextmanager
+async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
+    """Yield a coordinator that is at work as long as the context lasts.
+
+    Args:
+        robot: that hangs on the controller.
+        ground: where it works.
 
     Raises:
         ControlError: another process of this computer drives the controller.
         Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
-    with controller_lock(host, port):
-        session = OrderedSession(host, port, reply_time=reply_time, pace=pace)
-        coordinator = Coordinator(robot, session, folder=folder, tm=tm, cell=cell, log=log)
-        async with coordinator, ControlSocket(session, lambda: About(coordinator.under_way or name, robot)):
+    with controller_lock(ground.host, ground.port):
+        session = OrderedSession(ground.host, ground.port, reply_time=ground.reply_time, pace=ground.pace)
+        coordinator = Coordinator(
+            robot,
+            session,
+            folder=ground.folder,
+            tm=ground.tm,
+            log=ground.log,
+            name=ground.name,
+            cell=ground.cell,
+            simulated=ground.simulated,
+            serves=ground.serves,
+        )
+        async with coordinator, ControlSocket(coordinator):
             yield coordinator

@@ -35,7 +35,13 @@ class OrderedSession(Session):
         super().order(order)
 
     async def pause(self) -> bool:
-        """Until somebody wants it to go on; whether somebody wants the end instead, or something failed."""
+        """Wait until somebody wants it to go on; whether somebody wants the end instead, or something failed.
+
+        Who wanted it to go on before that meant something else.
+        """
+        orders = self.operation.orders
+        for early in [one for one in orders if isinstance(one, Resume)]:
+            orders.remove(early)
         self.paused = True
         try:
             await self.order_given(Resume)

@@ -17,25 +17,28 @@ class Ownership:
 
     Attributes:
         owner: the name; empty where nobody does.
+        shared: whether others may resume and change the pace as well.
     """
 
     def __init__(self) -> None:
         self.owner = ""
+        self.shared = False
 
-    def take(self, name: str) -> bool:
+    def take(self, name: str, *, shared: bool = False) -> bool:
         """Own it from now on; whether that is new.
 
         Raises:
             NotOwner: somebody else does.
         """
         if self.owner == name:
+            self.shared = shared
             return False
         if self.owner:
             raise NotOwner(
                 f"{self.owner} owns the robot; {name} can only watch",
                 f"wait until {self.owner} releases it or gives it to {name}; stop, hold and abort are for everybody",
             )
-        self.owner = name
+        self.owner, self.shared = name, shared
         return True
 
     def check(self, name: str, what: str) -> None:
@@ -49,6 +52,15 @@ class Ownership:
         who = f"{self.owner} owns the robot" if self.owner else "nobody owns the robot"
         remedy = f"wait until {self.owner} releases it" if self.owner else "own it first"
         raise NotOwner(f"{what} is for the robot's owner: {who}, {name} watches", remedy)
+
+    def check_pace(self, name: str, what: str) -> None:
+        """Check whether somebody may resume, and change the pace: the owner, and others where the owner shares that.
+
+        Raises:
+            NotOwner: no.
+        """
+        if not (self.owner and self.shared):
+            self.check(name, what)
 
     def give(self, name: str, to: str, known: tuple[str, ...]) -> None:
         """Give it over.
@@ -65,4 +77,4 @@ class Ownership:
         if to and to not in known:
             others = ", ".join(one for one in known if one != name) or "nobody else"
             raise NotOwner(f"there is no client {to!r} to own the robot", f"there is {others}")
-        self.owner = to
+        self.owner, self.shared = to, False

@@ -34,6 +34,7 @@ class Loaded:
         begins_within: whether a command was named to begin with.
         origins: looks where its commands come from.
         cell: what is around on the way to its start, of a program of which only the text is known.
+        spans: which motions of the plan each of `steps` has, or what is run first and then the whole: from the first, to behind the last.
     """
 
     program: Job
@@ -43,6 +44,7 @@ class Loaded:
     begins_within: bool = False
     origins: Callable[[], Origins] = lambda: Origins(None, "its source isn't known")
     cell: Cell | None = None
+    spans: tuple[tuple[int, int], ...] = ()
 
     @property
     def around(self) -> Cell | None:
@@ -88,9 +90,11 @@ def load_program(
         return Result(None, (*found, number))
     # what else is to be said of a part was said of the whole
     shorter = first is not None and plan.motions[number].step > 0
+    whole = (0, len(plan.motions))
     wanted = [(number, len(plan.motions))] if shorter else []
-    if by_steps:
-        wanted += chains(plan, number)
+    steps = chains(plan, number) if by_steps else []
+    spans = tuple(steps) or (wanted[0] if wanted else whole, whole)
+    wanted += steps
     parts: list[Job] = []
     for begin, end in wanted:
         made = part(plan, request, begin, end, with_lead=first is None)
@@ -99,7 +103,8 @@ def load_program(
         parts.append(job_of_compiled(made.value, name, source, program.commands[begin].begins))
     rest = parts.pop(0) if shorter else program
     origins = Origins(plan.program)
-    return Result(Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins), found)
+    loaded = Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins, spans=spans)
+    return Result(loaded, found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable
 
-from yarclang.coordinator.events import Event
 from yarclang.coordinator.mailbox import Mailbox
+from yarclang.coordinator.messages.events import BaseEvent, Position
 
 
 class Subscription:
@@ -15,17 +15,35 @@ class Subscription:
     Args:
         capacity: events that wait at most; what comes beyond is counted, and told as `Missed`.
         leave: called when it is closed.
+        positions: whether positions are wanted.
+        told: called when an event has arrived, for whoever doesn't wait for it here.
     """
 
-    def __init__(self, capacity: int, leave: Callable[[Subscription], object]) -> None:
+    def __init__(
+        self,
+        capacity: int,
+        leave: Callable[[Subscription], object],
+        *,
+        positions: bool = True,
+        told: Callable[[], object] = lambda: None,
+    ) -> None:
+        self._positions = positions
+        self._told = told
         self._mailbox = Mailbox(capacity)
         self._leave: Callable[[Subscription], object] | None = leave
         self._arrived = asyncio.Event()
 
-    def put(self, event: Event) -> None:
-        """Called by the coordinator; never waits."""
+    def put(self, event: BaseEvent) -> None:
+        """Take an event; called by the coordinator, and never waits."""
+        if not self._positions and isinstance(event, Position):
+            return
         self._mailbox.put(event)
         self._arrived.set()
+        self._told()
+
+    def take(self) -> BaseEvent | None:
+        """Return the oldest event; None where none waits."""
+        return self._mailbox.take()
 
     def close(self) -> None:
         """No more events; those that wait can still be taken."""
@@ -34,7 +52,7 @@ class Subscription:
             leave(self)
             self._arrived.set()
 
-    async def next(self) -> Event | None:
+    async def next(self) -> BaseEvent | None:
         """The oldest event, when there is one; None at the end."""
         while True:
             if (event := self._mailbox.take()) is not None:
@@ -44,14 +62,14 @@ class Subscription:
             self._arrived.clear()
             await self._arrived.wait()
 
-    def waiting(self) -> tuple[Event, ...]:
+    def waiting(self) -> tuple[BaseEvent, ...]:
         """All that waits, without waiting for more."""
-        found: list[Event] = []
+        found: list[BaseEvent] = []
         while (event := self._mailbox.take()) is not None:
             found.append(event)
         return tuple(found)
 
-    async def __aiter__(self) -> AsyncIterator[Event]:
+    async def __aiter__(self) -> AsyncIterator[BaseEvent]:
         while (event := await self.next()) is not None:
             yield event
 

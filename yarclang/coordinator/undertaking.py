@@ -2,71 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol
+from typing import TYPE_CHECKING
 
-from yarclang.coordinator.ordered import OrderedSession
+from yarclang.coordinator.backwards import Passed, passed
+from yarclang.coordinator.history import History
+from yarclang.coordinator.messages.events import PartBegan, Paused
 from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.resting import resting_place
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
 
 TO_THE_START = "to the start"
 """What the command of an approach is called."""
 
 
-class Watcher(Protocol):
-    """Who is told how far it is, between two jobs."""
-
-    def begins(self, job: Job, *, instead: str = "", brief: bool = False) -> None:
-        """A job begins; its command is called `instead`, if that isn't empty; `brief`: it is one of many."""
-
-    def pauses(self, title: str, number: int, of: int) -> None:
-        """It stands until somebody wants the command called `title`, the next one: `number` of so many."""
-
-    def passes(self, number: int, of: int | None) -> None:
-        """Once more: the pass `number` of so many, or without end."""
-
-
 class Undertaking:
-    """Carries a program out.
+    """Carries a program out, and tells how far it is.
 
     Args:
         loaded: the program.
-        session: where people's orders come in.
-        perform: carries one job out.
-        watcher: who is told.
+        coordinator: whose robot is moved.
         times: how often; None: until somebody stops it.
 
     Attributes:
+        loaded: the program.
+        times: how often; None: until somebody stops it.
         on_the_way: whether the robot is between where it stood and the program's start.
         moved: whether it has moved at all.
         passes: how often the program was begun.
     """
 
-    def __init__(
-        self,
-        loaded: Loaded,
-        session: OrderedSession,
-        perform: Callable[[Job], Awaitable[Ended]],
-        watcher: Watcher,
-        times: int | None = 1,
-    ) -> None:
+    def __init__(self, loaded: Loaded, coordinator: Coordinator, times: int | None = 1) -> None:
+        self.loaded = loaded
+        self.times = times
         self.on_the_way = False
         self.moved = False
         self.passes = 0
-        self._loaded = loaded
-        self._session = session
-        self._perform_job = perform
-        self._watcher = watcher
-        self._times = times
+        self._coordinator = coordinator
+        self._session = coordinator.engine.session
+        self._done: list[Passed] = []
 
     async def carry_out(self, way: Job | None) -> Ended:
-        """The way to the start, then the program."""
-        watcher, steps = self._watcher, self._loaded.steps
+        """Carry out the way to the start, then the program."""
+        steps = self.loaded.steps
         if way is not None:
-            watcher.begins(way, instead=TO_THE_START)
+            self._tell(way, 1, 1, to_the_start=True)
             self.on_the_way = True
             ended = await self._perform(way)
             if not ended.well:
@@ -75,42 +61,85 @@ class Undertaking:
             self.on_the_way = False
         ended = Ended(True)
         for number, job in enumerate(self._jobs()):
-            if number and steps and (stopped := await self._pause(job, number)) is not None:
+            # behind the way to the start, too: who goes step by step begins each step
+            waits = steps and (number or way is not None)
+            if waits and (stopped := await self._pause(job, number)) is not None:
                 return stopped
-            if number and not steps:
-                watcher.passes(self.passes, self._times)
-            watcher.begins(job, brief=bool(number or steps))
+            self._tell(job, number + 1, len(steps) or self.times)
             ended = await self._perform(job)
+            self._note(number, ended)
             if not ended.well:
                 break
         return ended
 
+    def remember(self, history: History) -> None:
+        """Note in the history which motions were carried out: they can be taken back."""
+        plan = self.loaded.plan
+        if plan is not None and self._done:
+            history.ran(tuple(self._done), plan.program)
+
     def _jobs(self) -> Iterator[Job]:
         """The jobs of the program itself: once, in steps, or again and again."""
-        if self._loaded.steps:
-            yield from self._loaded.steps
+        if self.loaded.steps:
+            yield from self.loaded.steps
             return
-        job = self._loaded.rest
-        while self._times is None or self.passes < self._times:
+        job = self.loaded.rest
+        while self.times is None or self.passes < self.times:
             self.passes += 1
             yield job
-            job = self._loaded.program
+            job = self.loaded.program
+
+    def _tell(self, job: Job, number: int, of: int | None, *, to_the_start: bool = False) -> None:
+        coordinator = self._coordinator
+        coordinator.announce(
+            PartBegan(
+                time_s=coordinator.time,
+                name=TO_THE_START if to_the_start else job.name,
+                to_the_start=to_the_start,
+                offset_s=job.offset,
+                duration_s=job.duration,
+                number=number,
+                of=of,
+            )
+        )
 
     async def _perform(self, job: Job) -> Ended:
-        ended = await self._perform_job(job)
+        ended = await self._coordinator.engine.perform(job, self.loaded.program)
         self.moved = self.moved or ended.well or bool(ended.command)
         return ended
 
+    def _note(self, number: int, ended: Ended) -> None:
+        """Keep the motions that a job of the program has carried out, wholly or in part."""
+        loaded = self.loaded
+        plan = loaded.plan
+        if plan is None:
+            return
+        begin, end = loaded.spans[number if loaded.steps else min(number, len(loaded.spans) - 1)]
+        if ended.well:
+            self._done += passed(plan)[begin:end]
+            return
+        if ended.joints is None or not ended.command:
+            return
+        there = resting_place(plan, loaded.program, ended.joints, ended.done)
+        if there is None:
+            return
+        at = loaded.program.commands.index(there.command)
+        time = float(plan.starts[at]) + there.done - there.command.begins
+        self._done += passed(plan, ended.joints, time)[begin:]
+
     async def _pause(self, job: Job, number: int) -> Ended | None:
-        """Until somebody wants the next step; how it ended, if nobody does."""
-        operation = self._session.operation
+        """Wait until somebody wants the next step; how it ended, if nobody does."""
+        coordinator, session = self._coordinator, self._session
         title = job.commands[0].title if job.commands else "the next command"
-        self._watcher.pauses(title, number + 1, len(self._loaded.steps))
-        ends = await self._session.pause()
-        if (failure := self._session.failure) is not None:
-            operation.go(Event.FAULT, failure.what)
+        coordinator.announce(
+            Paused(time_s=coordinator.time, title=title, number=number + 1, of=len(self.loaded.steps))
+        )
+        ends = await session.pause()
+        if (failure := session.failure) is not None:
+            session.failure = None
+            session.operation.go(Event.FAULT, failure.what)
             return Ended(False, failure.what, failure.remedy, job.start, done=job.offset)
         if ends:
-            operation.go(Event.STOP, f"ended before {title}")
+            session.operation.go(Event.STOP, f"ended before {title}")
             return Ended(False, f"ended before {title}", joints=job.start, done=job.offset)
         return None

@@ -2,83 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from yarclang.certify.certificate import Clearance, CommandCertificate, Load, bound_text
-from yarclang.coordinator.offers import Offer, OfferedMotion
+from yarclang.certify.certificate import bound_text
+from yarclang.coordinator.describing import joints_of
+from yarclang.coordinator.messages.events import Finished
+from yarclang.coordinator.messages.replies import ClearanceBound, Ended, MotionOffered, OfferDescribed, Peaks
 from yarclang.report.pose_text import pose_text
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.outcome import Ended
-from yarclang.units import DEG, MM
 
 _TIGHT = 0.005
 """Shares of a limit that are nearer to each other are one."""
 
 
-def offer_text(offer: Offer) -> str:
+def offer_text(offer: OfferDescribed) -> str:
     """What would be done: a line a motion, and the whole, if there are several."""
     lines = [_motion_text(one) for one in offer.motions]
     if len(lines) != 1:
-        lines.append(f"{offer.duration:.2f} s in all" if lines else f"{offer.duration:.2f} s, nothing moves")
+        lines.append(
+            f"{offer.duration_s:.2f} s in all" if lines else f"{offer.duration_s:.2f} s, nothing moves"
+        )
     return "\n".join(lines)
 
 
-def _motion_text(one: OfferedMotion) -> str:
+def _motion_text(one: MotionOffered) -> str:
     """`MOVEJ  1.00 s  J5 at 82 % of its velocity  nearest of 8  143 mm clear (FOREARM, FENCE)  path within 0.004 mm`."""
-    proved = one.proved
-    words = [one.title, f"{one.seconds:.2f} s", _peak_text(proved)]
+    words = [one.title, f"{one.seconds:.2f} s", _peak_text(one.peaks)]
     if one.branch:
         words.append(f"{one.branch} configurations")
-    if proved.clearance is not None:
-        words.append(_clearance_text(proved.clearance))
-    words += _path_text(proved)
+    if one.clearance is not None:
+        words.append(_clearance_text(one.clearance))
+    if one.path is not None:
+        words.append(
+            f"path within {bound_text(one.path.position_mm)} mm, {bound_text(one.path.angle_deg)} deg"
+        )
     return "  ".join(word for word in words if word)
 
 
-def _peak_text(proved: CommandCertificate) -> str:
+def _peak_text(peaks: Peaks) -> str:
     """The limit that is used most."""
-    loads = {
-        "its velocity": proved.velocity,
-        "its acceleration": proved.acceleration,
-        "its jerk": proved.jerk,
-        "its motor's speed": proved.motor_velocity,
-    }
-    if not proved.jerk_judged:
-        del loads["its jerk"]
+    used = {"its velocity": peaks.velocity, "its acceleration": peaks.acceleration}
+    if peaks.jerk is not None:
+        used["its jerk"] = peaks.jerk
+    used["its motor's speed"] = peaks.motor_velocity
     # of limits that are used as much as each other, the one that people think of first
-    name, load = max(loads.items(), key=lambda item: round(item[1].share / _TIGHT))
-    return _load_text(load, name)
+    name, peak = max(used.items(), key=lambda item: round(item[1].share / _TIGHT))
+    return f"{peak.name} at {peak.share * 100:.0f} % of {name}" if peak.name else ""
 
 
-def _load_text(load: Load, of: str) -> str:
-    return f"{load.name} at {load.share * 100:.0f} % of {of}" if load.name else ""
-
-
-def _clearance_text(clearance: Clearance) -> str:
+def _clearance_text(clearance: ClearanceBound) -> str:
     if not clearance.first:
-        return f"over {clearance.distance / MM:.0f} mm clear"
-    return f"{clearance.distance / MM:.1f} mm clear ({clearance.first}, {clearance.second})"
+        return f"over {clearance.distance_mm:.0f} mm clear"
+    return f"{clearance.distance_mm:.1f} mm clear ({clearance.first}, {clearance.second})"
 
 
-def _path_text(proved: CommandCertificate) -> Iterator[str]:
-    """How near it stays to the programmed path."""
-    path = proved.deviation
-    if proved.kind != "joint":
-        yield f"path within {bound_text(path.position / MM)} mm, {bound_text(path.angle / DEG)} deg"
-
-
-def ended_text(ended: Ended, robot: Robot) -> str:
+def ended_text(ended: Ended | Finished, robot: Robot) -> str:
     """How something has ended; where the robot stands, if it isn't where it was to go."""
     if ended.well:
         return "done"
     lines = [ended.what or "it didn't come to its end"]
-    if ended.remedy:
-        lines.append(f"  help: {ended.remedy}")
+    if ended.help:
+        lines.append(f"  help: {ended.help}")
     if ended.joints is not None:
-        where = f"  {robot.name} stands at {joints_text(robot, ended.joints)}"
-        lines.append(f"{where}, {ended.done:.2f} s into {ended.command}" if ended.command else where)
+        where = f"  {robot.name} stands at {joints_text(robot, joints_of(robot, ended.joints))}"
+        lines.append(f"{where}, {ended.done_s:.2f} s into {ended.command}" if ended.command else where)
     return "\n".join(lines)
 
 

@@ -56,13 +56,13 @@ class Completion(Completer):
 
     def _spoken(self, document: Document) -> Iterable[Choice]:
         """Words of the language behind all that the session has declared."""
-        coordinator = self._interpreter.coordinator
-        typed = coordinator.lines.behind(document.text)
+        interpreter = self._interpreter
+        typed = interpreter.lines.behind(document.text)
         line = typed.before + document.cursor_position_row + 1
         column = document.cursor_position_col + 1
         sketch = sketch_of(typed.source)
-        opened = Opened(sketch.module, coordinator.planner.request(coordinator.robot.home))
-        view = View(sketch, Checked((), typed.source, opened), coordinator.robot, self._module)
+        opened = Opened(sketch.module, interpreter.planner.request(interpreter.robot.home))
+        view = View(sketch, Checked((), typed.source, opened), interpreter.robot, self._module)
         begun = typed.source.line(line)[: column - 1]
         found = [one for one in candidates_at(view, line, column) if _fits(one, begun)]
         for one in sorted(found, key=lambda one: (one.rank, one.label)):

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.messages import orders
 from yarclang.coordinator.subscription import Subscription
 from yarclang.repl.interpreter import Interpreter
 from yarclang.repl.toolbar import Toolbar
@@ -49,22 +49,21 @@ def history_file() -> Path:
     return Path(home) / "yarc" / "history"
 
 
-async def converse(interpreter: Interpreter, coordinator: Coordinator, *, terminal: bool) -> None:
+async def converse(interpreter: Interpreter, *, terminal: bool) -> None:
     """Take what a person types until the person goes, or what stands on standard input to its end.
 
     Args:
         interpreter: of the session.
-        coordinator: that owns the robot.
         terminal: whether there is one.
     """
-    toolbar = Toolbar(coordinator)
+    toolbar = Toolbar(interpreter.robot, interpreter.picture)
     loop = asyncio.get_running_loop()
     for number in _ENDING:
         loop.add_signal_handler(number, interpreter.leave)
     served = asyncio.create_task(interpreter.serve(), name="interpreter")
     try:
-        with coordinator.subscribe() as events:
-            heard = asyncio.create_task(_hear(events, interpreter, toolbar), name="events")
+        with await interpreter.attached.listen() as events:
+            heard = asyncio.create_task(_hear(events, interpreter), name="events")
             try:
                 await (_prompted(interpreter, toolbar, served) if terminal else _read(interpreter, served))
             finally:
@@ -76,10 +75,12 @@ async def converse(interpreter: Interpreter, coordinator: Coordinator, *, termin
         await served
 
 
-async def _hear(events: Subscription, interpreter: Interpreter, toolbar: Toolbar) -> None:
+async def _hear(events: Subscription, interpreter: Interpreter) -> None:
     async for event in events:
-        toolbar.hear(event)
         interpreter.hear(event)
+    if not interpreter.ended:
+        interpreter.refuse("whoever owned the robot has ended: look at the robot")
+        interpreter.leave()
 
 
 async def _prompted(interpreter: Interpreter, toolbar: Toolbar, served: asyncio.Task[None]) -> None:
@@ -169,7 +170,7 @@ def _keys(interpreter: Interpreter) -> KeyBindings:
 
     @keys.add("c-z")
     def _(event: KeyPressEvent) -> None:  # noqa: ARG001
-        interpreter.client.hold()
+        interpreter.order(orders.Hold())
         interpreter.say("this process can't sleep while it looks after a robot; Ctrl-D ends it")
 
     return keys
@@ -204,7 +205,7 @@ async def _until_wanted(interpreter: Interpreter, served: asyncio.Task[None]) ->
 
 def _interrupted(interpreter: Interpreter) -> Callable[[], None]:
     def interrupted() -> None:
-        if interpreter.coordinator.under_way:
+        if interpreter.picture.under_way:
             interpreter.interrupt()
         else:
             interpreter.leave()

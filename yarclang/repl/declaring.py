@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from yarclang.assist.sketch import sketch_of
 from yarclang.assist.symbols import Symbol
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import findings_of
 from yarclang.repl.texts import read_exactly, write_exactly
 from yarclang.source import SourceFile, lines_with_ends
 
@@ -24,7 +26,8 @@ async def declare(interpreter: Interpreter, name: str, line: str, *, is_frame: b
         line: the whole declaration.
         is_frame: whether it is a frame's name.
     """
-    lines = interpreter.coordinator.lines.declarations
+    await interpreter.renew()
+    lines = interpreter.lines.declarations
     known = next((at for at, text in enumerate(lines) if _declared(text, name, is_frame)), None)
     if known is None:
         return await interpreter.carry_out(line)
@@ -34,12 +37,18 @@ async def declare(interpreter: Interpreter, name: str, line: str, *, is_frame: b
     if not await interpreter.agrees("change it?"):
         interpreter.say("nothing was changed")
         return False
-    adopted = await interpreter.client.adopt((*lines[:known], new, *lines[known + 1 :]))
-    interpreter.show(adopted.diagnostics)
-    if adopted.value is None:
+    if not await adopt(interpreter, (*lines[:known], new, *lines[known + 1 :])):
         return False
     _in_file(interpreter, name, is_frame, line)
     return True
+
+
+async def adopt(interpreter: Interpreter, declarations: tuple[str, ...]) -> bool:
+    """Let these declarations hold, in the place of those before; whether they do."""
+    adopted = await interpreter.attached.ask(orders.Adopt(declarations=declarations))
+    interpreter.show(findings_of(adopted.findings))
+    await interpreter.renew()
+    return adopted.holds
 
 
 def _in_file(interpreter: Interpreter, name: str, is_frame: bool, line: str) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-from yarclang.cell.model import Cell
 from yarclang.coordinator.lines import parts_of
+from yarclang.coordinator.loading import Source, open_here
 from yarclang.diagnostics import Diagnostic, Result, has_errors
-from yarclang.pipeline.inputs import Opened, Options, open_program
+from yarclang.pipeline.inputs import Options
 from yarclang.pipeline.stages import check_program
 from yarclang.robot.model import Array, Robot
 from yarclang.syntax.ast import Module
@@ -27,32 +27,19 @@ class LoadedFile:
     commands: tuple[str, ...]
 
 
-def open_file(path: Path, robot: Robot, stands: Array, cell: Cell | None) -> Result[Opened]:
-    """Read a program, to be run from where the robot stands unless the file says START.
+def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Result[LoadedFile]:
+    """Read and check a program.
 
     Args:
         path: of the file.
         robot: that it must be for.
-        stands: (n,) [rad or m].
-        cell: that the session keeps to, and the program with it.
-    """
-    named = None if cell is None else cell.source.name
-    opened = open_program(str(path), Options(robot=str(robot.folder), cell=named))
-    if opened.value is None or has_errors(opened.diagnostics):
-        return Result(None, opened.diagnostics)
-    request = opened.value.request
-    if request.fallback_start is None:
-        request = replace(request, fallback_start=stands)
-    return Result(replace(opened.value, request=request), opened.diagnostics)
-
-
-def load_file(path: Path, robot: Robot, stands: Array, cell: Cell | None) -> Result[LoadedFile]:
-    """Read and check a program, as `open_file`.
+        stands: (n,) where it begins unless it says START [rad or m].
+        cell: the path of the cell.toml that the session keeps to, and the program with it.
 
     Returns:
         None where a finding forbids to work with it; what only planning tells isn't asked here.
     """
-    opened = open_file(path, robot, stands, cell)
+    opened = open_here(Source(str(path), options=Options(robot=str(robot.folder), cell=cell)), stands)
     if opened.value is None:
         return Result(None, opened.diagnostics)
     module = opened.value.module

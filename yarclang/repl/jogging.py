@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from yarclang.coordinator.live.drive import Drive
-from yarclang.coordinator.live.steering import JointVelocity, Target, Twist
+from yarclang.coordinator.messages import orders, wants
+from yarclang.coordinator.messages.events import Finished
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.units import DEG, MM
@@ -26,6 +26,9 @@ HELD = 0.2
 
 EACH = 0.05
 """How often it is said what is wanted [s]: less than the robot's watchdog."""
+
+_LOOKED_EACH = 0.005
+"""How often it is looked whether the robot rests [s]."""
 
 _LEAVING = ("enter", "escape", "q", "c-d")
 _FASTER, _SLOWER = ("up", "down")
@@ -98,16 +101,16 @@ class Jogging:
         """Whether a key is held."""
         return now - self._since < HELD
 
-    def target(self, now: float) -> Target:
-        """What the robot shall do at a time [s]."""
+    def want(self, now: float) -> wants.MoveJoints | wants.MoveTool:
+        """Return what the robot shall do at a time [s]."""
         speed = self._sign * self.share * self._fastest if self.moves(now) else 0.0
         if self.axis.kind == "joint":
-            velocity = np.zeros(self.robot.size)
-            velocity[self.axis.number] = speed
-            return JointVelocity(velocity)
-        twist = np.zeros(6)
-        twist[self.axis.number] = speed
-        return Twist(twist[:3], twist[3:], "tool" if self.axis.kind == "tool" else "base")
+            number = self.axis.number
+            unit = float(self.robot.axis_units[number])
+            return wants.MoveJoints(velocity={self.robot.joint_names[number]: speed / unit})
+        twist = [0.0] * 6
+        twist[self.axis.number] = speed / (MM if self.axis.number < 3 else DEG)
+        return wants.MoveTool(twist=tuple(twist), axes="tool" if self.axis.kind == "tool" else "base")
 
     @property
     def _fastest(self) -> float:
@@ -137,31 +140,46 @@ async def jog(interpreter: Interpreter, jogging: Jogging) -> None:
     A key that is let go is a hold at once: what lies in the controller's buffer doesn't delay it.
     """
     loop = asyncio.get_running_loop()
-    drive: Drive | None = None
+    robot = interpreter.attached
+    moving = False
     while not jogging.ended:
         now = loop.time()
-        if drive is not None and not drive.alive:
-            ended = await drive.ended()
-            interpreter.over(ended)
+        if moving and interpreter.ended_live is not None:
+            interpreter.over(interpreter.ended_live)
             return
         if not jogging.moves(now):
-            if drive is not None:
-                await _at_rest(drive)
-                drive = None
-        elif drive is not None:
-            drive.want(jogging.target(now))
+            if moving:
+                await _at_rest(interpreter)
+                moving = False
+        elif moving:
+            try:
+                await robot.ask(jogging.want(now))
+            except Trouble:
+                interpreter.over(await _ended(interpreter))
+                return
         else:
-            begun = await interpreter.client.drive(jogging.target(now), moving=jogging.moving)
-            interpreter.show(begun.diagnostics)
-            drive = begun.value
+            interpreter.ended_live = None
+            await robot.ask(orders.Steer(moving=jogging.moving, again=False, title="jog"))
+            try:
+                await robot.ask(jogging.want(now))
+                moving = True
+            except Trouble as trouble:
+                interpreter.refuse(trouble.what + (f"\n  help: {trouble.remedy}" if trouble.remedy else ""))
         await asyncio.sleep(EACH)
-    if drive is not None:
-        await _at_rest(drive)
+    if moving:
+        await _at_rest(interpreter)
 
 
-async def _at_rest(drive: Drive) -> None:
-    drive.stop()
-    await drive.ended()
+async def _at_rest(interpreter: Interpreter) -> None:
+    interpreter.order(orders.Leave())
+    await _ended(interpreter)
+
+
+async def _ended(interpreter: Interpreter) -> Finished:
+    """How the motion has ended, when it has."""
+    while interpreter.ended_live is None:
+        await asyncio.sleep(_LOOKED_EACH)
+    return interpreter.ended_live
 
 
 def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:

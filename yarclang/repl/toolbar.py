@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from yarclang.coordinator.coordinator import Coordinator
-from yarclang.coordinator.events import Event, ProgressMade
+from yarclang.coordinator.describing import joints_of
+from yarclang.coordinator.picture import Picture
 from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
 from yarclang.runtime.state import State
 from yarclang.units import MM
 
@@ -14,49 +13,73 @@ _NOT_READY = (State.DISCONNECTED, State.FAULT)
 
 
 class Toolbar:
-    """Made anew whenever it is drawn, from what the coordinator knows.
+    """Made anew whenever it is drawn, from what was told of the robot.
 
     Args:
-        coordinator: that owns the robot.
+        robot: that is shown.
+        picture: what it does.
     """
 
-    def __init__(self, coordinator: Coordinator) -> None:
-        self._coordinator = coordinator
-        self._progress: ProgressMade | None = None
-
-    def hear(self, event: Event) -> None:
-        """Keep how far the robot is."""
-        if isinstance(event, ProgressMade):
-            self._progress = event
+    def __init__(self, robot: Robot, picture: Picture) -> None:
+        self._robot = robot
+        self._picture = picture
 
     def text(self, width: int) -> str:
-        """Two lines: state, progress, whether it is ready, override; and tool and joints. As far as they fit into `width` columns."""
-        coordinator = self._coordinator
-        state = coordinator.state
-        parts = [f"{coordinator.robot.name} {state.value}"]
-        if coordinator.under_way and self._progress is not None:
-            name = self._progress.command or coordinator.under_way
-            parts.append(f"{name} {self._progress.done:.1f} s, {self._progress.left:.1f} s to go")
-        parts.append("not ready" if state in _NOT_READY else "homed, enabled")
-        parts.append(f"{coordinator.override:g} %")
-        return f"{_joined(parts, width)}\n{_joined(self._places(), width)}"
+        """Two lines of at most `width` columns: state, progress, whether it is ready, override; and tool and joints. What doesn't fit is said more briefly."""
+        return f"{_fitting(self._states(), width)}\n{_fitting(self._places(), width)}"
 
-    def _places(self) -> list[str]:
-        coordinator = self._coordinator
-        joints, robot = coordinator.position, coordinator.robot
-        if joints is None:
-            return []
-        values = np.round(joints / robot.axis_units, 2) + 0.0
+    def _states(self) -> list[list[str]]:
+        """The first line's parts, at length and ever more briefly."""
+        picture = self._picture
+        state, progress = picture.state, picture.progress
+        ready = "not ready" if state in _NOT_READY else "homed, enabled"
+        pace = f"{picture.override:g} %"
+        begin = f"{self._robot.name} {state.value}"
+        if not picture.under_way or progress is None:
+            return [[begin, ready, pace], [begin, pace], [state.value, pace]]
+        name = progress.command or picture.under_way
+        times = f"{progress.done_s:.1f} s, {progress.left_s:.1f} s to go"
+        index = name.split(maxsplit=1)[0]
+        return [
+            [begin, f"{name} {times}", ready, pace],
+            [begin, f"{name} {times}", pace],
+            [begin, f"{index} {times}", pace],
+            [state.value, times, pace],
+        ]
+
+    def _places(self) -> list[list[str]]:
+        """The second line's parts, likewise."""
+        robot = self._robot
+        if self._picture.joints is None:
+            return [[]]
+        joints = joints_of(robot, self._picture.joints)
         tool = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
         place = tool_poses(robot.chain, joints[None], robot.flange_from_frame[tool])[0, :3, 3] / MM
-        shown = [f"{{{tool}}} {' '.join(f'{value:.2f}' for value in place.round(2) + 0.0)} mm"]
-        return shown + [f"{name} {value:.2f}" for name, value in zip(robot.joint_names, values, strict=True)]
+        names, values = robot.joint_names, joints / robot.axis_units
+        named = [f"{name} {_number(value, 2)}" for name, value in zip(names, values, strict=True)]
+        short = [
+            [f"{{{tool}}} {_numbers(place, tools)} mm", f"{names[0]}-{names[-1]} {_numbers(values, digits)}"]
+            for tools, digits in ((2, 2), (1, 2), (1, 1), (0, 1), (0, 0))
+        ]
+        return [[f"{{{tool}}} {_numbers(place, 2)} mm", *named], *short]
 
 
-def _joined(parts: list[str], width: int) -> str:
-    """As many of the parts as fit: half a number would be another number."""
+def _numbers(values: Array, digits: int) -> str:
+    return " ".join(_number(value, digits) for value in values)
+
+
+def _number(value: float, digits: int) -> str:
+    return f"{round(float(value), digits) + 0.0:.{digits}f}"
+
+
+def _fitting(choices: list[list[str]], width: int) -> str:
+    """The first choice that fits whole, else as many parts of the last as fit: half a number would be another number."""
+    for parts in choices:
+        line = f" {' | '.join(parts)}" if parts else ""
+        if len(line) <= width:
+            return line
     line = ""
-    for part in parts:
+    for part in choices[-1]:
         longer = f"{line} | {part}" if line else f" {part}"
         if len(longer) > width:
             break

@@ -68,6 +68,11 @@ class Session:
         """Call a function with each notice from now on. It must not wait."""
         self._listeners.append(listener)
 
+    def unlisten(self, listener: Listener) -> None:
+        """Call a function no more; nothing where it isn't called."""
+        if listener in self._listeners:
+            self._listeners.remove(listener)
+
     def order(self, order: Order) -> None:
         """Something that a person wants, at once."""
         self.operation.orders.append(order)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from yarclang.diagnostics import Collector, suggest
-from yarclang.hir import Dwell, Hold, Origin, Output, SetOutput, Signal, Step, WaitInput, When
+from yarclang.diagnostics import Collector
+from yarclang.hir import Dwell, Hold, Origin, SetOutput, Step, WaitInput, When
 from yarclang.semantics.amounts import AmountError
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.files import values_of
 from yarclang.semantics.naming import state_value
 from yarclang.semantics.parts import refuse_parts
-from yarclang.semantics.scope import KINDS, Input, Scope
+from yarclang.semantics.scope import Scope
+from yarclang.semantics.signal_names import input_named, output_named
 from yarclang.semantics.to_hir import origin_of
 from yarclang.semantics.units import amount, missing_unit, resolve_units
-from yarclang.syntax.ast import Computed, Number, Statement, Text, Value, Word
+from yarclang.syntax.ast import Computed, Number, Statement, Text
 
 LONGEST_WAIT = 3600.0
 """The controller's timer counts no further by far [s]."""
@@ -41,7 +42,7 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
         message = "WHEN wants an input and what it is"
         findings.add("Y0401", message, statement.whole_span, "for example WHEN DOOR OFF")
         return None
-    signal = _input(values[0], scope, statement, findings)
+    signal = input_named(values[0], scope, statement, findings)
     value = state_value(values[1], scope, statement, findings)
     if signal is None or value is None:
         return None
@@ -66,7 +67,7 @@ def _wait(
                 "Y0406", "WAIT doesn't say how long", statement.head_span, "for example WAIT [2] (s)"
             )
         return None if seconds is None else Dwell(origin, seconds)
-    signal = _input(values[0], scope, statement, findings)
+    signal = input_named(values[0], scope, statement, findings)
     value = state_value(values[1], scope, statement, findings)
     if statement.time is None:
         message = "this waits for ever if the input never gets there"
@@ -115,7 +116,7 @@ def _set(statement: Statement, origin: Origin, scope: Scope, findings: Collector
         message = "SET wants an output and its value"
         findings.add("Y0401", message, statement.whole_span, "for example SET GRIP ON")
         return None
-    output = _output(values[0], scope, statement, findings)
+    output = output_named(values[0], scope, statement, findings)
     value = state_value(values[1], scope, statement, findings)
     return None if output is None or value is None else SetOutput(origin, output, value)
 
@@ -129,40 +130,3 @@ def _hold(statement: Statement, origin: Origin, findings: Collector) -> Step:
         )
     text = values[0].text.strip('"') if values and isinstance(values[0], Text) else ""
     return Hold(origin, text)
-
-
-def _input(value: Value, scope: Scope, statement: Statement, findings: Collector) -> Signal | None:
-    found = scope.name(value.name) if isinstance(value, Word) else None
-    if isinstance(found, Input):
-        return found.signal
-    _wrong(value, found, Input, "input", "INPUT DOOR M11", scope, statement, findings)
-    return None
-
-
-def _output(value: Value, scope: Scope, statement: Statement, findings: Collector) -> Signal | None:
-    found = scope.name(value.name) if isinstance(value, Word) else None
-    if isinstance(found, Output):
-        return found.signal
-    _wrong(value, found, Output, "output", "OUTPUT GLUE M1 OFF", scope, statement, findings)
-    return None
-
-
-def _wrong(
-    value: Value,
-    found: object,
-    kind: type,
-    what: str,
-    example: str,
-    scope: Scope,
-    statement: Statement,
-    findings: Collector,
-) -> None:
-    span = statement.span(value.place)
-    if found is not None:
-        findings.add("Y0209", f"{value.text} is {KINDS[type(found)]}, not an {what}", span)
-        return
-    known = sorted(set(scope.names(kind)))
-    help_ = suggest(value.text, known) or (
-        f"there are {', '.join(known)}" if known else f"declare it: {example}"
-    )
-    findings.add("Y0210", f"no {what} is named {value.text}", span, help_)

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Protocol
 
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
 from yarclang.semantics.scope import BASE, Frame, Scope
-from yarclang.syntax.ast import FrameName, Statement
+from yarclang.source import Span
+from yarclang.syntax.ast import FrameName, Place
+
+
+class Placed(Protocol):
+    """Text that stands somewhere: a statement, or a name alone."""
+
+    def span(self, place: Place) -> Span:
+        """Return where a part of it stands."""
+
 
 _OLD_NAMES = {"T": "TCP", "TOOL": "TCP", "ROOT": BASE}
 
 
-def moving_frame(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
+def moving_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
     """The frame that a command moves: one on the flange."""
     found = known_frame(statement, frame, scope, findings)
     if found is None:
@@ -25,7 +35,7 @@ def moving_frame(statement: Statement, frame: FrameName, scope: Scope, findings:
 
 
 def base_axes(
-    statement: Statement, frame: FrameName, scope: Scope, may_move: bool, findings: Collector
+    statement: Placed, frame: FrameName, scope: Scope, may_move: bool, findings: Collector
 ) -> Frame | None:
     """The axes in which a command's values are given."""
     found = known_frame(statement, frame, scope, findings)
@@ -37,7 +47,7 @@ def base_axes(
     return found
 
 
-def known_frame(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
+def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
     """What a frame's name means, wherever it stands; a finding where it means nothing."""
     if (found := scope.frame(frame.name)) is not None:
         return found

@@ -34,7 +34,7 @@ def test_a_joint_is_jogged_as_long_as_it_is_wanted():
     async def session():
         async with coordinating(joints=READY, record=True) as (world, coordinator, client):
             began = world.machine.now
-            drive = (await client.drive(joint(3, 5.0))).value
+            drive = (await client.live.drive(joint(3, 5.0))).value
             took = await world.until(lambda: world.moving, each=0.001)
             assert took < 0.12
             await keep(drive, joint(3, 5.0), 2.0)
@@ -72,7 +72,7 @@ def within_limits(world, since, speed=0.25):
 def test_nobody_says_anything_and_it_rests():
     async def session():
         async with coordinating(joints=READY) as (world, _, client):
-            drive = (await client.drive(joint(1, 5.0))).value
+            drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 1.0)
             took = await world.until(lambda: not world.moving, each=0.002)
             assert took <= 0.2 + world.robot.controller.hold_time + 0.05
@@ -86,7 +86,7 @@ def test_nobody_says_anything_and_it_rests():
 def test_a_drive_that_finishes_rests_within_the_limits():
     async def session():
         async with coordinating(joints=READY) as (world, coordinator, client):
-            drive = (await client.drive(joint(1, 5.0))).value
+            drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 1.0)
             drive.finish()
             ended = await drive.ended()
@@ -102,14 +102,14 @@ def test_a_drive_that_finishes_rests_within_the_limits():
 def test_a_twist_moves_the_tool_along_its_axis(axes):
     async def session():
         async with coordinating(joints=[10, 10, 10, 30, 60, 0], record=True) as (world, _, client):
-            before = (await client.where()).value.base_from_moving
+            before = (await client.motion.where()).value.base_from_moving
             since = world.machine.now
             target = Twist(np.array([0.0, 0.0, -0.05]), np.zeros(3), axes)
-            drive = (await client.drive(target)).value
+            drive = (await client.live.drive(target)).value
             await keep(drive, target, 2.0)
             drive.stop()
             await drive.ended()
-            after = (await client.where()).value.base_from_moving
+            after = (await client.motion.where()).value.base_from_moving
             way = after[:3, 3] - before[:3, 3]
             axis = np.array([0, 0, 1.0]) if axes == "base" else before[:3, 2]
             assert way @ axis == pytest.approx(-0.1, abs=0.015)
@@ -124,7 +124,7 @@ def test_the_tool_is_never_faster_than_250_mm_a_second():
     async def session():
         async with coordinating(joints=READY, record=True) as (world, _, client):
             since = world.machine.now
-            drive = (await client.drive(joint(1, 60.0))).value
+            drive = (await client.live.drive(joint(1, 60.0))).value
             await keep(drive, joint(1, 60.0), 2.0)
             drive.stop()
             await drive.ended()
@@ -140,7 +140,7 @@ def test_the_robot_says_how_fast_the_tool_may_be():
         world.robot = replace(world.robot, jog_speed=0.05)
         async with coordinating(world=world) as (_, _, client):
             since = world.machine.now
-            drive = (await client.drive(joint(1, 60.0))).value
+            drive = (await client.live.drive(joint(1, 60.0))).value
             await keep(drive, joint(1, 60.0), 1.0)
             drive.stop()
             await drive.ended()
@@ -153,8 +153,8 @@ def test_the_robot_says_how_fast_the_tool_may_be():
 def test_it_rests_in_front_of_a_joint_limit_and_goes_back():
     async def session():
         async with coordinating(joints=[165, 10, 10, 0, 40, 0]) as (world, _, client):
-            events = client.events()
-            drive = (await client.drive(joint(1, 5.0))).value
+            events = client.session.events()
+            drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 3.0)
             assert 169.9 < world.stands()[0] <= 170.0
             assert any("J1 would go past its limit" in getattr(one, "text", "") for one in events.waiting())
@@ -170,7 +170,7 @@ def test_a_singularity_is_approached_slowly_and_left_freely():
     async def session():
         async with coordinating(joints=[0, 10, 10, 0, 20, 0]) as (world, _, client):
             turn = Twist(np.zeros(3), np.array([-0.2, 0.0, 0.0]))
-            drive = (await client.drive(turn)).value
+            drive = (await client.live.drive(turn)).value
             await keep(drive, turn, 4.0)
             near = world.stands()[4]
             assert abs(near) < 10.0
@@ -213,9 +213,9 @@ def test_it_rests_in_front_of_what_is_around_it_and_goes_away_from_it(tmp_path, 
     async def session():
         async with coordinating(joints=READY, folder=tmp_path) as (world, _, client):
             await done(client, 'CELL "cell.toml"')
-            events = client.events()
+            events = client.session.events()
             there = Twist(np.array(way), np.zeros(3))
-            drive = (await client.drive(there)).value
+            drive = (await client.live.drive(there)).value
             await keep(drive, there, 6.0)
             near = world.stands()
             await keep(drive, there, 0.5)
@@ -248,7 +248,7 @@ def test_a_master_is_followed_with_bounded_lag():
                 ) * 2.0 * np.pi * 0.2
 
             began = world.machine.now
-            drive = (await client.drive(Master(*master(loop.time())))).value
+            drive = (await client.live.drive(Master(*master(loop.time())))).value
             times, wanted = [], []
             while loop.time() < since + 8.0:
                 drive.follow(*master(loop.time()))
@@ -276,9 +276,9 @@ def test_a_master_is_followed_with_bounded_lag():
 def test_a_stop_at_any_moment(moment):
     async def session():
         async with coordinating(joints=READY) as (world, coordinator, client):
-            beginning = asyncio.create_task(client.drive(joint(1, 5.0)))
+            beginning = asyncio.create_task(client.live.drive(joint(1, 5.0)))
             await asyncio.sleep(moment)
-            client.stop()
+            client.motion.stop()
             made = await beginning
             assert not (await made.value.ended()).well
             assert not world.moving
@@ -291,7 +291,7 @@ def test_a_stop_at_any_moment(moment):
 def test_a_process_that_sleeps_is_held_by_the_guard():
     async def session():
         async with coordinating(joints=READY) as (world, coordinator, client):
-            drive = (await client.drive(joint(1, 5.0))).value
+            drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 1.0)
             slow = world.delay
             world.delay = lambda: 0.6  # less than a reply may take, more than lies ahead
@@ -308,9 +308,9 @@ def test_who_gives_the_robot_away_steers_it_no_more():
     async def session():
         async with coordinating(joints=READY) as (world, coordinator, client):
             other = coordinator.attach("other")
-            drive = (await client.drive(joint(1, 5.0))).value
+            drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 0.5)
-            client.give("other")
+            client.session.give("other")
             with pytest.raises(Trouble, match="other owns the robot"):
                 drive.want(joint(1, 5.0))
             await world.until(lambda: not world.moving, within=0.6)
@@ -326,7 +326,7 @@ def test_a_live_motion_is_logged(tmp_path):
 
     async def session():
         async with coordinating(joints=READY, log=tmp_path / "jog.mcap") as (_, _, client):
-            drive = (await client.drive(joint(1, 5.0))).value
+            drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 0.5)
             drive.stop()
             await drive.ended()
@@ -345,15 +345,15 @@ def test_what_cannot_be_driven():
         async with coordinating(joints=READY) as (_, coordinator, client):
             other = coordinator.attach("other")
             with pytest.raises(Trouble, match="to move the robot is for"):
-                await other.drive(joint(1, 5.0))
+                await other.live.drive(joint(1, 5.0))
             with pytest.raises(Trouble, match="isn't finite"):
-                await client.drive(joint(1, np.nan))
-            assert codes(await client.drive(joint(1, 5.0), moving="{NOWHERE}")) == ["Y0301"]
-            drive = (await client.drive(joint(1, 5.0))).value
+                await client.live.drive(joint(1, np.nan))
+            assert codes(await client.live.drive(joint(1, 5.0), moving="{NOWHERE}")) == ["Y0301"]
+            drive = (await client.live.drive(joint(1, 5.0))).value
             with pytest.raises(Trouble, match="there is no joint J9"):
                 drive.joint("J9", 0.1)
             with pytest.raises(Trouble, match="jog is under way"):
-                await client.drive(joint(1, 5.0))
+                await client.live.drive(joint(1, 5.0))
             drive.stop()
             await drive.ended()
 

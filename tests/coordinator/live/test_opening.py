@@ -38,7 +38,7 @@ async def first_motion(world, client, speed):
     """Jog a joint; how long from the key to when a motor has moved by two counts [s], and the drive."""
     before, loop = world.machine.positions(motors=[1]), asyncio.get_running_loop()
     begun = loop.time()
-    drive = asyncio.ensure_future(client.drive(turning(speed)))
+    drive = asyncio.ensure_future(client.live.drive(turning(speed)))
 
     def moved():
         world.catch_up()
@@ -107,7 +107,7 @@ def test_what_moves_is_what_was_proved(beside, speeds, segment):
             robot, machine, count = world.robot, world.machine, 8
             stand(machine, robot, START * robot.axis_units + from_counts(robot, np.array(beside)))
             target = JointVelocity(np.array([0.1, *speeds]))
-            made = await client.drive(target, settings=Settings(segment=segment))
+            made = await client.live.drive(target, settings=Settings(segment=segment))
             await world.until(lambda: "R" in [line for _, _, line in world.lines], each=segment / 8.0)
             await keep(made.value, target, (count + 1) * segment)
             made.value.stop()
@@ -142,7 +142,7 @@ def test_it_begins_only_where_it_was_proved_from(moved, begins):
                 return made
 
             coordinator.plan = planned
-            drive = (await client.drive(turning(5.0))).value
+            drive = (await client.live.drive(turning(5.0))).value
             await asyncio.sleep(0.05)
             assert world.moving == begins
             drive.stop()
@@ -168,7 +168,7 @@ def test_who_stands_at_a_limit_may_leave_it(side):
             for beside in (-2e-4, 0.0, 2e-4, 1e-3):
                 motor.stand = to_counts(world.robot, at * world.robot.axis_units)[0] + beside
                 world.machine.changed([motor])
-                drive = (await client.drive(turning(5.0 * side))).value
+                drive = (await client.live.drive(turning(5.0 * side))).value
                 await keep(drive, turning(5.0 * side), 0.2)
                 assert drive.why == "J1 would go past its limit"
                 assert abs(world.stands()[0] - at[0]) < 1e-6

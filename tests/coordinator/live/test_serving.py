@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from simulator.machines import robot_machine
 
+from yarclang.coordinator.attached import Here
 from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.live.serving import MasterServer, TcpDoor, UnixDoor
@@ -45,9 +46,10 @@ def test_a_master_is_followed(door, connect, tmp_path):
     async def session(port):
         link = OrderedSession("127.0.0.1", port, reply_time=20.0, pace=PACE)
         async with Coordinator(robot, link, folder=tmp_path, log=NO_LOG) as coordinator:
-            client = coordinator.attach("test")
-            client.own()
-            async with MasterServer(client, door) as server:
+            attached = Here(coordinator, "test")
+            client = attached.client
+            client.session.own()
+            async with MasterServer(attached, door) as server:
                 reader, writer = await connect(server)
                 if isinstance(door, TcpDoor):
                     assert json.loads(await reader.readline()) == {"ok": True}
@@ -60,7 +62,7 @@ def test_a_master_is_followed(door, connect, tmp_path):
                 assert answer["lag_s"] < 0.4
                 assert abs(answer["behind"]["J1"]) < 0.2
                 denied = await say(writer, reader, {"joints": [999, 0, 0, 0, 0, 0]})
-                assert denied == {"ok": False, "error": "J1 would be out of its limits"}
+                assert denied == {"ok": False, "error": "J1 would be out of its limits", "code": "Y1616"}
                 # one at a time
                 other, second = await connect(server)
                 assert json.loads(await other.readline())["error"] == "another process steers the robot"
@@ -70,9 +72,9 @@ def test_a_master_is_followed(door, connect, tmp_path):
                 while coordinator.under_way:
                     assert time.monotonic() < until
                     await asyncio.sleep(0.02)
-                assert (await client.stands())[0] / robot.axis_units[0] == pytest.approx(2.8, abs=0.3)
+                assert (await client.motion.stands())[0] / robot.axis_units[0] == pytest.approx(2.8, abs=0.3)
             with pytest.raises(Trouble, match="can't be listened on"):
-                async with MasterServer(client, TcpDoor(port, "203.0.113.1")):
+                async with MasterServer(attached, TcpDoor(port, "203.0.113.1")):
                     pass
 
     with EmbeddedSimulator(machine, rate=PACE) as simulator:

@@ -12,56 +12,42 @@ import tempfile
 import time
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from yarclang.coordinator.live import serving
-from yarclang.coordinator.live.serving import MasterServer, Patience, TcpDoor, UnixDoor
-from yarclang.coordinator.live.wire import MOST_LINE
-from yarclang.diagnostics import Result
-from yarclang.robot.description import load_robot
+from yarclang.coordinator.live.serving import MOST_LINE, MasterServer, Patience, TcpDoor, UnixDoor
+from yarclang.coordinator.messages.orders import Leave
+from yarclang.coordinator.messages.replies import Done, Wanted
+from yarclang.coordinator.messages.wants import Finish, Want
 from yarclang.runtime.actions import Trouble
 
-ROBOT = load_robot("INDUSTRIAL6").value
 QUICK = Patience(first=0.4, silence=0.6)
 ORDER = b'{"velocity": {"J1": 10}}\n'
 
 
-class Driven:
-    """A live motion that takes all that it is told."""
-
-    lag, why, alive = 0.35, "", True
-
-    def __init__(self):
-        self.end = np.zeros(ROBOT.size)
-        self.wanted = 0
-
-    def want(self, target):
-        self.wanted += 1
-
-    def finish(self):
-        self.alive = False
-
-    stop = finish
-
-
 class Robot:
-    """What a server needs of a client of the coordinator. `drives` are the motions that somebody has begun."""
+    """What a server needs of an attached client: it takes all that it is told.
 
-    robot = ROBOT
+    Attributes:
+        drives: what was wanted of each motion that somebody has begun.
+        alive: whether the last one goes on.
+    """
 
     def __init__(self):
         self.drives = []
+        self.alive = False
 
-    async def frame(self, moving):
-        return Result(np.eye(4), ())
+    async def ask(self, order):
+        if isinstance(order, Want) and not isinstance(order, Finish):
+            if not self.alive:
+                self.drives.append(0)
+                self.alive = True
+            self.drives[-1] += 1
+        return Wanted(lag_s=0.35, behind=None, why="") if isinstance(order, Want) else Done()
 
-    async def stands(self):
-        return np.zeros(ROBOT.size)
-
-    async def drive(self, target, **_):
-        self.drives.append(Driven())
-        return Result(self.drives[-1], ())
+    def send(self, order, refused=None):
+        assert isinstance(order, Leave)
+        self.alive = False
 
 
 class Fellow:
@@ -274,15 +260,21 @@ def test_the_first_line_that_is_no_object_ends_it(door, line):
 
     robot, _ = meeting(work, door)
     assert len(robot.drives) == 1
-    assert robot.drives[0].wanted == 0
-    assert not robot.drives[0].alive
+    assert robot.drives[0] == 1
+    assert not robot.alive
 
 
 @both
 def test_an_object_that_is_wrong_ends_nothing(door):
     async def work(server):
         fellow = await let_in(server)
-        for line in (b"{}\n", b'{"velocity": {"J9": 1}}\n', b'{"joints": [1]}\n', b'{"token": "x"}\n'):
+        for line in (
+            b"{}\n",
+            b'{"velocity": {"J9": "1"}}\n',
+            b'{"joints": 1}\n',
+            b'{"token": "x"}\n',
+            b'{"order": "own"}\n',
+        ):
             assert (await fellow.ask(line))["ok"] is False
         assert (await fellow.ask(ORDER))["ok"] is True
 
@@ -364,7 +356,8 @@ def test_one_that_steers_is_sent_away_when_it_falls_silent(door):
         assert (await (await let_in(server)).ask(ORDER))["ok"] is True
 
     robot, _ = meeting(work, door)
-    assert [drive.alive for drive in robot.drives] == [False, False]
+    assert len(robot.drives) == 2
+    assert not robot.alive
 
 
 def test_who_has_not_said_the_token_takes_nobodys_place():

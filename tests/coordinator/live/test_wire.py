@@ -8,10 +8,15 @@ from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from yarclang.coordinator.live.serving import MOST_LINE, token_in
+from yarclang.coordinator.live.steered import Reader
 from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
-from yarclang.coordinator.live.wire import MOST_LINE, Denied, Finish, Reader, read_token
+from yarclang.coordinator.messages.lines import read_order
+from yarclang.coordinator.messages.replies import Denied
+from yarclang.coordinator.messages.wants import Finish, Want
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.runtime.actions import Trouble
 from yarclang.transforms import roll_pitch_yaw
 
 ROBOT = load_robot("INDUSTRIAL6").value
@@ -24,7 +29,18 @@ def reader():
 
 
 def read(content, now=0.0, at=None):
-    return (at or reader()).read(json.dumps(content).encode(), now)
+    return read_line(json.dumps(content).encode(), now, at)
+
+
+def read_line(line, now=0.0, at=None):
+    """What a line wants: a target, Finish, or Denied."""
+    want = read_order(line, MOST_LINE).what
+    if not isinstance(want, Want) or isinstance(want, Finish):
+        return want
+    try:
+        return (at or reader()).read(want, now)
+    except Trouble as trouble:
+        return Denied(error=trouble.what)
 
 
 def test_each_kind_is_read():
@@ -65,22 +81,22 @@ def test_a_velocity_is_estimated_of_what_a_master_has_said():
     ("content", "why"),
     [
         ({"joints": [1, 2, 3]}, "6 finite numbers"),
-        ({"joints": [1, 2, 3, 4, 5, "6"]}, "6 finite numbers"),
-        ({"joints": [1, 2, 3, 4, 5, True]}, "6 finite numbers"),
+        ({"joints": [1, 2, 3, 4, 5, "6"]}, "finite numbers, one a joint"),
+        ({"joints": [1, 2, 3, 4, 5, True]}, "finite numbers, one a joint"),
         ({"joints": [500, 2, 3, 4, 5, 6]}, "J1 would be out of its limits"),
-        ({"joints": [1, 2, 3, 4, 5, 6], "rate": 3}, "6 finite numbers"),
-        ({"joints": [1, 2, 3, 4, 5, 6], "speed": 3}, "joints takes no 'speed'"),
+        ({"joints": [1, 2, 3, 4, 5, 6], "rate": 3}, "finite numbers, one a joint"),
+        ({"joints": [1, 2, 3, 4, 5, 6], "speed": 3}, 'joints takes no "speed"'),
         ({"pose": [9000, 0, 0, 0, 0, 0]}, "out of reach by"),
         ({"pose": [0, 900, 1400, 180, 0, 0]}, "too far from the one before"),
         ({"pose": [0, 900, 1400]}, "six finite numbers"),
         ({"velocity": {"J9": 1}}, "'J9' isn't a joint"),
         ({"velocity": {}}, "velocity is an object"),
         ({"velocity": {"J1": 1, "j1": -5}}, "a joint is named twice"),
-        ({"velocity": {"J1": 1e308}}, "finite number"),
+        ({"velocity": {"J1": 1e308}}, "finite numbers"),
         ({"pose": [1e300, 0, 0, 0, 0, 0]}, "six finite numbers"),
         ({"twist": [0, 0, 1, 0, 0, 0], "axes": "world"}, '"base" or "tool"'),
         ({"finish": False}, "finish is true"),
-        ({}, "one of joints, pose"),
+        ({}, "joints, pose"),
         ({"joints": [], "pose": []}, "not 2"),
     ],
 )
@@ -88,7 +104,7 @@ def test_what_is_wrong_is_denied(content, why):
     found = read(content)
     assert isinstance(found, Denied)
     assert why in found.error
-    assert not found.ends
+    assert not read_order(json.dumps(content).encode()).ends
 
 
 NO_OBJECTS = [
@@ -112,15 +128,15 @@ NO_OBJECTS = [
 
 @pytest.mark.parametrize(("line", "why"), NO_OBJECTS)
 def test_what_is_no_object_ends_the_connection(line, why):
-    for found in (reader().read(line, 0.0), read_token(line)):
+    assert read_order(line, MOST_LINE).ends
+    for found in (read_order(line, MOST_LINE).what, token_in(line)):
         assert isinstance(found, Denied)
         assert why in found.error
-        assert found.ends
 
 
 def test_a_token_is_read():
-    assert read_token(b'{"token": "abc"}\n') == "abc"
-    assert read_token(b'{"token": "\\ud800"}\n') == "\ud800"
+    assert token_in(b'{"token": "abc"}\n') == "abc"
+    assert token_in(b'{"token": "\\ud800"}\n') == "\ud800"
     for content in (
         {},
         {"token": 3},
@@ -128,10 +144,9 @@ def test_a_token_is_read():
         {"token": "a", "velocity": {"J1": 1}},
         {"velocity": {"J1": 1}},
     ):
-        found = read_token(json.dumps(content).encode())
+        found = token_in(json.dumps(content).encode())
         assert isinstance(found, Denied)
         assert 'the first line must be {"token": "..."}' in found.error
-        assert found.ends
 
 
 SIX = st.lists(st.floats(-30.0, 30.0), min_size=6, max_size=6) | st.lists(
@@ -173,8 +188,8 @@ NEAR = st.one_of(
     )
 )
 def test_nothing_is_raised(tally, line):
-    assert isinstance(read_token(line), str | Denied)
-    found = reader().read(line, 0.0)
+    assert isinstance(token_in(line), str | Denied)
+    found = read_line(line)
     kinds = {"master": Master, "velocity": JointVelocity, "twist": Twist, "finish": Finish, "denied": Denied}
     for name, kind in kinds.items():
         tally.count(name, isinstance(found, kind))

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import signal
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from yarclang.cli.address import Address
 from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
 from yarclang.cli.options import planning_options, tm_option
+
+if TYPE_CHECKING:
+    from yarclang.cli.executing import Lines
+    from yarclang.coordinator.loading import Source
 
 
 @click.command("exec")
@@ -31,38 +35,52 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     and end then; a terminal that is closed changes nothing. `yarc status`, hold, resume, override and stop work from other terminals.
     """
     check_controller_usage(to, options)
-    from yarclang.cli.executing import Lines, execute, findings_line, refused_line
-    from yarclang.cli.loading import is_compiled, load
+    from yarclang.cli.executing import Lines, execute, findings_line, not_repeated, refused_line
+    from yarclang.cli.loading import is_compiled, load, source_of
+    from yarclang.coordinator.describing import program_described
     from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
-    from yarclang.runtime.rest import off_the_start
 
     if is_compiled(file) and (first or any(options[name] for name in ("start", "tm"))):
         raise click.UsageError("--from, --start, --tm: only with the program itself, the .yarc file")
+    source = source_of(file, first, options)
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that is closed is nothing
     lines = Lines()
     try:
-        loaded, found = load(file, first, {**options, "step": False})
+        if (status := _served(source, to, options, lines)) is not None:
+            raise SystemExit(status)
+        loaded, found = load(source)
         if found:
             lines.say(findings_line(found))
         if loaded is None:
             lines.say(refused_line("the program has errors; nothing moved", "see the findings"))
             raise SystemExit(1)
         if loaded.around is not None:
-            lines.say({"event": "message", "text": cell_text(loaded.around), "warning": False})
-        program = loaded.program
-        if options["times"] > 1 and (off := off_the_start(program, program.end)):
-            what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {off.partition(': ')[2]}"
-            lines.say(refused_line(what, "end it with a motion to its start"))
+            lines.say({"event": "message", "text": cell_text(loaded.around.source.name), "warning": False})
+        if refused := not_repeated(program_described(0, loaded), options):
+            lines.say(refused)
             raise SystemExit(1)
-        from yarclang.cli.controllers import controller
+        from yarclang.cli.attaching import place_of
 
         job = loaded.rest
-        with controller(to, job.robot, job.start, options["rate"], tells=False) as address:
-            raise SystemExit(execute(loaded, address, options, lines, own=to is None))
+        with place_of(to, job.robot, job.start, options["rate"], tells=False) as place:
+            raise SystemExit(execute(loaded, loaded.name, place, options, lines))
     except Trouble as trouble:
         lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
         raise SystemExit(1) from None
     finally:
         lines.close()
         signal.signal(signal.SIGHUP, before)
+
+
+def _served(source: Source, to: Address | None, options: dict[str, Any], lines: Lines) -> int | None:
+    """Carry a program out on a robot that somebody serves; None where nobody does."""
+    from yarclang.cli.attaching import place_served, served_at
+    from yarclang.cli.executing import execute
+    from yarclang.cli.loading import load_order, robot_of
+
+    served = served_at(to, lambda: robot_of(source))
+    if served is None:
+        return None
+    place = place_served(served, robot_of(source), options)
+    return execute(load_order(source), source.name, place, options, lines)

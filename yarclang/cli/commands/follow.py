@@ -64,7 +64,7 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
         raise click.UsageError("--unix and --port exclude each other")
     if options["token_file"] is not None and options["port"] is None:
         raise click.UsageError("--token-file needs --port: a Unix socket needs no token")
-    from yarclang.cli.controllers import controller
+    from yarclang.cli.attaching import place_of, place_served, served_at
     from yarclang.cli.executing import Lines, findings_line, refused_line
     from yarclang.cli.following import follow
     from yarclang.diagnostics import has_errors
@@ -78,17 +78,19 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
         found = robot_for(Path(), robot)
         if found.diagnostics:
             lines.say(findings_line(found.diagnostics))
-        if found.value is None:
+        if (whose := found.value) is None:
             lines.say(refused_line("the robot isn't known; nothing moved", "see the findings"))
             raise SystemExit(1)
-        around = session_cell(Path(), found.value, options["cell"])
+        if (served := served_at(to, lambda: whose)) is not None:
+            raise SystemExit(follow(whose, place_served(served, whose, options), options, lines))
+        around = session_cell(Path(), whose, options["cell"])
         if around.diagnostics:
             lines.say(findings_line(around.diagnostics))
         if has_errors(around.diagnostics):
             lines.say(refused_line("the cell can't be used; nothing moved", "see the findings"))
             raise SystemExit(1)
-        with controller(to, found.value, found.value.home, tells=False) as address:
-            raise SystemExit(follow(found.value, address, options, lines, own=to is None))
+        with place_of(to, whose, whose.home, tells=False) as place:
+            raise SystemExit(follow(whose, place, options, lines))
     except Trouble as trouble:
         lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
         raise SystemExit(1) from None

@@ -15,17 +15,16 @@ _PATIENCE = 5.0
 def command(run: str | None) -> None:
     """Hold a run on its path. `yarc resume` goes on."""
     with trouble_is_said():
-        from yarclang.runtime.notices import Hold
-        from yarclang.runtime.state import State
-        from yarclang.runtime.transports.local import order, the_run
+        from yarclang.cli.ordering import order
+        from yarclang.runtime.transports.runs import the_run
 
         chosen = the_run(run)
-        status = order(chosen, Hold(), _PATIENCE)
+        status = order(chosen, "hold", _PATIENCE)
         if status is None:
             click.echo(f"{chosen.name}: has ended meanwhile")
-        elif status.state is State.HOLD:
+        elif status["state"] == "hold":
             click.echo(
-                f"{chosen.name}: holding on the path, {status.done:.1f} s done, {status.left:.1f} s left"
+                f"{chosen.name}: holding on the path, {status['done']:.1f} s done, {status['left']:.1f} s left"
             )
         else:
-            click.echo(f"{chosen.name}: nothing moves ({status.state.value})")
+            click.echo(f"{chosen.name}: nothing moves ({status['state']})")

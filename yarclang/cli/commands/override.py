@@ -25,12 +25,12 @@ def _number(ctx: click.Context, param: click.Parameter, value: float) -> float:
 def command(percent: float, run: str | None) -> None:
     """Run at PERCENT of the programmed speed, 1 to 100, on the same path."""
     with trouble_is_said():
-        from yarclang.runtime.notices import Override
-        from yarclang.runtime.transports.local import order, the_run
+        from yarclang.cli.ordering import order
+        from yarclang.runtime.transports.runs import the_run
 
         chosen = the_run(run)
-        status = order(chosen, Override(percent), _PATIENCE)
+        status = order(chosen, "override", _PATIENCE, percent=percent)
         if status is None:
             click.echo(f"{chosen.name}: has ended meanwhile")
         else:
-            click.echo(f"{chosen.name}: {status.override:g} % of the programmed speed ({status.state.value})")
+            click.echo(f"{chosen.name}: {status['override']:g} % of the programmed speed ({status['state']})")

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
 from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
+
+if TYPE_CHECKING:
+    from yarclang.cli.attaching import Place
+    from yarclang.coordinator.attached import Attached
+    from yarclang.coordinator.messages.replies import LogTold
+    from yarclang.robot.model import Robot
 
 
 @click.command("repl")
@@ -35,7 +42,6 @@ def command(to: Address | None, **options: Any) -> None:
     from yarclang.diagnostics import has_errors
     from yarclang.pipeline.cells import session_cell
     from yarclang.pipeline.inputs import joint_position, robot_for
-    from yarclang.report.cell import cell_text
 
     check_controller_usage(to, options)
     if options["start"] and to is not None:
@@ -49,62 +55,65 @@ def command(to: Address | None, **options: Any) -> None:
     show_findings(placed.diagnostics)
     if placed.value is None:
         raise SystemExit(1)
-    around = session_cell(Path(), robot, options["cell"])
-    show_findings(around.diagnostics)
-    if has_errors(around.diagnostics):
-        raise SystemExit(1)
-    if around.value is not None and around.value.loaded.value is not None:
-        click.echo(cell_text(around.value.loaded.value), err=True)
-    from yarclang.cli.controllers import controller
+    from yarclang.cli.attaching import place_of, place_served, served_at
 
-    with trouble_is_said(), controller(to, robot, placed.value, options["rate"]) as address:
-        raise SystemExit(asyncio.run(_session(robot, address, options, own=to is None)))
+    with trouble_is_said():
+        if (served := served_at(to, lambda: robot)) is not None:
+            raise SystemExit(asyncio.run(_session(robot, place_served(served, robot, options), options)))
+        around = session_cell(Path(), robot, options["cell"])
+        show_findings(around.diagnostics)
+        if has_errors(around.diagnostics):
+            raise SystemExit(1)
+        with place_of(to, robot, placed.value, options["rate"]) as place:
+            raise SystemExit(asyncio.run(_session(robot, place, options)))
 
 
-async def _session(robot: Any, address: Address, options: dict[str, Any], *, own: bool) -> int:
+async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
     from yarclang import __version__
-    from yarclang.cli.controllers import SIMULATED_REPLY_TIME
+    from yarclang.cli.attaching import attached, check_cell
     from yarclang.cli.ending import error_text
     from yarclang.cli.table import checked_table
-    from yarclang.coordinator.engine import NO_LOG, NotReady
-    from yarclang.coordinator.opened import opened
+    from yarclang.coordinator.engine import NotReady
+    from yarclang.coordinator.messages import orders
     from yarclang.repl.console import converse
     from yarclang.repl.interpreter import Interpreter, trouble_text
+    from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
-    from yarclang.runtime.session import REPLY_TIME
 
     terminal = sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
+    folder = Path.cwd()
     try:
-        async with opened(
-            robot,
-            address.host,
-            address.port,
-            folder=Path.cwd(),
-            name="repl",
-            tm=options["tm"],
-            cell=options["cell"],
-            log=NO_LOG if options["no_log"] else options["log"],
-            reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
-            pace=options["rate"] or 1.0,
-        ) as coordinator:
-            client = coordinator.attach("repl")
-            client.own()
-            interpreter = Interpreter(coordinator, client, click.echo, Path.cwd(), asks=not options["go"])
+        async with attached(place, robot, "repl", options, what="repl", folder=folder) as client:
+            if place.served is not None and options["cell"] is not None:
+                check_cell(client, options["cell"])
+            if (cell := client.welcome.status.cell) is not None:
+                click.echo(cell_text(cell), err=True)
+            with contextlib.suppress(Trouble):  # somebody else owns it: this person watches at first
+                await client.ask(orders.Own(shared=True))
+            interpreter = Interpreter(
+                client, robot, click.echo, folder, asks=not options["go"], tm=options["tm"]
+            )
             if terminal:
                 click.echo(
-                    f"yarc {__version__}: {robot.name} at {address}. .help lists what can be typed; Ctrl-C stops the robot, Ctrl-D ends."
+                    f"yarc {__version__}: {robot.name} at {place}. .help lists what can be typed; Ctrl-C stops the robot, Ctrl-D ends."
                 )
-            await converse(interpreter, coordinator, terminal=terminal)
-            client.leave()
+            await converse(interpreter, terminal=terminal)
+            log = await _released(client)
     except NotReady as trouble:
         click.echo(checked_table(trouble.inspection.errors), err=True)
-        click.echo(f"{address} isn't what {robot.name} needs", err=True)
+        click.echo(f"{place} isn't what {robot.name} needs", err=True)
         return 1
     except Trouble as trouble:
         click.echo(trouble_text(trouble), err=True)
         return 1
-    run_log = coordinator.engine.run_log
-    if run_log is not None and run_log.problem:
-        click.echo(error_text(run_log.problem, run_log.remedy), err=True)
+    if log is not None and log.problem:
+        click.echo(error_text(log.problem, log.help), err=True)
         return 1
     return int(interpreter.failed and not terminal)
+
+
+async def _released(client: Attached) -> LogTold | None:
+    """What became of the log, when the robot rests."""
+    from yarclang.coordinator.messages import orders
+
+    return (await client.ask(orders.Release())).log

@@ -15,14 +15,14 @@ _PATIENCE = 20.0
 def command(run: str | None) -> None:
     """Go on behind a hold, or to the next command of `yarc run --step`."""
     with trouble_is_said():
-        from yarclang.runtime.notices import Resume
-        from yarclang.runtime.transports.local import order, the_run
+        from yarclang.cli.ordering import order
+        from yarclang.runtime.transports.runs import the_run
 
         chosen = the_run(run)
-        status = order(chosen, Resume(), _PATIENCE)
+        status = order(chosen, "resume", _PATIENCE)
         if status is None:
             click.echo(f"{chosen.name}: has ended meanwhile")
         else:
             click.echo(
-                f"{chosen.name}: {status.state.value}, {status.done:.1f} s done, {status.left:.1f} s left"
+                f"{chosen.name}: {status['state']}, {status['done']:.1f} s done, {status['left']:.1f} s left"
             )

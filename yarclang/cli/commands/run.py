@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import shlex
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
 from yarclang.cli.options import planning_options, tm_option
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.loading import Source
 
 
 @click.command("run")
@@ -27,25 +30,53 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
 
     Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
     """
-    from yarclang.cli.loading import is_compiled, load
+    from yarclang.cli.loading import is_compiled, load, source_of
     from yarclang.cli.show import show_findings
     from yarclang.report.cell import cell_text
 
     _check_usage(to, options)
     if is_compiled(file):
         _check_compiled_usage(first, options)
-    loaded, diagnostics = load(file, first, options)
+    source = source_of(file, first, options)
+    if (status := _served(source, to, options)) is not None:
+        raise SystemExit(status)
+    loaded, diagnostics = load(source)
     show_findings(diagnostics)
     if loaded is None:
         raise SystemExit(1)
     if loaded.around is not None:
-        click.echo(cell_text(loaded.around), err=True)
-    from yarclang.cli.controllers import controller
-    from yarclang.cli.performing import perform_run
+        click.echo(cell_text(loaded.around.source.name), err=True)
+    from yarclang.cli.attaching import place_of
+    from yarclang.cli.controllers import robot_argument
+    from yarclang.cli.running import Wanted, run_program
 
     job = loaded.rest
-    with trouble_is_said(), controller(to, job.robot, job.start, options["rate"]) as address:
-        raise SystemExit(perform_run(loaded, address, options, _again(file, to, options)))
+    with trouble_is_said(), place_of(to, job.robot, job.start, options["rate"]) as place:
+        where = f"--to {place.address} --robot {robot_argument(job.robot, options['robot'])}"
+        wanted = Wanted(loaded, None, job.robot, loaded.name, where, _again(file, to, options))
+        raise SystemExit(run_program(wanted, place, options))
+
+
+def _served(source: Source, to: Address | None, options: dict[str, Any]) -> int | None:
+    """Run a program on a robot that somebody serves; None where nobody does."""
+    from yarclang.cli.attaching import place_served, served_at
+    from yarclang.cli.loading import load_order, robot_of
+
+    with trouble_is_said():
+        served = served_at(to, lambda: robot_of(source))
+        if served is None:
+            return None
+        from yarclang.cli.running import Wanted, run_program
+
+        robot = robot_of(source)
+        place = place_served(served, robot, options)
+        click.echo(f"{served.run.name} serves the robot", err=True)
+        where = f"--to {place.address} --robot {shlex.quote(options['robot'] or served.run.robot)}"
+        wanted = Wanted(
+            None, load_order(source), None, source.name, where, _again(source.file, place.address, options)
+        )
+        return run_program(wanted, place, options)
+    return 1
 
 
 def _check_usage(to: Address | None, options: dict[str, Any]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from yarclang.runtime.actions import Script
     from yarclang.runtime.feedback import MotorStatus
     from yarclang.runtime.operation import Operation
-    from yarclang.runtime.remote import Status
 
 _GUARD = {
     0.0: "not armed",
@@ -44,15 +43,16 @@ def command(run: str | None, to: Address | None, robot: str | None, format_: str
     """Say how a run is going. With --to and --robot: ask a controller how it is, without changing anything."""
     check_controller_options(to, robot, run)
     with trouble_is_said():
-        from yarclang.runtime.remote import as_json
-        from yarclang.runtime.transports.local import status_of, the_run
+        from yarclang.cli.ordering import status_of
+        from yarclang.runtime.transports.runs import the_run
 
         if to is not None and robot is not None:
             picture = _ask_controller(to, robot)
             content, lines = asdict(picture), _picture_lines(picture)
         else:
-            status = status_of(the_run(run))
-            content, lines = as_json(status), _status_lines(status)
+            told = status_of(the_run(run))
+            status = {key: value for key, value in told.items() if key not in ("ok", "id")}
+            content, lines = status, _status_lines(status)
     if format_ == "json":
         import json
 
@@ -62,18 +62,24 @@ def command(run: str | None, to: Address | None, robot: str | None, format_: str
             click.echo(f"{title:<11} {text}")
 
 
-def _status_lines(status: Status) -> Iterator[tuple[str, str]]:
+def _status_lines(status: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """A run's status for people."""
-    yield "program", status.program
-    yield "robot", f"{status.robot} at {status.controller}"
-    yield "state", f"{status.state.value}: {status.why}" if status.why else status.state.value
-    if status.command is not None:
-        yield "command", f"{status.command.title}, line {status.command.line}"
-    yield "time", f"{status.done:.1f} s done, {status.left:.1f} s left"
-    yield "override", f"{status.override:g} %"
-    for joint in status.joints:
-        yield joint.name, "not known yet" if joint.position is None else f"{joint.position:.3f} {joint.unit}"
-    yield "run", f"process {status.pid}, since {status.since}"
+    yield "program", status["program"]
+    yield "robot", f"{status['robot']} at {status['controller']}"
+    yield "state", f"{status['state']}: {status['why']}" if status["why"] else status["state"]
+    if status["command"] is not None:
+        yield "command", f"{status['command']['title']}, line {status['command']['line']}"
+    yield "time", f"{status['done']:.1f} s done, {status['left']:.1f} s left"
+    yield "override", f"{status['override']:g} %"
+    for joint in status["joints"]:
+        position = joint["position"]
+        yield joint["name"], "not known yet" if position is None else f"{position:.3f} {joint['unit']}"
+    if status.get("cell"):
+        yield "cell", status["cell"]
+    if others := [one for one in status.get("clients", ()) if one != status["owner"]]:
+        watch = f"{', '.join(others)} watch{'es' if len(others) == 1 else ''}"
+        yield "owner", f"{status['owner'] or 'nobody'}; {watch}"
+    yield "run", f"process {status['pid']}, since {status['since']}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +111,8 @@ def _ask_controller(to: Address, name: str) -> Picture:
 
     from yarclang.cli.show import show_findings
     from yarclang.robot.description import load_robot
-    from yarclang.runtime.transports.local import run_on
     from yarclang.runtime.transports.lock import holder_of
+    from yarclang.runtime.transports.runs import run_on
 
     loaded = load_robot(name)
     show_findings(loaded.diagnostics)

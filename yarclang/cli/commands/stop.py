@@ -18,7 +18,6 @@ from yarclang.cli.address import (
 
 if TYPE_CHECKING:
     from yarclang.robot.model import Array, Robot
-    from yarclang.runtime.notices import Abort, Stop
 
 _PATIENCE = 30.0
 """How long a run may take to end [s]: coming to rest, and a connection that has to be made again."""
@@ -41,25 +40,24 @@ def command(run: str | None, to: Address | None, robot: str | None, abort: bool)
     """
     check_controller_options(to, robot, run)
     with trouble_is_said():
-        from yarclang.runtime.notices import Abort, Stop
-
-        order = Abort() if abort else Stop()
+        order = "abort" if abort else "stop"
         if to is not None and robot is not None:
             _stop_controller(to, robot, order)
         else:
             _stop_run(run, order)
 
 
-def _stop_run(name: str | None, what: Abort | Stop) -> None:
-    from yarclang.runtime.transports.local import order, the_run
+def _stop_run(name: str | None, what: str) -> None:
+    from yarclang.cli.ordering import order
+    from yarclang.runtime.transports.runs import the_run
 
     chosen = the_run(name)
     status = order(chosen, what, _PATIENCE)
-    state = "" if status is None else f" ({status.state.value})"
+    state = "" if status is None else f" ({status['state']})"
     click.echo(f"{chosen.name}: ended{state}")
 
 
-def _stop_controller(to: Address, name: str, what: Abort | Stop) -> None:
+def _stop_controller(to: Address, name: str, what: str) -> None:
     import asyncio
 
     from yarclang.cli.show import show_findings
@@ -79,11 +77,12 @@ def _stop_controller(to: Address, name: str, what: Abort | Stop) -> None:
     click.echo(f"no program runs on {to}; {robot.name} {where}")
 
 
-def _tell_run(to: Address, what: Abort | Stop) -> None:
+def _tell_run(to: Address, what: str) -> None:
     """Let a run that drives the controller end it: it knows more. One that hangs keeps nobody from it."""
+    from yarclang.cli.ordering import send
     from yarclang.runtime.actions import Trouble
-    from yarclang.runtime.transports.local import run_on, send
     from yarclang.runtime.transports.lock import holder_of
+    from yarclang.runtime.transports.runs import run_on
 
     with contextlib.suppress(Trouble):
         until = time.monotonic() + _LET_END
@@ -98,14 +97,13 @@ def _tell_run(to: Address, what: Abort | Stop) -> None:
             time.sleep(0.05)
 
 
-async def _end(to: Address, robot: Robot, what: Abort | Stop) -> Array | None:
-    from yarclang.runtime.notices import Abort
+async def _end(to: Address, robot: Robot, what: str) -> Array | None:
     from yarclang.runtime.performance import connect, end_what_runs
     from yarclang.runtime.session import Session
 
     session = Session(to.host, to.port)
     try:
         await session.perform(connect(session.operation))
-        return await session.perform(end_what_runs(session.operation, robot, abort=isinstance(what, Abort)))
+        return await session.perform(end_what_runs(session.operation, robot, abort=what == "abort"))
     finally:
         session.close()

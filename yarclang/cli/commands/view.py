@@ -77,7 +77,7 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
         click.echo(f"{file}: nothing to show", err=True)
         raise SystemExit(1)
     if found.value.cell is not None:
-        click.echo(cell_text(found.value.cell), err=True)
+        click.echo(cell_text(found.value.cell.source.name), err=True)
     return found.value
 
 

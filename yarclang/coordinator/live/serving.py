@@ -1,4 +1,4 @@
-"""Lets another process steer the robot (`wire.py`): the paper's master and slave, and velocities from elsewhere.
+"""Lets another process steer the robot (`messages/wants.py`): the paper's master and slave, and velocities from elsewhere.
 
 Who may steer is settled before the first order is read: by the rights of a Unix socket's file and by the caller's user, or, over TCP, by a token. A process that hasn't
 shown that it may steer costs a place among a few that wait, for a few seconds, and never the place of the one that steers.
@@ -13,27 +13,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import Any
 
-from yarclang.coordinator.live.drive import Drive
-from yarclang.coordinator.live.opening import Settings
-from yarclang.coordinator.live.steering import Master, Target
-from yarclang.coordinator.live.wire import (
-    MOST_LINE,
-    TOO_LONG,
-    Denied,
-    Finish,
-    Reader,
-    read_token,
-    write_denied,
-    write_taken,
-    write_welcome,
-)
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders, wants
+from yarclang.coordinator.messages.lines import read_object, read_order, too_long, write_answer
+from yarclang.coordinator.messages.replies import Denied, Done, Reply
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.transports.private import MASTERS, folder, own_name, peer_of, private_listener
 
-if TYPE_CHECKING:
-    from yarclang.coordinator.client import Client
+MOST_LINE = 1 << 14
+"""Longest line [bytes]."""
 
 LOOPBACK = "127.0.0.1"
 """Address of this computer that no other computer reaches."""
@@ -45,6 +35,8 @@ _UNREAD = 1 << 16
 """Answers that nobody reads [bytes]: no more are written then."""
 
 _TAKEN = "another process steers the robot"
+
+_UNTOLD = 'the first line must be {"token": "..."}, with the token that yarc follow gives'
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,15 +89,16 @@ DEFAULT_PATIENCE = Patience()
 
 
 class MasterServer:
-    """Listens as long as the context lasts; one process at a time steers. The client must own the robot.
+    """Listens as long as the context lasts; one process at a time steers.
 
     The first order begins a live motion; 200 ms without one, `finish`, or the end of the connection bring it to rest. The next order begins another.
 
     Args:
-        client: moves the robot.
+        attached: what is asked to move the robot; it must own it.
         door: where to listen, and how callers show that they may steer.
+        robot: its name, for that of a socket.
         moving: the frame whose poses and twists are meant.
-        settings: how fast at most.
+        speed: of that frame, at most [mm/s]; None: the robot's jog speed.
         patience: what connections may cost.
 
     Attributes:
@@ -115,19 +108,20 @@ class MasterServer:
 
     def __init__(
         self,
-        client: Client,
+        attached: Attached,
         door: Door = DEFAULT_DOOR,
         *,
+        robot: str = "robot",
         moving: str = "{TCP}",
-        settings: Settings | None = None,
+        speed: float | None = None,
         patience: Patience = DEFAULT_PATIENCE,
     ) -> None:
         self.door = door
         self.port = 0
         self.path: Path | None = None
-        self._client = client
-        self._moving = moving
-        self._settings = settings or Settings()
+        self._attached = attached
+        self._robot = robot
+        self._steer = orders.Steer(moving=moving, speed=speed)
         self._patience = patience
         self._server: asyncio.Server | None = None
         self._remove: Callable[[], None] = lambda: None
@@ -158,7 +152,7 @@ class MasterServer:
         self.port = self._server.sockets[0].getsockname()[1]
 
     async def _listen_unix(self, door: UnixDoor) -> None:
-        self.path = door.path or folder() / f"{own_name(self._client.robot.name)}{MASTERS}"
+        self.path = door.path or folder() / f"{own_name(self._robot)}{MASTERS}"
         wire = private_listener(self.path)
         self._remove = _remover(self.path)
         self._server = await asyncio.start_unix_server(self._accept, sock=wire, limit=MOST_LINE)
@@ -180,7 +174,7 @@ class MasterServer:
         try:
             error = await self._meet(task, reader, writer)
             if error:
-                writer.write(write_denied(error))
+                writer.write(_denied(error))
         except (ConnectionError, asyncio.CancelledError):
             pass  # it has gone, or is sent away
         finally:
@@ -206,14 +200,14 @@ class MasterServer:
                 return _TAKEN
         if len(self._waiting) >= self._patience.waiting:
             oldest = next(iter(self._waiting))
-            self._waiting.pop(oldest).write(write_denied("too many processes wait to steer the robot"))
+            self._waiting.pop(oldest).write(_denied("too many processes wait to steer the robot"))
             oldest.cancel()
         self._waiting[task] = writer
         first = await _line(reader, self._patience.first)
         if isinstance(first, Denied):
             return first.error
         if isinstance(self.door, TcpDoor) and first:
-            token = read_token(first)
+            token = token_in(first)
             if isinstance(token, Denied):
                 return token.error
             if not secrets.compare_digest(_bytes(token), _bytes(self.door.token)):
@@ -226,7 +220,7 @@ class MasterServer:
         self._steers = writer
         try:
             if isinstance(self.door, TcpDoor):
-                writer.write(write_welcome())
+                writer.write(write_answer(Done()))
                 first = b""
             return await self._serve(first, reader, writer)
         finally:
@@ -234,12 +228,9 @@ class MasterServer:
 
     async def _serve(self, line: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> str:
         """Do what a caller's lines say, a first one that was read already included; why the connection ends."""
-        found = await self._client.frame(self._moving)
-        if found.value is None:
-            return found.diagnostics[0].message
-        steered = _Steered(self._client, self._moving, self._settings)
+        begun = False
         try:
-            meaning = Reader(self._client.robot, found.value, await self._client.stands())
+            await self._attached.ask(self._steer)
             while True:
                 read = line or await _line(reader, self._patience.silence)
                 line = b""
@@ -247,59 +238,42 @@ class MasterServer:
                     return read.error
                 if not read:
                     return ""
-                wanted = meaning.read(read, asyncio.get_running_loop().time())
-                if isinstance(wanted, Denied) and wanted.ends:
-                    return wanted.error
-                answer = await steered.take(wanted)
+                asked = read_order(read, MOST_LINE)
+                if asked.ends and isinstance(asked.what, Denied):
+                    return asked.what.error
+                begun = True
+                answer = write_answer(await self._answer(asked.what), asked.id)
                 if writer.transport.get_write_buffer_size() < _UNREAD:
                     writer.write(answer)
                 await asyncio.sleep(0)  # lines without end get one turn of the event loop each
         except Trouble as trouble:
             return trouble.what
         finally:
-            steered.stop()
+            if begun:
+                self._attached.send(orders.Leave())
 
-
-class _Steered:
-    """The live motion of one connection, when there is one."""
-
-    def __init__(self, client: Client, moving: str, settings: Settings) -> None:
-        self._client = client
-        self._moving = moving
-        self._settings = settings
-        self._drive: Drive | None = None
-
-    async def take(self, wanted: Target | Finish | Denied) -> bytes:
-        """Do what a message says; the answer."""
-        if isinstance(wanted, Denied):
-            return write_denied(wanted.error)
-        if isinstance(wanted, Finish):
-            if self._drive is not None and self._drive.alive:
-                self._drive.finish()
-            return write_taken(self._client.robot, 0.0, None, "")
+    async def _answer(self, asked: orders.Order[Any] | Denied) -> Reply | Denied:
+        if isinstance(asked, Denied):
+            return asked
+        if not isinstance(asked, wants.Want):
+            return Denied(error="a master says what it wants: joints, pose, velocity, twist or finish")
         try:
-            drive = await self._driven(wanted)
+            return await self._attached.ask(asked)
         except Trouble as trouble:
-            return write_denied(trouble.what)
-        if isinstance(drive, str):
-            return write_denied(drive)
-        behind = wanted.q - drive.end if isinstance(wanted, Master) else None
-        return write_taken(self._client.robot, drive.lag, behind, drive.why)
+            return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)
 
-    async def _driven(self, target: Target) -> Drive | str:
-        if self._drive is not None and self._drive.alive:
-            self._drive.want(target)
-            return self._drive
-        made = await self._client.drive(target, moving=self._moving, settings=self._settings, name="master")
-        if made.value is None:
-            return made.diagnostics[0].message
-        self._drive = made.value
-        return self._drive
 
-    def stop(self) -> None:
-        """The connection has ended."""
-        if self._drive is not None:
-            self._drive.stop()
+def _denied(error: str) -> bytes:
+    return write_answer(Denied(error=error))
+
+
+def token_in(line: bytes) -> str | Denied:
+    """Return the token of a line; whatever it holds, nothing is raised."""
+    content = read_object(line, MOST_LINE)
+    if isinstance(content, Denied):
+        return content
+    token = content.get("token")
+    return token if len(content) == 1 and isinstance(token, str) else Denied(error=_UNTOLD)
 
 
 async def _line(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
@@ -313,9 +287,9 @@ async def _line(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
         async with asyncio.timeout(seconds):
             line = await reader.readline()
     except ValueError:  # longer than the reader's limit
-        return TOO_LONG
+        return too_long(MOST_LINE)
     except TimeoutError:
-        return Denied(f"nothing was said for {seconds:g} s", ends=True)
+        return Denied(error=f"nothing was said for {seconds:g} s")
     return line if line.endswith(b"\n") else b""
 
 

@@ -23,7 +23,7 @@ _KINDS = ("tcp", "frame", "home")
 
 def _calibrate(interpreter: Interpreter, rest: str) -> None:
     kind, *words = rest.split() or [""]
-    robot = interpreter.coordinator.robot
+    robot = interpreter.robot
     match kind.lower():
         case "tcp":
             touching: Touching = TipTouching(robot, _name(words))
@@ -44,7 +44,7 @@ def _calibrate(interpreter: Interpreter, rest: str) -> None:
 
 async def _touch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
     touching = _going_on(interpreter)
-    told = touching.touch(await interpreter.coordinator.stands())
+    told = touching.touch(await interpreter.stands())
     interpreter.show(touching.findings)
     interpreter.say(told)
 
@@ -85,7 +85,7 @@ async def _write_tip(interpreter: Interpreter, name: str, touching: TipTouching)
     """Into robot.toml where the robot brings a frame of this name, else as a FRAME line."""
     assert touching.value is not None
     tip = touching.value.flange_from_tip
-    robot = interpreter.coordinator.robot
+    robot = interpreter.robot
     if name in robot.flange_from_frame:
         return await _write_robot(interpreter, lambda file: with_tip(file, name, tip))
     pose = np.eye(4)
@@ -94,7 +94,7 @@ async def _write_tip(interpreter: Interpreter, name: str, touching: TipTouching)
 
 
 async def _write_robot(interpreter: Interpreter, change: Callable[[SourceFile], str]) -> bool:
-    robot = interpreter.coordinator.robot
+    robot = interpreter.robot
     path = robot.folder / "robot.toml"
     if any(one.folder == robot.folder for one in list_robots()):
         interpreter.refuse(

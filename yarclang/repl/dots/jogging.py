@@ -8,13 +8,12 @@ from yarclang.repl.jogging import Jogging, axis_of, jog
 
 
 async def _jog(interpreter: Interpreter, rest: str) -> None:
-    robot = interpreter.coordinator.robot
+    robot = interpreter.robot
     axis, sign, moving = axis_of(robot, rest.split())
     if not interpreter.has_keys:
         interpreter.refuse("a jog is hold-to-run: it needs a terminal with keys")
         return
-    if not interpreter.client.owns:
-        interpreter.client.own()
+    await interpreter.own()
     jogging = Jogging(robot, axis, sign, moving)
     interpreter.jogging = jogging
     try:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import findings_of
 from yarclang.hir import Output
 from yarclang.repl.answers import joints_text, where_text
 from yarclang.repl.dot import DotCommand, Misused
@@ -20,14 +22,14 @@ async def _where(interpreter: Interpreter, rest: str) -> None:
     if len(frames) > 2:
         raise Misused("at most two frames")
     base, moving = (*frames, *("{B}", "{TCP}")[len(frames) :])
-    found = await interpreter.client.where(base, moving)
-    interpreter.show(found.diagnostics)
-    if found.value is not None:
-        interpreter.say(where_text(moving, found.value.base_from_moving, base))
+    found = await interpreter.attached.ask(orders.AskPlace(base=base, moving=moving))
+    interpreter.show(findings_of(found.findings))
+    if found.pose is not None:
+        interpreter.say(where_text(moving, np.array(found.pose), base))
 
 
 async def _joints(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    interpreter.say(joints_text(interpreter.coordinator.robot, await interpreter.coordinator.stands()))
+    interpreter.say(joints_text(interpreter.robot, await interpreter.stands()))
 
 
 def _frames(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
@@ -50,22 +52,22 @@ async def _io(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
     if not signals:
         interpreter.say("no INPUT and no OUTPUT is declared; for example: INPUT DOOR M11")
     for name, kind in signals:
-        value = await interpreter.client.read(name)
-        interpreter.show(value.diagnostics)
+        value = await interpreter.attached.ask(orders.Read(name=name))
+        interpreter.show(findings_of(value.findings))
         if value.value is not None:
             interpreter.say(f"{name}  {kind}  {value.value:g}")
 
 
-def _log(interpreter: Interpreter, rest: str) -> None:
+async def _log(interpreter: Interpreter, rest: str) -> None:
     if rest and not rest.isdigit():
         raise Misused(f"{rest!r} isn't a number of messages")
-    run_log = interpreter.coordinator.engine.run_log
+    status = await interpreter.attached.ask(orders.AskStatus())
     told = list(interpreter.messages)[-int(rest or _SHOWN) :]
-    if run_log is None:
+    if status.log is None:
         place = "nothing is logged yet"
     else:
-        lost = run_log.lost()
-        place = f"the log is lost: {run_log.path} {lost}" if lost else f"the log is {run_log.path}"
+        lost = status.log_lost
+        place = f"the log is lost: {status.log} {lost}" if lost else f"the log is {status.log}"
     interpreter.say("\n".join([*told, place]))
 
 

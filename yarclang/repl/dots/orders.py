@@ -2,37 +2,40 @@
 
 from __future__ import annotations
 
+from yarclang.coordinator.messages import orders
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
 
 
 def _hold(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    interpreter.client.hold()
+    interpreter.order(orders.Hold())
 
 
 def _resume(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    interpreter.client.resume()
+    interpreter.order(orders.Resume())
 
 
 def _stop(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
     interpreter.drop()
-    interpreter.client.stop()
+    interpreter.order(orders.Stop())
 
 
 def _abort(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
     interpreter.drop()
-    interpreter.client.abort()
+    interpreter.order(orders.Abort())
 
 
 def _override(interpreter: Interpreter, rest: str) -> None:
     if not rest:
-        interpreter.say(f"override {interpreter.coordinator.override:g} %")
+        interpreter.say(f"override {interpreter.picture.override:g} %")
         return
     try:
         percent = float(rest.removesuffix("%"))
     except ValueError:
         raise Misused(f"{rest!r} isn't a percentage") from None
-    interpreter.client.override(percent)
+    if not 1.0 <= percent <= 100.0:
+        raise Misused(f"an override of {percent:g} %: it may be 1 to 100")
+    interpreter.order(orders.Override(percent=percent))
 
 
 COMMANDS = (

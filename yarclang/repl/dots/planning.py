@@ -16,7 +16,7 @@ async def _plan(interpreter: Interpreter, rest: str) -> None:
     if not rest:
         raise Misused("a command is missing")
     offer = await interpreter.offered(rest)
-    if offer is not None and offer.job is None:
+    if offer is not None and not offer.moves:
         interpreter.say("a declaration: nothing would move")
 
 
@@ -27,14 +27,18 @@ async def _back(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - 
 def _plot(interpreter: Interpreter, rest: str) -> None:
     from yarclang.report.pictures.plot import draw
 
-    if interpreter.plan is None:
+    if not interpreter.has_planned:
         interpreter.refuse("nothing was planned yet")
+        return
+    plan = interpreter.plan
+    if plan is None:
+        interpreter.refuse("what was planned last is known only to the process that serves the robot")
         return
     path = interpreter.folder / (rest or _PICTURE)
     kind = next((one for one in _FORMATS if path.suffix.lower() == f".{one}"), None)
     if kind is None:
         raise Misused(f"{path.name} must end with .png, .svg or .pdf")
-    _write(interpreter, path, draw(interpreter.plan, kind))
+    _write(interpreter, path, draw(plan, kind))
 
 
 def _write(interpreter: Interpreter, path: Path, content: bytes) -> None:

@@ -5,33 +5,40 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from yarclang.coordinator.programs import Loaded, load_program, way_to_start
-from yarclang.diagnostics import Result
+from yarclang.coordinator.attached import Here
+from yarclang.coordinator.client.files import write_program
+from yarclang.coordinator.lines import seen_from
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import findings_of
+from yarclang.repl.declaring import adopt
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.file import load_file, open_file
+from yarclang.repl.file import load_file
 from yarclang.repl.interpreter import Interpreter
 
 _ENDING = ".yarc"
+
+_SAME = 1e-6
+"""Times that are nearer to each other are one [s]."""
 
 
 async def _load(interpreter: Interpreter, rest: str) -> None:
     if not rest:
         raise Misused("a file is missing")
-    path, coordinator = interpreter.folder / rest, interpreter.coordinator
-    loaded = load_file(path, coordinator.robot, await coordinator.stands(), coordinator.planner.cell)
+    path = interpreter.folder / rest
+    loaded = load_file(
+        path, interpreter.robot, await interpreter.stands(), interpreter.attached.welcome.status.cell
+    )
     interpreter.show(loaded.diagnostics)
     if loaded.value is None:
         return
-    adopted = await interpreter.client.adopt(loaded.value.declarations)
-    interpreter.show(adopted.diagnostics)
-    if adopted.value is None:
+    home, here = path.parent.absolute(), interpreter.folder.absolute()
+    declarations = tuple(seen_from(one, home, here) for one in loaded.value.declarations)
+    if not await adopt(interpreter, declarations):
         return
     interpreter.file = loaded.value
-    commands, declarations = loaded.value.commands, len(loaded.value.declarations)
+    commands, count = loaded.value.commands, len(declarations)
     which = f"{len(commands)} commands, {commands[0]} to {commands[-1]}" if commands else "no commands"
-    interpreter.say(
-        f"{path}: {which}; its {declarations} declarations hold here from now on; .run carries it out"
-    )
+    interpreter.say(f"{path}: {which}; its {count} declarations hold here from now on; .run carries it out")
 
 
 async def _run(interpreter: Interpreter, rest: str) -> None:
@@ -48,45 +55,43 @@ async def _carry_out(interpreter: Interpreter, first: str, *, by_steps: bool) ->
     if file is None:
         interpreter.refuse("no program is loaded: .load FILE")
         return
-    coordinator = interpreter.coordinator
-    here = await coordinator.stands()
-
-    def compiled() -> Result[Loaded]:
-        opened = open_file(file.path, coordinator.robot, here, coordinator.planner.cell)
-        if opened.value is None:
-            return Result(None, opened.diagnostics)
-        made = load_program(opened.value, file.path.name, first.upper() or None, by_steps=by_steps)
-        return Result(made.value, (*opened.diagnostics, *made.diagnostics))
-
-    made: Result[Loaded] = await coordinator.plan(compiled)
-    interpreter.show(made.diagnostics)
-    loaded = made.value
-    if loaded is None:
+    robot = interpreter.attached
+    order = orders.Load(
+        file=str(file.path.absolute()), first=first.upper() or None, by_steps=by_steps, here=True
+    )
+    made = await robot.ask(order)
+    interpreter.show(findings_of(made.findings))
+    program = made.program
+    if program is None:
         return
-    interpreter.plan = loaded.plan
-    count, duration = len(loaded.rest.commands), loaded.rest.duration
+    if isinstance(robot, Here) and (loaded := robot.desk.loaded_of(program.number)) is not None:
+        interpreter.planned_by(lambda: loaded.plan)
+    within = program.offset_s
+    count = sum(one.begins_s >= within - _SAME for one in program.commands)
     interpreter.say(
-        f"{loaded.name}: {count} motion{'s' * (count != 1)}, {duration:.2f} s"
+        f"{program.name}: {count} motion{'s' * (count != 1)}, {program.rest_s:.2f} s"
         + (", one by one" if by_steps else "")
     )
-    way = way_to_start(coordinator.robot, loaded, here)
-    interpreter.show(way.findings)
+    way = await robot.ask(orders.AskWay(program=program.number))
+    interpreter.show(findings_of(way.findings))
     if way.text:
         interpreter.say(way.text)
-        if way.job is None or not await interpreter.agrees(
-            f"approach it slowly first, {way.job.duration:.1f} s?"
+        if way.duration_s is None or not await interpreter.agrees(
+            f"approach it slowly first, {way.duration_s:.1f} s?"
         ):
             interpreter.refuse("nothing moved")
             return
     elif interpreter.asks and not await interpreter.agrees("go?"):
         interpreter.say("nothing moved")
         return
+    await interpreter.own()
     if by_steps:
         interpreter.say("Enter goes on to the next one")
-    interpreter.over(await interpreter.client.run(loaded, approach=bool(way.text)))
+    ended = await robot.ask(orders.Run(program=program.number, approach=bool(way.text)))
+    interpreter.over(ended)
 
 
-def _save(interpreter: Interpreter, rest: str) -> None:
+async def _save(interpreter: Interpreter, rest: str) -> None:
     if not rest:
         raise Misused("a file is missing")
     path = interpreter.folder / rest
@@ -94,7 +99,8 @@ def _save(interpreter: Interpreter, rest: str) -> None:
         raise Misused(f"{path.name} must end with {_ENDING}")
     if path.exists():
         raise Misused(f"{path} is there already")
-    interpreter.client.save(path)
+    saved = await interpreter.attached.ask(orders.Save(folder=str(path.parent.absolute())))
+    write_program(path, saved.text)
     interpreter.say(f"{path} does what this session did")
 
 

@@ -7,6 +7,8 @@ import re
 import numpy as np
 
 from yarclang.calibration.writing import frame_line
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import findings_of
 from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
@@ -24,21 +26,18 @@ async def _teach(interpreter: Interpreter, rest: str) -> None:
     if not is_frame:
         if len(words) > 1:
             raise Misused("a joint position has no frame")
-        joints = await interpreter.coordinator.stands()
-        await declare(
-            interpreter, name, joints_line(name, interpreter.coordinator.robot, joints), is_frame=False
-        )
+        joints = await interpreter.stands()
+        await declare(interpreter, name, joints_line(name, interpreter.robot, joints), is_frame=False)
         return
     base, moving = (
         *(f"{{{word.strip('{}').upper()}}}" for word in words[1:3]),
         *("{B}", "{TCP}")[len(words) - 1 :],
     )
-    where = await interpreter.client.where(base, moving)
-    interpreter.show(where.diagnostics)
-    if where.value is not None:
-        await declare(
-            interpreter, name, frame_line(name, where.value.base_from_moving, base.strip("{}")), is_frame=True
-        )
+    where = await interpreter.attached.ask(orders.AskPlace(base=base, moving=moving))
+    interpreter.show(findings_of(where.findings))
+    if where.pose is not None:
+        line = frame_line(name, np.array(where.pose), base.strip("{}"))
+        await declare(interpreter, name, line, is_frame=True)
 
 
 def joints_line(name: str, robot: Robot, joints: Array) -> str:

@@ -1,0 +1,183 @@
+"""Where a door finds its robot: at a coordinator that serves it, or at one that the door starts in its own process."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from yarclang.cli.address import Address
+from yarclang.cli.controllers import SIMULATED_REPLY_TIME, controller
+from yarclang.client import Gone, Refused
+from yarclang.client import Robot as Asked
+from yarclang.coordinator.attached import Attached, Here, There
+from yarclang.coordinator.engine import NO_LOG
+from yarclang.coordinator.opened import Ground, opened
+from yarclang.pipeline.cells import is_same_file
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.session import REPLY_TIME
+from yarclang.runtime.transports.runs import Run, find_runs, run_on
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """A coordinator that serves a robot (`yarc serve`): its run, the robot's fingerprint, the controller, and whether that is simulated."""
+
+    run: Run
+    fingerprint: str
+    controller: str
+    simulated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a door works: at the controller with an address, or with a coordinator that is served.
+
+    Attributes:
+        address: of the controller.
+        served: by whom; None: the door starts a coordinator of its own.
+        own: whether the controller is a simulator that lives as long as the door.
+    """
+
+    address: Address
+    served: Served | None = None
+    own: bool = False
+
+    def __str__(self) -> str:
+        """As people call it."""
+        return str(self.address) if self.served is None else f"{self.served.run.name}, which serves it"
+
+
+def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served | None:
+    """Look for a coordinator that serves a robot.
+
+    Without an address nothing real moves: only a simulated robot is looked for.
+
+    Args:
+        to: of the controller; None: a simulator.
+        robot: gives the robot that is wanted; asked only where somebody serves one.
+    """
+    if to is not None:
+        run = run_on(to.host, to.port)
+        return None if run is None else _served(run)
+    found = [one for run in find_runs() if (one := _served(run)) is not None and one.simulated]
+    if not found:
+        return None
+    wanted = robot()
+    return next((one for one in found if wanted is not None and one.fingerprint == wanted.fingerprint), None)
+
+
+def _served(run: Run) -> Served | None:
+    """What a run says of itself, if it serves others."""
+    try:
+        with Asked(str(run.path), name="looking") as robot:
+            told = robot.welcome
+    except (Gone, Refused):
+        return None
+    if not told["serves"]:
+        return None
+    return Served(run, str(told["fingerprint"]), str(told["status"]["controller"]), bool(told["simulated"]))
+
+
+@contextlib.contextmanager
+def place_of(
+    to: Address | None,
+    robot: Robot,
+    stands: Array,
+    rate: float | None = None,
+    *,
+    tells: bool = True,
+) -> Iterator[Place]:
+    """Yield where a door works that starts a coordinator of its own: see `controller`."""
+    with controller(to, robot, stands, rate, tells=tells) as address:
+        yield Place(address, own=to is None)
+
+
+def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -> Place:
+    """Return where a door works that attaches to a coordinator.
+
+    Raises:
+        Trouble: it serves another robot.
+        click.UsageError: an option is for a coordinator of its own.
+    """
+    for name in ("log", "no_log", "rate"):
+        if options.get(name):
+            option = name.replace("_", "-")
+            raise click.UsageError(
+                f"--{option}: {served.run.name} serves this robot; it is for `yarc serve` to say"
+            )
+    if robot is not None and robot.fingerprint != served.fingerprint:
+        raise Trouble(
+            f"{served.run.name} serves another robot than {robot.name} as it is described here",
+            "stop it, or name its robot",
+            "Y1392",
+        )
+    host, _, port = served.controller.rpartition(":")
+    return Place(Address(host, int(port)), served)
+
+
+def check_cell(robot: Attached, named: str) -> None:
+    """Check that a robot that somebody serves keeps to the cell that the command line names.
+
+    Raises:
+        Trouble: it keeps to another one, or to none.
+    """
+    known = robot.welcome.status.cell
+    if known is None or not is_same_file(Path(known), Path(named)):
+        what = f"the command line names the cell {named}, the served robot keeps to {known or 'none'}"
+        raise Trouble(what, "leave --cell out, or serve the robot with this cell", "Y1373")
+
+
+@asynccontextmanager
+async def attached(
+    place: Place,
+    robot: Robot | None,
+    name: str,
+    options: dict[str, Any],
+    *,
+    what: str,
+    folder: Path | None = None,
+) -> AsyncIterator[Attached]:
+    """Yield a client of the coordinator of a robot; who leaves the context is a client no longer.
+
+    Args:
+        place: where it works.
+        robot: that hangs on the controller; None where it is served, which knows it.
+        name: what others know the client by.
+        options: of the command line.
+        what: what `yarc status` calls it while nothing is under way.
+        folder: where modules, cells and yarc.toml are looked for; None: the working directory.
+
+    Raises:
+        ControlError: another process of this computer drives the controller.
+        Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
+    """
+    if place.served is not None:
+        there = await There.attach(place.served.run.path, name)
+        try:
+            yield there
+        finally:
+            await there.leave()
+        return
+    assert robot is not None  # who starts a coordinator knows whose
+    address = place.address
+    ground = Ground(
+        address.host,
+        address.port,
+        Path() if folder is None else folder,
+        what,
+        tm=options.get("tm"),
+        cell=options.get("cell"),
+        log=NO_LOG if options["no_log"] else options["log"],
+        reply_time=SIMULATED_REPLY_TIME if place.own else REPLY_TIME,
+        pace=options.get("rate") or 1.0,
+        simulated=place.own,
+    )
+    async with opened(robot, ground) as coordinator:
+        yield Here(coordinator, name)

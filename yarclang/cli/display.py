@@ -1,0 +1,160 @@
+"""A run as it is shown: on a terminal with one line that changes, else with a line now and then."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from yarclang.cli.screen import Screen
+from yarclang.coordinator.messages.events import (
+    BaseEvent,
+    PartBegan,
+    Paused,
+    Position,
+    ProgressMade,
+    StateChanged,
+    Told,
+)
+from yarclang.coordinator.messages.replies import ProgramCommand, ProgramDescribed, Status
+from yarclang.coordinator.picture import Picture
+from yarclang.report.runs.text import PLAIN_EACH, View, notice_text, time_text
+from yarclang.robot.model import Array
+from yarclang.runtime.notices import Changed, Progress, Remark
+from yarclang.runtime.state import State
+
+_SAME = 1e-6
+"""Times that are nearer to each other are one [s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Axes:
+    """The joints of a robot that is known by messages only: their positions are told in deg and mm."""
+
+    joint_names: tuple[str, ...]
+
+    @property
+    def axis_units(self) -> Array:
+        """(n,) ones."""
+        return np.ones(len(self.joint_names))
+
+    @classmethod
+    def of(cls, status: Status) -> Axes:
+        """Return those that a status tells."""
+        return cls(tuple(one.name for one in status.joints))
+
+
+class Display:
+    """Shows a run: on a terminal with one line that changes, else with a line now and then."""
+
+    def __init__(self, screen: Screen, picture: Picture, joints: Axes, program: ProgramDescribed) -> None:
+        self._screen = screen
+        self._picture = picture
+        self._joints = joints
+        self._program = program
+        self._view = View(joints, program.duration_s)
+        self._command = ""
+        self._instead = ""
+        self._behind = 0.0
+        self._brief = False
+        self._written = 0.0
+        self._ahead: list[ProgramCommand] = []
+
+    def take(self, event: BaseEvent) -> None:
+        """Show an event."""
+        before = self._view.state
+        match event:
+            case Position(joints=joints):
+                self._view = self._view.at(np.array([joints[name] for name in self._joints.joint_names]))
+            case ProgressMade():
+                self._view = self._view.behind(self._of_program(_progress(event)))
+                self._show_progress()
+            case StateChanged(time_s=time, state=state, why=why):
+                change = Changed(time, state, why)
+                self._view = self._view.behind(change)
+                if not self._left_out(change, before):
+                    self._screen.say(notice_text(change))
+            case Told(time_s=time, text=text, warning=warning):
+                self._screen.say(notice_text(Remark(time, text, warning)))
+            case PartBegan():
+                self._begin(event)
+            case Paused(title=title, number=number, of=of):
+                self._screen.say(
+                    f"Enter or `yarc resume` for {title} ({number} of {of}), Ctrl-C ends the run"
+                )
+
+    def _begin(self, part: PartBegan) -> None:
+        """From here on, this part is carried out."""
+        program = self._program
+        again = part.number > 1
+        if again and not program.steps:
+            self._screen.say(f"pass {part.number}{f' of {part.of}' if part.of else ''}")
+        self._instead = part.name if part.to_the_start else ""
+        self._brief = not part.to_the_start and (again or bool(program.steps))
+        self._command = ""
+        ends = part.offset_s + part.duration_s
+        self._behind = 0.0 if part.to_the_start else program.duration_s - ends
+        self._view = self._view.performing(part.duration_s if part.to_the_start else program.duration_s)
+        self._ahead = [
+            one for one in program.commands if part.offset_s - _SAME <= one.begins_s < ends - _SAME
+        ]
+
+    def _of_program(self, progress: Progress) -> Progress:
+        """Progress of a part as that of the whole program."""
+        left = progress.left + self._behind / max(self._picture.override / 100.0, 0.01)
+        return replace(progress, left=left, command=self._instead or progress.command)
+
+    def _show_progress(self) -> None:
+        if self._screen.live:
+            self._screen.change(self._view.line)
+        elif self._view.state is not State.INIT and self._view.progress is not None:
+            self._show_plain(self._view.progress)
+
+    def _show_plain(self, progress: Progress) -> None:
+        """Each command as it begins, and now and then how far a long one is."""
+        now = time.monotonic()
+        if self._instead:
+            begun = [] if self._command else [self._instead]
+        elif self._program.by_legs:  # which commands are executed isn't known before
+            command = _command_at(self._program, progress.done) if progress.command else None
+            begun = [self._command_line(command)] if command and progress.command != self._command else []
+        else:
+            # at the end, all have begun, also those that nobody was told of
+            begun = [self._command_line(one) for one in self._ahead if one.begins_s <= progress.done + _SAME]
+            del self._ahead[: len(begun)]
+        self._command = progress.command
+        for line in begun:
+            self._screen.say(line)
+        if begun:
+            self._written = now
+        elif progress.command and now - self._written > PLAIN_EACH:
+            self._written = now
+            self._screen.say(self._view.line)
+
+    def _command_line(self, command: ProgramCommand) -> str:
+        """A command, and when it is executed."""
+        begins, ends, of = map(time_text, (command.begins_s, command.ends_s, self._program.duration_s))
+        return f"{command.title}  {begins} to {ends} of {of}"
+
+    def _left_out(self, change: Changed, before: State) -> bool:
+        """How it ends is told when all of it is known. Again and again, only what is out of the ordinary counts."""
+        if change.state is State.FAULT or (change.state is State.STOP and not self._instead):
+            return True
+        ordinary = before is not State.HOLD and change.state in (State.INIT, State.MOVE)
+        left_out = self._brief and ordinary
+        # a program that waits for an input, say, is loaded leg by leg
+        self._brief = self._brief or change.state is State.MOVE
+        return left_out
+
+
+def _progress(event: ProgressMade) -> Progress:
+    return Progress(event.time_s, event.done_s, event.left_s, event.command, event.line)
+
+
+def _command_at(program: ProgramDescribed, done: float) -> ProgramCommand | None:
+    """The command that is executed at a time [s]."""
+    return next(
+        (one for one in program.commands if one.ends_s > done),
+        program.commands[-1] if program.commands else None,
+    )

@@ -1,0 +1,119 @@
+"""Orders to a run from another terminal: sent, and waited for until they are so."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from yarclang.client import REPLY_TIME, Gone, Refused, Robot
+from yarclang.runtime.transports.private import ControlError
+from yarclang.runtime.transports.runs import Run
+
+_POLL = 0.05
+_NEEDED = frozenset(
+    [
+        "program",
+        "robot",
+        "controller",
+        "state",
+        "why",
+        "command",
+        "done",
+        "left",
+        "override",
+        "joints",
+        "waiting",
+        "pid",
+        "since",
+    ]
+)
+"""What a status tells."""
+
+_ENDED = ("stop", "fault")
+"""States in which nothing moves."""
+
+Status = dict[str, Any]
+
+
+class GoneError(ControlError):
+    """There is no run behind a socket any more."""
+
+
+def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> Status:
+    """Ask a run something, and return what it answers.
+
+    Raises:
+        GoneError: it has ended.
+        ControlError: it doesn't answer within `timeout` [s], or denies it.
+    """
+    try:
+        with Robot(str(run.path), name=None, timeout=timeout) as robot:
+            return robot.ask(order, **fields)
+    except TimeoutError:
+        raise ControlError(
+            f"{run.name} doesn't answer within {timeout:g} s",
+            "its guard PLC holds when the buffer runs low; `yarc stop --to ...` asks the controller itself",
+        ) from None
+    except Gone:
+        raise GoneError(f"{run.name} has ended") from None
+    except Refused as refused:
+        raise ControlError(f"{run.name}: {refused.error}", refused.help) from None
+
+
+def status_of(run: Run) -> Status:
+    """Return how a run is going.
+
+    Raises:
+        GoneError, ControlError: as `send`.
+    """
+    status = send(run, "status")
+    if not status.keys() >= _NEEDED:
+        raise ControlError(f"{run.name} doesn't say how it is going: is it another version of yarc?")
+    return status
+
+
+def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
+    """Order something, and wait until it is so.
+
+    Returns:
+        How the run is going then; None if it has ended since it took the order.
+
+    Raises:
+        GoneError: it had ended before.
+        ControlError: it doesn't answer, denies it, or it isn't so after `patience` [s].
+    """
+    send(run, word, **fields)
+    until = time.monotonic() + patience
+    while True:
+        try:
+            status = status_of(run)
+        except GoneError:
+            return None
+        if fulfilled(word, status, **fields):
+            return status
+        if time.monotonic() > until:
+            raise ControlError(
+                f"{run.name} has taken the order, but after {patience:g} s its state is still {status['state']}",
+                "`yarc status` tells more",
+            )
+        time.sleep(_POLL)
+
+
+def fulfilled(word: str, status: Status, percent: float = 100.0) -> bool:
+    """Whether what was ordered is so by now, or can't be any more as nothing moves."""
+    state = status["state"]
+    if word == "hold" and state in _ENDED:
+        return True  # a run that hasn't begun looks at its orders later
+    if status["waiting"]:
+        return False
+    match word:
+        case "hold":
+            return bool(state == "hold")
+        case "resume" | "step":
+            return bool(state != "hold")
+        case "stop" | "abort":
+            return state in _ENDED
+        case "override":
+            return abs(status["override"] - percent) < 1e-3 or state in _ENDED
+        case _:
+            return True

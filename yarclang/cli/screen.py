@@ -1,0 +1,92 @@
+"""Standard error as a screen: whole lines, and one that changes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import sys
+import textwrap
+import threading
+from queue import SimpleQueue
+
+import click
+
+from yarclang.report.runs.text import over
+
+_WIDTH = 80
+"""Columns of a terminal that doesn't say how many it has."""
+
+_STAYS = "\xa0"
+_TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms|%)\b)|(?<=\bJ\d) (?=[-+]?\d)")
+"""A space that no line ends at: between a joint and its value, and a value and its unit."""
+
+_VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
+
+
+class Screen:
+    """Standard error, written by a thread of its own: a terminal that was stopped by Ctrl-S, or is gone, delays no robot."""
+
+    def __init__(self) -> None:
+        self.live = sys.stderr.isatty()
+        self._shown = False
+        self._queue: SimpleQueue[str | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._write, name="screen", daemon=True)
+        self._thread.start()
+
+    def say(self, text: str) -> None:
+        """Write whole lines; on a terminal, broken where words end."""
+        before = "\r\x1b[K" if self._shown else ""
+        self._shown = False
+        self._queue.put(f"{before}{self._broken(text) if self.live else text}\n")
+
+    def change(self, text: str) -> None:
+        """Put a line in the place of the one that changes."""
+        if self._queue.empty():
+            width = self._width()
+            self._queue.put(over(_cut(text, width - 1), width))
+            self._shown = True
+
+    def ask(self, text: str) -> None:
+        """Write what somebody is to answer behind."""
+        self._queue.put(text)
+
+    def close(self) -> None:
+        """Write what is left, if the terminal is still there."""
+        if self._shown:
+            self._queue.put("\n")
+            self._shown = False
+        self._queue.put(None)
+        self._thread.join()
+
+    def _write(self) -> None:
+        with contextlib.suppress(OSError, ValueError):  # it is gone
+            while (text := self._queue.get()) is not None:
+                click.echo(text, err=True, nl=False)
+
+    def _broken(self, text: str) -> str:
+        width = self._width()
+        lines: list[str] = []
+        for line in text.split("\n"):
+            indent = " " * (len(line) - len(line.lstrip(" ")) + 4)
+            long = click.unstyle(line)
+            if len(long) < width or "yarc run" in line:  # what somebody may copy stays whole
+                lines.append(line)
+            else:
+                kept = _TOGETHER.sub(_STAYS, line)
+                lines += textwrap.wrap(kept, width - 1, subsequent_indent=indent, break_on_hyphens=False)
+        return "\n".join(lines).replace(_STAYS, " ")
+
+    def _width(self) -> int:
+        try:
+            return os.get_terminal_size(sys.stderr.fileno()).columns or _WIDTH
+        except (OSError, ValueError):
+            return _WIDTH
+
+
+def _cut(line: str, width: int) -> str:
+    """What of a line fits, to the end of a value: half a number would be another number."""
+    if len(line) <= width:
+        return line
+    ends = [found.end() for found in _VALUE.finditer(line, 0, width + 1) if found.end() <= width]
+    return line[: ends[-1]] if ends else line[:width]

@@ -1,0 +1,154 @@
+"""The terminal that a run was started in: signals and keys that give orders, and questions."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+import click
+
+from yarclang.cli.screen import Screen
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.events import BaseEvent, StateChanged
+from yarclang.coordinator.picture import Picture
+from yarclang.runtime.state import State
+
+_ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+
+
+class Terminal:
+    """Ctrl-C holds, and aborts the second time; Enter goes on behind a hold; a termination ends on the path.
+
+    Args:
+        screen: where it is told.
+        give_up: called where nothing moves yet, and where nothing can be done.
+
+    Attributes:
+        performing: whether a job is; before that, there is nothing to hold.
+        gave_up: whether somebody gave up a robot that can't be reached.
+    """
+
+    def __init__(self, screen: Screen, give_up: Callable[[], object]) -> None:
+        self.performing = False
+        self.gave_up = False
+        self._attached: Attached | None = None
+        self._picture: Picture | None = None
+        self._screen = screen
+        self._give_up = give_up
+        self._asked_to_hold = False
+        self._asked_to_abort = False
+        self._answer: asyncio.Future[str] | None = None
+        self._keys = sys.stdin is not None and sys.stdin.isatty()
+
+    def __enter__(self) -> Terminal:
+        loop = asyncio.get_running_loop()
+        loop.add_signal_handler(signal.SIGINT, self._interrupted)
+        loop.add_signal_handler(signal.SIGTSTP, self._suspended)
+        for number in _ENDING:
+            loop.add_signal_handler(number, self._terminated)
+        if self._keys:
+            loop.add_reader(sys.stdin, self._typed)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        loop = asyncio.get_running_loop()
+        if self._keys:
+            loop.remove_reader(sys.stdin)
+        for number in (signal.SIGINT, signal.SIGTSTP, *_ENDING):
+            loop.remove_signal_handler(number)
+
+    def serve(self, attached: Attached, picture: Picture) -> None:
+        """Give what is ordered to somebody from now on, whose robot does what a picture shows."""
+        self._attached, self._picture = attached, picture
+
+    async def agrees(self, question: str) -> bool:
+        """Whether the user says yes. Without a terminal nobody can be asked, and that is wrong usage."""
+        if not self._keys:
+            raise click.UsageError(f"{question} Nobody can be asked here: give --yes")
+        self._screen.ask(f"{question} [y/N]: ")
+        self._answer = asyncio.get_running_loop().create_future()
+        try:
+            return (await self._answer).strip().lower() in ("y", "yes")
+        finally:
+            self._answer = None
+
+    def hear(self, event: BaseEvent) -> None:
+        """Take note of an event: behind a resume, Ctrl-C holds again."""
+        if isinstance(event, StateChanged) and event.state is State.MOVE:
+            self._asked_to_hold = False
+
+    @property
+    def _state(self) -> State:
+        return State.DISCONNECTED if self._picture is None else self._picture.state
+
+    def _order(self, order: orders.Order[Any]) -> None:
+        if self._attached is not None:
+            self._attached.send(order, lambda trouble: self._screen.say(trouble.what))
+
+    def _interrupted(self) -> None:
+        """Ctrl-C."""
+        state = self._state
+        if not self.performing:
+            self._give_up()
+        elif state is State.DISCONNECTED:
+            self._while_disconnected()
+        elif state not in (State.MOVE, State.HOLD):
+            self._order(orders.Stop())
+        elif not self._asked_to_hold:
+            self._asked_to_hold = True
+            self._order(orders.Hold())
+            self._screen.say("holding: Enter or `yarc resume` goes on, `yarc stop` ends, Ctrl-C again aborts")
+        else:
+            self._order(orders.Abort())
+            self._screen.say("aborting: each motor stops at once")
+
+    def _while_disconnected(self) -> None:
+        if not self._asked_to_abort:
+            self._asked_to_abort = True
+            self._order(orders.Abort())
+            self._screen.say(
+                "there is no connection; it will be told to abort as soon as there is one; Ctrl-C again gives up"
+            )
+        else:
+            self.gave_up = True
+            self._give_up()
+
+    def _suspended(self) -> None:
+        """Ctrl-Z: a process that sleeps can't look after a robot."""
+        state = self._state
+        if self.performing and state in (State.MOVE, State.HOLD):
+            self._order(orders.Hold())
+            self._screen.say("this process can't sleep while it drives a robot: holding on the path instead")
+        else:
+            self._screen.say("this process can't sleep while it drives a robot; Ctrl-C ends it")
+
+    def _terminated(self) -> None:
+        if self.performing:
+            self._order(orders.Stop())
+        else:
+            self._give_up()
+
+    def _typed(self) -> None:
+        """A line, or the end of the terminal."""
+        descriptor = sys.stdin.fileno()
+        try:
+            if os.tcgetpgrp(descriptor) != os.getpgrp():
+                return  # it is somebody else's
+            data = os.read(descriptor, 4096)
+        except OSError:
+            data = b""
+        if not data and not os.isatty(descriptor):
+            asyncio.get_running_loop().remove_reader(sys.stdin)
+        if self._answer is not None:
+            if not self._answer.done():
+                self._answer.set_result(data.decode(errors="replace"))
+        elif data and ((self._picture is not None and self._picture.paused) or self._state is State.HOLD):
+            self._order(orders.Resume())

@@ -1,0 +1,238 @@
+"""A door's side of a coordinator, whether that is in the same process or behind a socket: messages go there, replies and events come back."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from itertools import count
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.desk import Desk, welcome
+from yarclang.coordinator.mailbox import CAPACITY
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.lines import (
+    MOST_ANSWER,
+    read_answer,
+    read_event,
+    read_object,
+    write_order,
+)
+from yarclang.coordinator.messages.orders import Order
+from yarclang.coordinator.messages.replies import Denied, Reply, Welcome
+from yarclang.coordinator.subscription import Subscription
+from yarclang.runtime.actions import Trouble
+
+R = TypeVar("R", bound=Reply)
+Refused = Callable[[Trouble], object]
+
+
+class Attached(Protocol):
+    """Somebody who is a client of a coordinator.
+
+    Attributes:
+        welcome: what was told at first.
+    """
+
+    welcome: Welcome
+
+    async def ask(self, order: Order[R]) -> R:
+        """Order something, and wait for the reply.
+
+        Raises:
+            Trouble: it was denied, or nobody is there any more.
+        """
+        ...
+
+    def send(self, order: Order[Any], refused: Refused | None = None) -> None:
+        """Order something at once, and wait for nothing.
+
+        Args:
+            order: what.
+            refused: is told if it was denied.
+        """
+        ...
+
+    async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
+        """Return all events from now on."""
+        ...
+
+    async def leave(self) -> None:
+        """Be a client no longer. Whoever owned the robot leaves it at rest, on its path."""
+        ...
+
+
+class Here:
+    """A client in the coordinator's own process.
+
+    Args:
+        coordinator: of the robot.
+        name: what others know the client by.
+
+    Attributes:
+        desk: carries out what is ordered.
+        client: the client itself.
+    """
+
+    def __init__(self, coordinator: Coordinator, name: str) -> None:
+        self._coordinator = coordinator
+        self.client = coordinator.attach(name)
+        self.desk = Desk(coordinator, self.client)
+        self.welcome = welcome(coordinator, self.client)
+
+    async def ask(self, order: Order[R]) -> R:
+        """Order something, as `Attached.ask`."""
+        return await self.desk.answer(order)
+
+    def send(self, order: Order[Any], refused: Refused | None = None) -> None:
+        """Order something at once, as `Attached.send`."""
+        try:
+            made = self.desk.answer_now(order)
+        except Trouble as trouble:
+            if refused is not None:
+                refused(trouble)
+            return
+        if asyncio.iscoroutine(made):
+            task = asyncio.ensure_future(made)
+            task.add_done_callback(lambda done: _ended(done, refused))
+
+    async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
+        """Return all events from now on, as `Attached.listen`."""
+        return self._coordinator.subscribe(capacity, positions=positions)
+
+    def give_up(self) -> None:
+        """End without waiting for a robot that can't be reached: nobody knows then what it does."""
+        self._coordinator.give_up()
+
+    async def leave(self) -> None:
+        """Be a client no longer, as `Attached.leave`."""
+        self.desk.stop_steering()
+        self.client.session.leave()
+
+
+def _ended(task: asyncio.Future[Any], refused: Refused | None) -> None:
+    if task.cancelled():
+        return
+    error = task.exception()
+    if isinstance(error, Trouble) and refused is not None:
+        refused(error)
+
+
+class There:
+    """A client of a coordinator in another process; made by `attach`.
+
+    Args:
+        path: of its socket.
+        reader, writer: of the connection.
+    """
+
+    welcome: Welcome
+
+    def __init__(self, path: Path, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.path = path
+        self._reader = reader
+        self._writer = writer
+        self._numbers = count(1)
+        self._asked: dict[int, tuple[type[Reply], asyncio.Future[Any]]] = {}
+        self._listeners: list[Subscription] = []
+        self._loop = asyncio.get_running_loop()
+        self._hearing = self._loop.create_task(self._hear(), name="attached")
+
+    @classmethod
+    async def attach(cls, path: Path, name: str) -> There:
+        """Become a client of the coordinator that listens on a socket.
+
+        Raises:
+            Trouble: nobody is there, or it speaks another version.
+        """
+        try:
+            reader, writer = await asyncio.open_unix_connection(str(path), limit=MOST_ANSWER)
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise Trouble(f"{path.stem} can't be reached: {reason}", "has it ended?", "Y1606") from None
+        made = cls(path, reader, writer)
+        try:
+            made.welcome = await made.ask(orders.Hello(name=name))
+        except Trouble:
+            await made.leave()
+            raise
+        return made
+
+    async def ask(self, order: Order[R]) -> R:
+        """Order something, as `Attached.ask`."""
+        answer: R = await self._send(order)
+        return answer
+
+    def send(self, order: Order[Any], refused: Refused | None = None) -> None:
+        """Order something at once, as `Attached.send`."""
+        try:
+            future = self._send(order)
+        except Trouble as trouble:
+            if refused is not None:
+                refused(trouble)
+            return
+        future.add_done_callback(lambda done: _ended(done, refused))
+
+    async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
+        """Return all events from now on, as `Attached.listen`."""
+        one = Subscription(capacity, self._listeners.remove)
+        self._listeners.append(one)
+        await self.ask(orders.Listen(positions=positions))
+        return one
+
+    async def leave(self) -> None:
+        """Be a client no longer, as `Attached.leave`."""
+        self._writer.close()
+        self._hearing.cancel()
+        with contextlib.suppress(asyncio.CancelledError, OSError):
+            await self._hearing
+
+    def _send(self, order: Order[Any]) -> asyncio.Future[Any]:
+        if self._hearing.done() or self._writer.is_closing():
+            raise self._gone()
+        number = next(self._numbers)
+        future = self._loop.create_future()
+        self._asked[number] = (order.answer, future)
+        self._writer.write(write_order(order, number))
+        return future
+
+    async def _hear(self) -> None:
+        try:
+            while line := await self._reader.readline():
+                self._take(line)
+        except (OSError, ValueError):  # it is gone, or says what no coordinator says
+            pass
+        finally:
+            for _, future in self._asked.values():
+                if not future.done():
+                    future.set_exception(self._gone())
+            self._asked.clear()
+            for one in tuple(self._listeners):
+                one.close()
+
+    def _take(self, line: bytes) -> None:
+        content = read_object(line)
+        if isinstance(content, Denied):
+            return
+        if "event" in content:
+            event = read_event(content)
+            if event is not None:
+                for one in tuple(self._listeners):
+                    one.put(event)
+            return
+        number = content.get("id")
+        kind, future = self._asked.pop(number, (Reply, None)) if isinstance(number, int) else (Reply, None)
+        if future is None or future.done():
+            return
+        answer = read_answer(content, kind)
+        if isinstance(answer, Denied):
+            future.set_exception(Trouble(answer.error, answer.help or "", answer.code or ""))
+        else:
+            future.set_result(answer)
+
+    def _gone(self) -> Trouble:
+        return Trouble(
+            f"{self.path.stem} has ended", "if it was killed, its robot comes to rest: look at it", "Y1606"
+        )

@@ -1,0 +1,75 @@
+"""Programs in files, and the session as one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from yarclang.coordinator.loading import Source, load
+from yarclang.coordinator.programs import Loaded
+from yarclang.diagnostics import Result
+from yarclang.runtime.actions import Trouble
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
+
+
+class Files:
+    """The part of a client that reads and writes programs.
+
+    Args:
+        coordinator: of the robot.
+        name: of the client.
+    """
+
+    def __init__(self, coordinator: Coordinator, name: str) -> None:
+        self._coordinator = coordinator
+        self._name = name
+
+    async def load(self, source: Source, *, here: bool = False) -> Result[Loaded]:
+        """Compile and prove a program for this robot, or judge a compiled one.
+
+        Args:
+            source: where it is, and how it is compiled.
+            here: whether a program that doesn't say START begins where the robot stands.
+
+        Returns:
+            None where an error forbids to run it.
+
+        Raises:
+            Trouble: the robot is under way, or there is no connection; both only matter where it begins `here`.
+        """
+        coordinator = self._coordinator
+        stands = await coordinator.stands() if here else None
+        made: Result[Loaded] = await coordinator.plan(load, source, coordinator.robot, stands)
+        return made
+
+    def saved(self, folder: Path | None = None) -> str:
+        """Return the session as a program that does the same.
+
+        Args:
+            folder: where it is to stand: names of files are written as they are seen from there. None: from the session's own.
+        """
+        coordinator = self._coordinator
+        return coordinator.history.saved(coordinator.lines, coordinator.planner.folder, folder)
+
+    def save(self, path: Path) -> None:
+        """Write the session as a program.
+
+        Raises:
+            Trouble: the file can't be written, and why.
+        """
+        write_program(path, self.saved(path.parent))
+
+
+def write_program(path: Path, text: str) -> None:
+    """Write a program to a file.
+
+    Raises:
+        Trouble: the file can't be written, and why.
+    """
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise Trouble(f"{path} can't be written: {reason}", "choose another place") from None

@@ -1,0 +1,85 @@
+"""Motions that nobody knows to their end: jogs, velocities, masters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.collision.zones.watched import Moving
+from yarclang.coordinator.live.drive import Drive, check_finite
+from yarclang.coordinator.live.opening import Settings, live_motion
+from yarclang.coordinator.live.steering import Target
+from yarclang.diagnostics import Result
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
+
+LIVE = Settings()
+"""How live motions are made, unless somebody says otherwise."""
+
+
+class LiveMotion:
+    """The part of a client that drives the robot as long as it says so.
+
+    Args:
+        coordinator: of the robot.
+        name: of the client.
+    """
+
+    def __init__(self, coordinator: Coordinator, name: str) -> None:
+        self._coordinator = coordinator
+        self._name = name
+
+    async def drive(
+        self, target: Target, *, moving: str = "{TCP}", settings: Settings = LIVE, name: str = "jog"
+    ) -> Result[Drive]:
+        """Begin a live motion: a jog, a velocity, or a master that is followed. It goes on as long as something is wanted of it.
+
+        Args:
+            target: what is wanted at first.
+            moving: the frame that twists move, and whose speed is limited.
+            settings: how fast at most.
+            name: what it is called.
+
+        Returns:
+            A finding instead, where no live motion can begin here.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: something is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self._name, "to move the robot")
+        stops = coordinator.stops
+        check_finite(target)
+        frame, cell = coordinator.names.moving(moving), coordinator.names.cell()
+        found = (*frame.diagnostics, *cell.diagnostics)
+        if frame.value is None or cell.value is None:
+            return Result(None, found)
+        moved = Moving(moving.strip("{} ").upper(), np.asarray(frame.value.transform))
+        here = await coordinator.commanded()
+        made = await coordinator.plan(
+            live_motion, coordinator.robot, here, moved, cell.value.cell, settings, name
+        )
+        if made.value is None:
+            return Result(None, made.diagnostics)
+        live, generator = made.value
+        engine = coordinator.engine
+        generator.want(target, engine.session.now())
+        running = await engine.begin(
+            coordinator.carry_out(self._name, name, 0.0, lambda: engine.perform_live(live), stops), name
+        )
+        return Result(
+            Drive(
+                coordinator.robot,
+                generator,
+                running,
+                engine.session.now,
+                coordinator.stop,
+                coordinator.tell,
+                live.lead * live.job.segment,
+                lambda: coordinator.check_owner(self._name, "to move the robot"),
+            ),
+            made.diagnostics,
+        )

@@ -1,0 +1,329 @@
+"""Carries out what one client says, order by order: the one place where messages become calls."""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections import OrderedDict
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import yarclang
+from yarclang.coordinator.client import Client
+from yarclang.coordinator.describing import (
+    joints_by_name,
+    offer_described,
+    program_described,
+    way_described,
+)
+from yarclang.coordinator.ending import ended_described, placed, run_described
+from yarclang.coordinator.live.steered import Steered
+from yarclang.coordinator.loading import Source
+from yarclang.coordinator.messages import orders, replies, wants
+from yarclang.coordinator.messages.findings import finding_messages
+from yarclang.coordinator.messages.message import VERSION
+from yarclang.coordinator.messages.orders import Order
+from yarclang.coordinator.messages.replies import Reply
+from yarclang.coordinator.offers import Offer
+from yarclang.coordinator.programs import Loaded, way_to_start
+from yarclang.coordinator.undertaking import Undertaking
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.pipeline.cells import is_same_file
+from yarclang.pipeline.inputs import Options
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.notices import Hold
+from yarclang.runtime.state import State
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
+
+T = TypeVar("T")
+R = TypeVar("R", bound=Reply)
+
+_KEPT = 32
+"""Offers, and programs, that are kept for `go` and `run`: the newest."""
+
+
+class Desk:
+    """What one client says to a coordinator.
+
+    Args:
+        coordinator: of the robot.
+        client: who says it.
+
+    Attributes:
+        client: likewise.
+        listens: what the client wants to be told: nothing yet, all but positions, or all.
+    """
+
+    def __init__(self, coordinator: Coordinator, client: Client) -> None:
+        self.client = client
+        self._coordinator = coordinator
+        self._offers: OrderedDict[int, Offer] = OrderedDict()
+        self._programs: OrderedDict[int, Loaded] = OrderedDict()
+        self._steered = Steered(client, coordinator.engine.session.now)
+        self._stops: int | None = None
+        self._handlers: dict[type[Order[Any]], Callable[[Any], Any]] = {
+            orders.AskStatus: lambda _: status_of(coordinator),
+            orders.Hold: lambda _: self._ordered(client.motion.hold),
+            orders.Resume: lambda _: self._resume(),
+            orders.Step: lambda _: self._resume(),
+            orders.Stop: lambda _: self._ordered(client.motion.stop),
+            orders.Abort: lambda _: self._ordered(client.motion.abort),
+            orders.Override: lambda order: self._ordered(lambda: client.motion.override(order.percent)),
+            orders.Own: lambda order: _done(lambda: client.session.own(shared=order.shared)),
+            orders.Give: lambda order: _done(lambda: client.session.give(order.to)),
+            orders.Release: lambda _: self._release(),
+            orders.Clear: lambda _: self._clear(),
+            orders.Look: lambda _: self._look(),
+            orders.AskPlace: self._place,
+            orders.Read: self._read,
+            orders.SetOutput: self._set,
+            orders.AskDeclarations: lambda _: self._declarations(),
+            orders.Adopt: self._adopt,
+            orders.Offer: lambda order: self._offered(client.motion.offer(order.text)),
+            orders.OfferBack: lambda _: self._offered(client.motion.offer_back()),
+            orders.Go: self._go,
+            orders.Load: self._load,
+            orders.AskWay: self._way,
+            orders.Run: self._run,
+            orders.Save: self._save,
+            orders.Steer: lambda order: _done(lambda: self._steered.set(order)),
+            orders.Leave: lambda _: _done(self._steered.stop),
+            **dict.fromkeys(wants.KINDS, self._steered.take),
+        }
+
+    async def answer(self, order: Order[R]) -> R:
+        """Carry an order out.
+
+        Raises:
+            NotOwner: it is for the robot's owner.
+            Trouble: it can't be carried out now, and why.
+        """
+        made = self.answer_now(order)
+        answer: R = await made if inspect.iscoroutine(made) else made
+        return answer
+
+    def answer_now(self, order: Order[R]) -> Any:
+        """Begin to carry an order out: return the reply, or what is to be awaited for it. Stops, holds and the pace never wait."""
+        return self._handlers[type(order)](order)
+
+    def stop_steering(self) -> None:
+        """Bring a live motion to rest that this client has begun, if there is one."""
+        self._steered.stop()
+
+    def keep(self, loaded: Loaded) -> replies.ProgramDescribed:
+        """Keep a program that was loaded in this very process, to be run."""
+        number = next(self._coordinator.numbers)
+        _keep(self._programs, number, loaded)
+        return program_described(number, loaded)
+
+    def offer_of(self, number: int) -> Offer | None:
+        """Return an offer that was made for this client, for whoever shares its process."""
+        return self._offers.get(number)
+
+    def loaded_of(self, number: int) -> Loaded | None:
+        """Return a program that was loaded for this client, for whoever shares its process."""
+        return self._programs.get(number)
+
+    # what happens at once
+
+    def _ordered(self, order: Callable[[], object]) -> replies.Taken:
+        state = self._coordinator.state
+        order()
+        return replies.Taken(state=state)
+
+    def _resume(self) -> replies.Taken:
+        coordinator = self._coordinator
+        operation = coordinator.engine.operation
+        if coordinator.state is State.MOVE and not coordinator.paused and Hold() not in operation.orders:
+            raise Trouble("it isn't held: there is nothing to resume", code="")
+        return self._ordered(self.client.motion.resume)
+
+    def _release(self) -> replies.Released:
+        coordinator = self._coordinator
+        if not self.client.session.owns or coordinator.under_way:
+            self.client.session.release()
+            return replies.Released(log=None)
+        self.client.session.release()
+        log = coordinator.engine.close_log()
+        if log is None:
+            return replies.Released(log=None)
+        return replies.Released(
+            log=replies.LogTold(path=str(log.path), problem=log.problem, help=log.remedy, lost=bool(log.loss))
+        )
+
+    async def _clear(self) -> replies.Done:
+        await self.client.motion.clear()
+        return replies.Done()
+
+    async def _look(self) -> replies.Looked:
+        found = await self._coordinator.engine.look_again()
+        return replies.Looked(
+            checked=len(found.checked),
+            wrong=tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors),
+        )
+
+    # what is asked
+
+    async def _place(self, order: orders.AskPlace) -> replies.Place:
+        made = await self.client.motion.where(order.base, order.moving)
+        joints = await self.client.motion.stands() if made.value is None else made.value.joints
+        pose = None if made.value is None else made.value.base_from_moving
+        return replies.Place(
+            joints=joints_by_name(self.client.robot, joints),
+            exact=tuple(joints.tolist()),
+            pose=None if pose is None else tuple(map(tuple, pose.tolist())),
+            findings=finding_messages(made.diagnostics),
+        )
+
+    async def _read(self, order: orders.Read) -> replies.Value:
+        return _value(await self.client.signals.read(order.name))
+
+    async def _set(self, order: orders.SetOutput) -> replies.Value:
+        return _value(await self.client.signals.set(order.name, order.value))
+
+    def _declarations(self) -> replies.Declarations:
+        lines = self._coordinator.lines
+        return replies.Declarations(declarations=tuple(lines.declarations), count=lines.count)
+
+    async def _adopt(self, order: orders.Adopt) -> replies.Adopted:
+        made = await self.client.session.adopt(order.declarations)
+        return replies.Adopted(holds=made.value is not None, findings=finding_messages(made.diagnostics))
+
+    # what moves the robot
+
+    async def _offered(self, making: Any) -> replies.Offered:
+        made: Result[Offer] = await making
+        found = finding_messages(made.diagnostics)
+        if made.value is None:
+            return replies.Offered(offer=None, findings=found)
+        _keep(self._offers, made.value.number, made.value)
+        return replies.Offered(offer=offer_described(made.value, self.client.robot), findings=found)
+
+    async def _go(self, order: orders.Go) -> replies.Ended:
+        offer = self._offers.get(order.offer)
+        if offer is None:
+            raise Trouble(f"there is no offer {order.offer}", "ask for it again", "Y1613")
+        ended = await self.client.motion.go(offer)
+        return ended_described(ended, self.client.robot, self._coordinator.state)
+
+    async def _load(self, order: orders.Load) -> replies.Loaded:
+        tolerance, known = order.tolerance, self._coordinator.cell
+        if order.cell and known and not is_same_file(Path(order.cell), Path(known)):
+            message = f"the robot keeps to the cell {known}, the command line names {order.cell}"
+            conflict = Diagnostic(
+                "Y1373", message, help="leave --cell out, or serve the robot with this cell"
+            )
+            return replies.Loaded(program=None, findings=finding_messages((conflict,)))
+        source = Source(
+            order.file,
+            order.text,
+            order.first,
+            order.by_steps,
+            Options(
+                start=order.start,
+                tm=order.tm,
+                tolerance=None
+                if tolerance is None
+                else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
+                cell=order.cell or known,
+            ),
+            order.source,
+            order.approach,
+        )
+        made = await self.client.files.load(source, here=order.here)
+        found = finding_messages(made.diagnostics)
+        program = None if made.value is None else self.keep(made.value)
+        return replies.Loaded(program=program, findings=found)
+
+    async def _way(self, order: orders.AskWay) -> replies.Way:
+        loaded = self._loaded(order.program)
+        # who wants a stop from now on doesn't want the run that is being prepared
+        self._stops = self._coordinator.stops
+        here = await self._coordinator.stands()
+        way = await self._coordinator.plan(way_to_start, self.client.robot, loaded, here)
+        return way_described(way, self.client.robot, loaded.rest.start)
+
+    async def _run(self, order: orders.Run) -> replies.Ended:
+        loaded = self._loaded(order.program)
+        coordinator = self._coordinator
+        stops, self._stops = self._stops, None
+        undertaking = Undertaking(loaded, coordinator, order.times)
+        ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)
+        ended, resting = await coordinator.plan(placed, ended, loaded)
+        coordinator.engine.ended = ended  # the log tells of a fault's place as well
+        return run_described(ended, resting, loaded, undertaking, coordinator.state)
+
+    def _loaded(self, number: int) -> Loaded:
+        loaded = self._programs.get(number)
+        if loaded is None:
+            raise Trouble(f"there is no program {number}", "load it again", "Y1613")
+        return loaded
+
+    def _save(self, order: orders.Save) -> replies.Saved:
+        folder = None if order.folder is None else Path(order.folder)
+        return replies.Saved(text=self.client.files.saved(folder))
+
+
+def status_of(coordinator: Coordinator) -> replies.Status:
+    """Return how it is going."""
+    robot, progress, position = coordinator.robot, coordinator.progress, coordinator.position
+    places = [None] * robot.size if position is None else (position / robot.axis_units).round(6).tolist()
+    known = progress if coordinator.under_way else None
+    log = coordinator.engine.run_log
+    return replies.Status(
+        program=coordinator.under_way or coordinator.name,
+        robot=robot.name,
+        controller=coordinator.address,
+        state=coordinator.state,
+        why=coordinator.why,
+        command=replies.Command(title=known.command, line=known.line) if known and known.command else None,
+        done=round(known.done_s, 3) if known else 0.0,
+        left=round(known.left_s, 3) if known else 0.0,
+        override=round(coordinator.override, 6),
+        joints=tuple(
+            replies.Joint(name=name, position=place, unit=unit)
+            for name, place, unit in zip(robot.joint_names, places, robot.axis_unit_names, strict=True)
+        ),
+        waiting=coordinator.waiting,
+        pid=os.getpid(),
+        since=coordinator.since,
+        owner=coordinator.owner or None,
+        clients=coordinator.clients,
+        cell=coordinator.cell,
+        log=None if log is None else str(log.path),
+        log_lost="" if log is None else log.lost(),
+    )
+
+
+def welcome(coordinator: Coordinator, client: Client) -> replies.Welcome:
+    """Return what a new client is told."""
+    inspection = coordinator.inspection
+    return replies.Welcome(
+        version=VERSION,
+        yarclang=yarclang.__version__,
+        name=client.name,
+        fingerprint=coordinator.robot.fingerprint,
+        simulated=coordinator.simulated,
+        serves=coordinator.serves,
+        checked=0 if inspection is None else len(inspection.checked),
+        folder=str(coordinator.planner.folder.absolute()),
+        status=status_of(coordinator),
+    )
+
+
+def _done(do: Callable[[], object]) -> replies.Done:
+    do()
+    return replies.Done()
+
+
+def _value(made: Result[float]) -> replies.Value:
+    return replies.Value(value=made.value, findings=finding_messages(made.diagnostics))
+
+
+def _keep(kept: OrderedDict[int, T], number: int, one: T) -> None:
+    kept[number] = one
+    while len(kept) > _KEPT:
+        kept.popitem(last=False)

@@ -1,0 +1,94 @@
+"""How something has ended, as it is told to whoever ordered it: why, where on its path the robot rests, where the source says so, how to go on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from yarclang.coordinator.describing import joints_by_name, place_described
+from yarclang.coordinator.messages import replies
+from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.resting import Resting, motion_before, resting_place
+from yarclang.coordinator.undertaking import Undertaking
+from yarclang.pipeline.origins import Origins
+from yarclang.pipeline.parts import chain_place
+from yarclang.robot.model import Robot
+from yarclang.runtime.outcome import Concerned, Ended, Where
+from yarclang.runtime.state import State
+
+
+def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
+    """Return how an offer has ended."""
+    return replies.Ended(
+        well=ended.well,
+        what=ended.what or None,
+        help=ended.remedy or None,
+        code=ended.code or None,
+        command=ended.command or None,
+        done_s=round(ended.done, 4),
+        joints=None if ended.joints is None else joints_by_name(robot, ended.joints),
+        state=state,
+        moved=ended.well or bool(ended.command),
+        where=place_described(ended.where),
+    )
+
+
+def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
+    """Return an end with the place in the source of the command that a fault is about, and where on the path the robot rests.
+
+    What was heard last of a robot that rests on its path may be old: it is looked up there.
+    """
+    plan, program, concerned = loaded.plan, loaded.program, ended.concerns
+    found: Resting | None = None
+    executed = ended.command in {command.title for command in program.commands}
+    if plan is not None and ended.joints is not None and executed:
+        found = resting_place(plan, program, ended.joints, ended.done)
+    if concerned is None:
+        return ended, found
+    if found is not None and concerned.index == ended.command_index:
+        there = found.command
+        concerned = Concerned(there.index, there.name, there.source_line)
+    return replace(ended, concerns=concerned, where=where_of(loaded.origins(), concerned)), found
+
+
+def run_described(
+    ended: Ended, resting: Resting | None, loaded: Loaded, undertaking: Undertaking, state: State
+) -> replies.Ended:
+    """Return how a program has ended; `placed` gives the first two."""
+    robot = loaded.program.robot
+    is_motion = ended.command in {command.title for command in loaded.program.commands}
+    return ended_described(ended, robot, state).model_copy(
+        update={
+            "moved": undertaking.moved,
+            "on_the_way": undertaking.on_the_way,
+            "passes": max(undertaking.passes, 1),
+            "resting": None
+            if resting is None
+            else replies.RestingPlace(title=resting.command.title, done_s=round(resting.done, 4)),
+            "is_motion": is_motion,
+            "go_on": _go_on(ended, loaded, resting, is_motion=is_motion),
+        }
+    )
+
+
+def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
+    """The command to begin with, to go on; empty: the first one; None where nobody knows."""
+    plan = loaded.plan
+    if plan is None or not ended.command:
+        return None
+    if not is_motion:
+        # what isn't a motion is stood at: what goes on begins in front of it
+        before = motion_before(plan, ended.command_index)
+        return chain_place(plan, before) if before else ""
+    index = ended.command_index if resting is None else resting.command.index
+    return chain_place(plan, index) if ended.joints is not None and index not in ("", "-") else None
+
+
+def where_of(origins: Origins, concerned: Concerned) -> Where:
+    """Return where a command stands in its source, as far as the source is known."""
+    origin = origins.of(concerned.index, concerned.name, concerned.source_line)
+    if origin is None:
+        note = origins.missing or "the program has no such command"
+        return Where(line=concerned.source_line, note=note)
+    span = origin.span
+    end = span.end_column if span.end_line == span.line else len(origin.source.line(span.line)) + 1
+    return Where(origin.source.name, span.line, span.column, end, origin.source.line(span.line))

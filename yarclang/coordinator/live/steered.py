@@ -1,0 +1,202 @@
+"""The live motion that one client steers: what is wanted in its messages, to targets of a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.coordinator.engine import UNDER_WAY
+from yarclang.coordinator.live.drive import Drive
+from yarclang.coordinator.live.opening import Settings
+from yarclang.coordinator.live.steering import JointVelocity, Master, Target, Twist
+from yarclang.coordinator.messages import orders, replies, wants
+from yarclang.robot.kinematics.inverse import follow, reached_within
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.transforms import rpy_rotation
+from yarclang.units import DEG, MM
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.client import Client
+
+_SMOOTH = 0.3
+"""How much of a new velocity of the master's counts."""
+
+_LONGEST_GAP = 0.2
+"""Messages that are farther apart say nothing about a velocity [s]."""
+
+_JUMP = 0.5
+"""Poses whose joints are farther from the last than this [rad or m] aren't one way any more."""
+
+
+class Reader:
+    """Makes targets of messages. A master's velocity is told by it, or estimated of what it said before.
+
+    Args:
+        robot: that is steered.
+        tool: (4, 4) flange_from_tool, of poses.
+        start: (n,) where it stands [rad or m].
+    """
+
+    def __init__(self, robot: Robot, tool: Array, start: Array) -> None:
+        self._robot = robot
+        self._tool = tool
+        self._last = start
+        self._heard: float | None = None
+        self._rate = np.zeros(robot.size)
+
+    def read(self, want: wants.Want, now: float) -> Target | None:
+        """Return the target that is wanted at a time [s]; None: rest.
+
+        Raises:
+            Trouble: the robot can't do that, and why.
+        """
+        match want:
+            case wants.BeThere(joints=joints, rate=rate):
+                units = self._robot.axis_units
+                wanted = self._numbers(joints) * units
+                return self._master(wanted, None if rate is None else self._numbers(rate) * units, now)
+            case wants.HoldPose(pose=pose):
+                return self._pose(np.array(pose), now)
+            case wants.MoveJoints(velocity=velocity):
+                return self._velocity(velocity)
+            case wants.MoveTool(twist=twist, axes=axes):
+                values = np.array(twist)
+                return Twist(values[:3] * MM, values[3:] * DEG, axes)
+            case _:
+                return None
+
+    def _numbers(self, given: tuple[float, ...]) -> Array:
+        if len(given) != self._robot.size:
+            names = " ".join(self._robot.joint_names)
+            raise Trouble(
+                f"{self._robot.size} finite numbers are wanted, one a joint ({names})", code="Y1616"
+            )
+        return np.array(given)
+
+    def _pose(self, values: Array, now: float) -> Master:
+        pose = np.eye(4)
+        pose[:3, :3] = rpy_rotation(values[3:] * DEG)
+        pose[:3, 3] = values[:3] * MM
+        chain = self._robot.chain
+        q, off, turned = follow(chain, (pose @ np.linalg.inv(self._tool))[None], self._last[None])
+        miss = max(float(off[0]), float(turned[0]))
+        if miss > reached_within(chain):
+            what = f"the pose is out of reach by {off[0] / MM:.1f} mm, {turned[0] / DEG:.2f} deg"
+            raise Trouble(what, code="Y1616")
+        if np.abs(q[0] - self._last).max() > _JUMP:
+            what = "the pose is too far from the one before: another configuration, or a jump"
+            raise Trouble(what, code="Y1616")
+        return self._master(q[0], None, now)
+
+    def _master(self, q: Array, rate: Array | None, now: float) -> Master:
+        limits = self._robot.limits
+        past = np.maximum(q - limits.upper, limits.lower - q)
+        if (past > 0.0).any():
+            joint = int(np.argmax(past))
+            raise Trouble(f"{self._robot.joint_names[joint]} would be out of its limits", code="Y1616")
+        if rate is None:
+            gap = None if self._heard is None else now - self._heard
+            if gap is None or not 0.0 < gap < _LONGEST_GAP:
+                self._rate = np.zeros(len(q))
+            else:
+                self._rate = (1.0 - _SMOOTH) * self._rate + _SMOOTH * (q - self._last) / gap
+            rate = self._rate
+        self._heard, self._last = now, q
+        return Master(q, rate)
+
+    def _velocity(self, given: dict[str, float]) -> JointVelocity:
+        names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
+        if len({name.upper() for name in given}) < len(given):
+            raise Trouble("a joint is named twice", code="Y1616")
+        velocity = np.zeros(self._robot.size)
+        for name, value in given.items():
+            if name.upper() not in names:
+                what = f"{name[:40]!r} isn't a joint; there are {', '.join(self._robot.joint_names)}"
+                raise Trouble(what, code="Y1616")
+            velocity[names[name.upper()]] = value
+        return JointVelocity(velocity * self._robot.axis_units)
+
+
+class Steered:
+    """The live motion of one client, when there is one.
+
+    Args:
+        client: moves the robot.
+        now: the session's clock [s].
+    """
+
+    def __init__(self, client: Client, now: Callable[[], float]) -> None:
+        self._client = client
+        self._now = now
+        self._moving = "{TCP}"
+        self._settings = Settings()
+        self._title = "master"
+        self._again = True
+        self._over = False
+        self._drive: Drive | None = None
+        self._reader: Reader | None = None
+
+    def set(self, order: orders.Steer) -> None:
+        """Make the motions that come as an order says."""
+        name = order.moving.strip("{} ")
+        self._moving = f"{{{name}}}"
+        self._settings = Settings(speed=None if order.speed is None else order.speed * MM)
+        self._title, self._again, self._over = order.title, order.again, False
+        self._reader = None
+
+    async def take(self, want: wants.Want) -> replies.Wanted:
+        """Do what is wanted; the first target begins a motion.
+
+        Raises:
+            NotOwner: the client only watches.
+            Trouble: it can't be done, and why.
+        """
+        reader = await self._read_by(want)
+        target = reader.read(want, self._now())
+        if target is None:
+            if self._drive is not None and self._drive.alive:
+                self._drive.finish()
+            return replies.Wanted(lag_s=0.0, behind=None, why="")
+        drive = await self._driven(target)
+        behind = None
+        if isinstance(target, Master):
+            robot = self._client.robot
+            values = np.round((target.q - drive.end) / robot.axis_units, 4).tolist()
+            behind = dict(zip(robot.joint_names, values, strict=True))
+        return replies.Wanted(lag_s=round(drive.lag, 3), behind=behind, why=drive.why)
+
+    async def _read_by(self, want: wants.Want) -> Reader:
+        """Return the reader of what is wanted: of a master made anew where no motion is under way, since the robot may stand elsewhere."""
+        robot = self._client.robot
+        if not isinstance(want, wants.BeThere | wants.HoldPose):
+            return Reader(robot, np.eye(4), np.zeros(robot.size))
+        if self._reader is None or not (self._drive is not None and self._drive.alive):
+            frame = self._client.session.frame(self._moving)
+            if frame.value is None:
+                raise Trouble(frame.diagnostics[0].message, frame.diagnostics[0].help, "Y1616")
+            tool = np.asarray(frame.value.transform)
+            self._reader = Reader(robot, tool, await self._client.motion.stands())
+        return self._reader
+
+    async def _driven(self, target: Target) -> Drive:
+        if self._drive is not None and self._drive.alive:
+            self._drive.want(target)
+            return self._drive
+        if self._over:
+            what = "the live motion has ended: nobody said for long what is wanted, or somebody stopped it"
+            raise Trouble(what, "begin another", UNDER_WAY)
+        live = self._client.live
+        made = await live.drive(target, moving=self._moving, settings=self._settings, name=self._title)
+        if made.value is None:
+            raise Trouble(made.diagnostics[0].message, made.diagnostics[0].help, made.diagnostics[0].code)
+        self._drive = made.value
+        self._over = not self._again
+        return self._drive
+
+    def stop(self) -> None:
+        """Bring the motion to rest at once: nobody is there any more who wants it."""
+        if self._drive is not None:
+            self._drive.stop()

@@ -1,0 +1,135 @@
+"""A program's file, or its text, to what can be run. What the files say is all that is read; nothing moves by it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from yarclang.coordinator.programs import Loaded, load_program
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.pipeline.checking import check_program_file, check_text
+from yarclang.pipeline.controller_text import COMPILED, judge_text, read_controller_text
+from yarclang.pipeline.inputs import Opened, Options, open_program, open_source
+from yarclang.pipeline.jobs import Papers, job_of
+from yarclang.pipeline.origins import Origins
+from yarclang.pipeline.sources import STANDARD_INPUT
+from yarclang.robot.model import Array, Robot
+from yarclang.source import SourceFile
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What is to be run, and how it is compiled.
+
+    Attributes:
+        file: its path; `-` for standard input.
+        text: of the program, in the place of the file's; None: the file's.
+        first: the index of the command to begin with; None: the first.
+        by_steps: whether its commands are wanted one by one.
+        options: robot, start, tolerance, segment time, cell.
+        program: of a compiled program, the file that it is judged against; None: the one beside it.
+        approach: whether the way to its start is wanted as well.
+    """
+
+    file: str
+    text: str | None = None
+    first: str | None = None
+    by_steps: bool = False
+    options: Options = field(default_factory=Options)
+    program: str | None = None
+    approach: bool = False
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the file is called as what yarcc writes."""
+        return self.file.lower().endswith(COMPILED)
+
+    @property
+    def name(self) -> str:
+        """What people call it."""
+        return "stdin" if self.file == STANDARD_INPUT else Path(self.file).name
+
+
+def load(source: Source, robot: Robot | None = None, stands: Array | None = None) -> Result[Loaded]:
+    """Compile a program, or judge a compiled one again.
+
+    Args:
+        source: which.
+        robot: that it must be for; None: the one that it names itself, or the options.
+        stands: (n,) where a program begins that doesn't say START [rad or m]; None: as the options and the project say.
+
+    Returns:
+        None where an error forbids to run it; all findings, in order.
+    """
+    if robot is not None:
+        source = replace(source, options=replace(source.options, robot=str(robot.folder)))
+    if source.is_compiled:
+        result = _judged(source)
+    elif stands is None:
+        result = _compiled(source)
+    else:
+        result = _compiled_here(source, stands)
+    return Result(None if has_errors(result.diagnostics) else result.value, in_order(result.diagnostics))
+
+
+def _judged(source: Source) -> Result[Loaded]:
+    """A compiled program, judged against the one beside it."""
+    read = read_controller_text(source.file)
+    if read.value is None:
+        return Result(None, read.diagnostics)
+    made = judge_text(read.value, Path(source.file).parent, source.options, source.program)
+    judged = made.value
+    if judged is None:
+        return Result(None, made.diagnostics)
+    diagnostics = made.diagnostics
+    text = "" if judged.program is None else judged.program.source.text
+    papers = Papers(text, json.dumps(judged.certificate.to_json()))
+    job = job_of(judged.certificate, judged.text.text, judged.robot, source.name, papers)
+    if job.value is None:
+        return Result(None, job.diagnostics)
+    if source.approach and judged.cell is None and judged.program is None:
+        message = f"the approach is planned without a cell: {judged.missing}"
+        help_ = "look that the straight way is free; or --cell FILE.toml says what is around"
+        diagnostics = (*diagnostics, Diagnostic("Y0927", message, judged.text, help=help_))
+    origins = Origins(judged.program, judged.missing)
+    return Result(Loaded(job.value, job.value, origins=lambda: origins, cell=judged.cell), diagnostics)
+
+
+def _compiled(source: Source) -> Result[Loaded]:
+    if source.text is None:
+        checked = check_program_file(source.file, source.options)
+    else:
+        checked = check_text(SourceFile(source.file, source.text), _folder(source), source.options)
+    if checked.opened is None or checked.compiled is None:
+        return Result(None, checked.diagnostics)
+    compiled = Result(checked.compiled, checked.diagnostics)
+    return load_program(
+        checked.opened, source.name, source.first, by_steps=source.by_steps, compiled=compiled
+    )
+
+
+def _compiled_here(source: Source, stands: Array) -> Result[Loaded]:
+    opened = open_here(source, stands)
+    if opened.value is None:
+        return Result(None, opened.diagnostics)
+    made = load_program(opened.value, source.name, source.first, by_steps=source.by_steps)
+    return Result(made.value, (*opened.diagnostics, *made.diagnostics))
+
+
+def open_here(source: Source, stands: Array) -> Result[Opened]:
+    """Read a program, to be run from where the robot stands (n,) [rad or m] unless it says START."""
+    if source.text is None:
+        opened = open_program(source.file, source.options)
+    else:
+        opened = open_source(SourceFile(source.file, source.text), _folder(source), source.options)
+    if opened.value is None or has_errors(opened.diagnostics):
+        return Result(None, opened.diagnostics)
+    request = opened.value.request
+    if request.fallback_start is None:
+        request = replace(request, fallback_start=stands)
+    return Result(replace(opened.value, request=request), opened.diagnostics)
+
+
+def _folder(source: Source) -> Path:
+    return Path.cwd() if source.file == STANDARD_INPUT else Path(source.file).parent

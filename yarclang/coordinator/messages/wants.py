@@ -1,0 +1,73 @@
+"""What is wanted of a live motion, said again and again. Each kind is known by its own key; the first one begins the motion."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from yarclang.coordinator.messages import replies
+from yarclang.coordinator.messages.message import Number
+from yarclang.coordinator.messages.orders import Order
+
+
+class BeThere(Order[replies.Wanted]):
+    """Follow these joints [deg or mm]; `rate` [per s] is estimated where it isn't told."""
+
+    key: ClassVar[str] = "joints"
+    joints: Annotated[
+        tuple[Number, ...], Field(max_length=64, description="a list of finite numbers, one a joint")
+    ]
+    rate: Annotated[
+        tuple[Number, ...] | None, Field(max_length=64, description="a list of finite numbers, one a joint")
+    ] = None
+
+
+class HoldPose(Order[replies.Wanted]):
+    """Follow this pose of the tool in {B}: x y z [mm], roll pitch yaw [deg]; next to the one before."""
+
+    key: ClassVar[str] = "pose"
+    pose: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=6, max_length=6, description="six finite numbers: x y z in mm, roll pitch yaw in deg"
+        ),
+    ]
+
+
+class MoveJoints(Order[replies.Wanted]):
+    """Joints move so fast [deg/s or mm/s]."""
+
+    key: ClassVar[str] = "velocity"
+    velocity: Annotated[
+        dict[str, Number],
+        Field(min_length=1, max_length=64, description='an object of finite numbers, as {"J3": 5}'),
+    ]
+
+
+class MoveTool(Order[replies.Wanted]):
+    """The tool moves so [mm/s along, deg/s about], along axes of {B} or its own."""
+
+    key: ClassVar[str] = "twist"
+    twist: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=6,
+            max_length=6,
+            description="six finite numbers: mm/s along x y z, deg/s about x y z",
+        ),
+    ]
+    axes: Annotated[Literal["base", "tool"], Field(description='"base" or "tool"')] = "base"
+
+
+class Finish(Order[replies.Wanted]):
+    """Come to rest within the limits."""
+
+    key: ClassVar[str] = "finish"
+    finish: Annotated[Literal[True], Field(description="true, or isn't said")] = True
+
+
+Want = BeThere | HoldPose | MoveJoints | MoveTool | Finish
+
+KINDS: tuple[type[Order[Any]], ...] = (BeThere, HoldPose, MoveJoints, MoveTool, Finish)
+"""All that can be wanted."""

@@ -1,0 +1,93 @@
+"""What names mean behind a session's lines: for whoever names a frame or a signal outside of a command. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from yarclang.coordinator.lines import TYPED, Lines
+from yarclang.coordinator.offers import Planner
+from yarclang.diagnostics import Collector, Result, has_errors
+from yarclang.hir import Program, Signal
+from yarclang.pipeline.stages import check_program, context_of
+from yarclang.semantics.frames import base_axes, moving_frame
+from yarclang.semantics.scope import Frame, Scope
+from yarclang.semantics.signal_names import output_named, signal_named
+from yarclang.semantics.unroll import declared_names
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import FrameName, Place, Word
+from yarclang.syntax.parse import parse
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class _Alone:
+    """A name that stands alone in its text."""
+
+    def span(self, place: Place) -> Span:
+        return Span(1, place.start, 1, place.end)
+
+
+class Names:
+    """The names that a robot and the lines of a session give a meaning.
+
+    Args:
+        lines: of the session.
+        planner: whose robot and folder they belong to.
+    """
+
+    def __init__(self, lines: Lines, planner: Planner) -> None:
+        self._lines = lines
+        self._planner = planner
+
+    def scope(self) -> Scope:
+        """Return what all names mean now."""
+        module = parse(self._lines.behind("").source).value
+        assert module is not None  # parsing always gives a tree
+        return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
+
+    def cell(self) -> Result[Program]:
+        """Return the session's declarations alone as a program: its cell is what motions keep to. None where the cell can't be used."""
+        parsed = parse(self._lines.behind("").source)
+        assert parsed.value is not None  # parsing always gives a tree
+        checked = check_program(parsed.value, self._planner.request(self._planner.robot.home))
+        # Y0104, a file without a command, is what declarations of a session are
+        found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
+        return Result(None if has_errors(found) else checked.value, found)
+
+    def moving(self, name: str) -> Result[Frame]:
+        """Return a frame that motions may move: its transform is (4, 4) flange_from_frame [m]."""
+        return self._frame(name, lambda frame, found: moving_frame(_Alone(), frame, self.scope(), found))
+
+    def base(self, name: str) -> Result[Frame]:
+        """Return a frame in which a pose may be given: its transform is (4, 4) base_from_frame [m]."""
+        return self._frame(name, lambda frame, found: base_axes(_Alone(), frame, self.scope(), False, found))
+
+    def signal(self, name: str) -> Result[Signal]:
+        """Return an input or an output."""
+        return _looked_up(name, lambda found: signal_named(_word(name), self.scope(), _Alone(), found))
+
+    def output(self, name: str) -> Result[Signal]:
+        """Return an output."""
+        return _looked_up(name, lambda found: output_named(_word(name), self.scope(), _Alone(), found))
+
+    def _frame(self, name: str, look: Callable[[FrameName, Collector], Frame | None]) -> Result[Frame]:
+        text = name.strip()
+        if not (text.startswith("{") and text.endswith("}")):
+            text = f"{{{text}}}"
+        frame = FrameName(text, Place(0, 1, len(text) + 1))
+        return _looked_up(text, lambda found: look(frame, found))
+
+
+def _word(name: str) -> Word:
+    text = name.strip()
+    return Word(text, Place(0, 1, len(text) + 1))
+
+
+def _looked_up(text: str, look: Callable[[Collector], T | None]) -> Result[T]:
+    """Return what was found, with findings in the name's own text."""
+    findings = Collector(SourceFile(TYPED, f"{text.strip()}\n"))
+    found = look(findings)
+    return Result(found, tuple(findings.found))

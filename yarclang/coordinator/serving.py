@@ -1,0 +1,256 @@
+"""The socket of a coordinator: other processes of this user order, ask and listen there, a JSON object a line (`messages/`).
+
+It lies in a folder that only its owner may enter, and the kernel is asked for each caller's user. Nothing that a caller does or leaves out keeps the robot
+waiting: stops are carried out as they are read, and who doesn't read what it is told is sent away.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from yarclang.coordinator.client import Client
+from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.desk import Desk, welcome
+from yarclang.coordinator.mailbox import CAPACITY
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.lines import (
+    MOST_LINE,
+    Asked,
+    Id,
+    read_order,
+    too_long,
+    write_answer,
+    write_event,
+)
+from yarclang.coordinator.messages.orders import Order
+from yarclang.coordinator.messages.replies import Denied, Done, Reply
+from yarclang.coordinator.subscription import Subscription
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.transports.private import folder, own_name, peer_of, private_listener
+from yarclang.runtime.transports.runs import remove_stale
+
+_LAST = 0.01
+"""Within this time [s] whoever came last is let in: asyncio loses the connection of one that it lets in as a server closes."""
+
+_MOST_UNREAD = 1024
+"""Answers and events that wait for a caller that doesn't read; one more ends the connection."""
+
+_MOST_WAITING = 16
+"""Orders of one caller that are being carried out."""
+
+_FOR_ANYBODY = (
+    orders.AskStatus,
+    orders.Hold,
+    orders.Resume,
+    orders.Step,
+    orders.Stop,
+    orders.Abort,
+    orders.Override,
+)
+"""What needs no hello: orders from another terminal."""
+
+_NAMELESS = "another terminal"
+
+
+class ControlSocket:
+    """Lets other processes be clients of a coordinator, as long as the context lasts.
+
+    Args:
+        coordinator: of the robot.
+
+    Attributes:
+        path: of the socket, once it listens.
+    """
+
+    def __init__(self, coordinator: Coordinator) -> None:
+        self.path = Path()
+        self._coordinator = coordinator
+        self._server: asyncio.Server | None = None
+        self._visitors: dict[asyncio.Task[None], asyncio.StreamWriter] = {}
+
+    async def __aenter__(self) -> ControlSocket:
+        """Listen.
+
+        Raises:
+            ControlError: nobody can be listened to here, and why.
+        """
+        place = folder()
+        remove_stale(place)
+        self.path = place / f"{own_name(self._coordinator.robot.name)}.sock"
+        wire = private_listener(self.path)
+        self._server = await asyncio.start_unix_server(self._accept, sock=wire, limit=MOST_LINE)
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Send all away, and remove the socket."""
+        self.path.unlink(missing_ok=True)
+        await asyncio.sleep(_LAST)
+        if self._server is not None:
+            self._server.close()
+        for task, writer in self._visitors.items():
+            task.cancel()
+            writer.transport.abort()
+        await asyncio.gather(*self._visitors, return_exceptions=True)
+        await asyncio.sleep(0)  # connections are closed one turn later
+
+    def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        visitor = _Visitor(self._coordinator, reader, writer)
+        task = asyncio.get_running_loop().create_task(visitor.serve())
+        self._visitors[task] = writer
+        task.add_done_callback(self._visitors.pop)
+
+
+class _Visitor:
+    """One connection, to its end."""
+
+    def __init__(
+        self, coordinator: Coordinator, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self._coordinator = coordinator
+        self._reader = reader
+        self._writer = writer
+        self._client: Client | None = None
+        self._desk = Desk(coordinator, Client(coordinator, _NAMELESS))
+        self._events: Subscription | None = None
+        self._outgoing: deque[bytes] = deque()
+        self._wanted = asyncio.Event()
+        self._carried_out: set[asyncio.Future[Any]] = set()
+
+    async def serve(self) -> None:
+        """Answer until the caller goes."""
+        if not peer_of(self._writer.get_extra_info("socket")).is_trusted:
+            self._writer.write(
+                write_answer(Denied(error="processes of other users can't order anything here"))
+            )
+            self._writer.close()
+            return
+        writing = asyncio.create_task(self._write())
+        try:
+            while line := await self._line():
+                asked = Asked(line, ends=True) if isinstance(line, Denied) else read_order(line)
+                self._take(asked)
+                if asked.ends:
+                    break
+                await asyncio.sleep(0)  # who asks without end gets one answer a turn of the event loop
+            await self._last_words(writing)
+        except ConnectionError:
+            pass  # it has gone
+        finally:
+            self._leave()
+            writing.cancel()
+            self._writer.close()
+
+    async def _line(self) -> bytes | Denied:
+        """The next line; empty at the end. A caller that dies within a line has ordered nothing."""
+        try:
+            line = await self._reader.readline()
+        except ValueError:  # longer than the reader's limit
+            return too_long(MOST_LINE)
+        return Denied(error="half a line isn't carried out") if line and not line.endswith(b"\n") else line
+
+    def _take(self, asked: Asked) -> None:
+        what = asked.what
+        if isinstance(what, Denied):
+            self._say(what, asked.id)
+            return
+        try:
+            made = self._begun(what)
+        except Trouble as trouble:
+            self._say(_denied(trouble), asked.id)
+            return
+        if not asyncio.iscoroutine(made):
+            self._say(made, asked.id)
+            return
+        if len(self._carried_out) >= _MOST_WAITING:
+            made.close()
+            self._say(Denied(error="too many orders wait for their ends"), asked.id)
+            return
+        task = asyncio.ensure_future(made)
+        self._carried_out.add(task)
+        task.add_done_callback(lambda done: self._done(done, asked.id))
+
+    def _begun(self, order: Order[Any]) -> Any:
+        """Begin to carry an order out: its reply, or what is to be awaited for it."""
+        coordinator = self._coordinator
+        if isinstance(order, orders.Hello):
+            if self._client is not None:
+                raise Trouble(f"this connection is {self._client.name} already", code="")
+            self._client = coordinator.attach(order.name)
+            self._desk = Desk(coordinator, self._client)
+            return welcome(coordinator, self._client)
+        if self._client is None and not isinstance(order, _FOR_ANYBODY):
+            raise Trouble('who wants this says first who it is: {"order": "hello", "name": "..."}', code="")
+        if isinstance(order, orders.Listen):
+            self._listen(order)
+            return Done()
+        return self._desk.answer_now(order)
+
+    def _listen(self, order: orders.Listen) -> None:
+        if self._events is not None:
+            self._events.close()
+        self._events = self._coordinator.subscribe(
+            CAPACITY, positions=order.positions, arrived=self._wanted.set
+        )
+
+    def _done(self, task: asyncio.Future[Any], id_: Id) -> None:
+        self._carried_out.discard(task)
+        if task.cancelled():
+            return
+        error = task.exception()
+        if error is None:
+            self._say(task.result(), id_)
+        elif isinstance(error, Trouble):
+            self._say(_denied(error), id_)
+        else:
+            self._say(Denied(error=f"a bug of yarclang has ended this: {error!r}", help="report it"), id_)
+
+    def _say(self, answer: Reply | Denied, id_: Id) -> None:
+        """Answer, behind all that has happened before."""
+        if self._events is not None:
+            self._outgoing.extend(map(write_event, self._events.waiting()))
+        self._outgoing.append(write_answer(answer, id_))
+        if len(self._outgoing) > _MOST_UNREAD:
+            self._writer.transport.abort()
+        self._wanted.set()
+
+    async def _write(self) -> None:
+        """Write what waits, as fast as it is read."""
+        writer = self._writer
+        try:
+            while True:
+                self._wanted.clear()
+                if self._outgoing:
+                    writer.write(self._outgoing.popleft())
+                elif self._events is not None and (waiting := self._events.take()) is not None:
+                    writer.write(write_event(waiting))
+                else:
+                    await self._wanted.wait()
+                    continue
+                await writer.drain()
+        except ConnectionError:
+            pass  # it has gone; its reader hears of that, too
+
+    async def _last_words(self, writing: asyncio.Task[None]) -> None:
+        """Write what waits to one who is sent away, if it reads."""
+        writing.cancel()
+        while self._outgoing:
+            self._writer.write(self._outgoing.popleft())
+
+    def _leave(self) -> None:
+        if self._events is not None:
+            self._events.close()
+        self._desk.stop_steering()
+        if self._client is not None:
+            self._client.session.leave()
+        for task in tuple(self._carried_out):
+            task.cancel()
+
+
+def _denied(trouble: Trouble) -> Denied:
+    return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

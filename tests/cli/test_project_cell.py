@@ -197,7 +197,10 @@ def test_a_served_robot_keeps_to_its_cell_whoever_comes(workshop):
     assert "cell: cell.toml" in process.text
     (workshop.folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
     (workshop.folder / "below.yarc").write_text(BELOW)
-    assert "Y0901" in workshop.yarc("exec", "below.yarc", status=1)
+    told = workshop.yarc("exec", "below.yarc", status=1)
+    assert "Y0901" in told
+    assert "cell: cell.toml" in told
+    assert "cell: cell.toml" in workshop.yarc("run", "below.yarc", status=1)
     assert "Y1373" in workshop.yarc("exec", "below.yarc", "--cell", "other.toml", status=1)
     assert "Y1373" in workshop.yarc("follow", "--cell", "other.toml", status=1)
     process.signal(signal.SIGTERM)

@@ -4,6 +4,8 @@ python inside.py stages COUNT TM        the compiler's stages, for as many lines
 python inside.py plan COUNT TM          lines to joint samples every TM ms
 python inside.py cost COUNT TM KIND     text to certified text, without the imports
 python inside.py task COUNT TM          the lines as peer_*.py read them
+python inside.py edits COUNT TM         a first look at the lines, and looks at edits of them
+python inside.py collisions 0 0         an example compiled with and without the collision check
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from yarclang.motion.limits import bounds_of
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.profile import load_profile
 from yarclang.pipeline import inputs, stages
+from yarclang.pipeline.incremental import Analyst
 from yarclang.robot.library import stdlib_folder
 from yarclang.source import SourceFile
 
@@ -90,6 +93,41 @@ def measure_task(count: int, tm: float) -> dict[str, Any]:
         "s": s.tolist(),
         "joints": np.concatenate([motion.path.joints(s) for motion in motions]).tolist(),
     }
+
+
+def measure_edits(count: int, tm: float) -> dict[str, float]:
+    """Seconds on a core of a first look at a program, of one at an edit in its last tenth, and of a quick one; medians of 10 edits."""
+    from incremental import edited
+
+    analyst, here = Analyst(inputs.Options(tm=tm)), Path.cwd()
+    lines = programs.lines(count).split("\n")
+    _planned(programs.lines(3, 0), tm)  # the imports
+    times: dict[str, list[float]] = {"first": [], "planned": [], "quick": []}
+
+    def look(what: str, source: SourceFile) -> None:
+        begun = time.process_time()
+        analyst.analyse(source, here, quick=what == "quick")
+        times[what].append(time.process_time() - begun)
+
+    look("first", SourceFile("lines.yarc", "\n".join(lines)))
+    for number in range(10):
+        look("planned", edited(lines, 3 + int(count * (0.9 + 0.01 * number)), 0.1))
+    for number in range(10):
+        look("quick", edited(lines, 3 + count * number // 10, 0.1))
+    return {what: statistics.median(found) for what, found in times.items()}
+
+
+def measure_collisions(_count: int, _tm: float) -> dict[str, float]:
+    """Seconds of compiling an example without the collision check, and of the check."""
+    from collision import CELL, EXAMPLE, palletising
+
+    from yarclang.cell.description import Names, read_cell
+    from yarclang.robot.description import load_robot
+    from yarclang.semantics.naming import is_word
+
+    names = Names(is_word, _value(load_robot("INDUSTRIAL6")))
+    without, _, check = palletising(_value(read_cell(SourceFile("cell.toml", CELL), EXAMPLE.parent, names)))
+    return {"without": without / 1e3, "check": check / 1e3}
 
 
 def _opened(text: str, tm: float) -> inputs.Opened:

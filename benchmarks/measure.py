@@ -11,9 +11,10 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-import pyperf
+if TYPE_CHECKING:
+    import pyperf
 
 T = TypeVar("T")
 
@@ -72,6 +73,8 @@ def by_turns(tasks: Mapping[str, Callable[[], T]], rounds: int, *, warm: bool = 
 
 def benchmark(name: str, seconds: list[float]) -> pyperf.Benchmark:
     """Times as pyperf keeps them: `pyperf show`, `stats`, `compare_to` read the file."""
+    import pyperf
+
     return pyperf.Benchmark(
         [pyperf.Run(seconds, metadata={"name": name, "unit": "second"}, collect_metadata=True)]
     )

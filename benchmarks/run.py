@@ -81,7 +81,7 @@ def startup(options: argparse.Namespace) -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as folder:
         listing4 = (YARCC, "--robot", "INDUSTRIAL6", "-o", f"{folder}/out.pmc", str(LISTING4))
         pairs = {
-            "yarcc, Listing 4": (listing4, "import pinocchio, scipy.linalg", 2.0),
+            "yarcc, Listing 4": (listing4, "import pinocchio, scipy.linalg", 1.8),
             "yarcc --help": ((YARCC, "--help"), "import click", 1.5),
         }
         for name, (command, imports, goal) in pairs.items():

@@ -32,6 +32,23 @@ def test_all_public_functions_have_examples():
             assert ">>> " in getattr(yarclang, name).__doc__, name
 
 
+def test_a_program_keeps_to_the_cell_that_is_named(tmp_path):
+    cell = tmp_path / "cell.toml"
+    box = 'shape = "box"\nframe = "B"\nxyz = [0, 1174.4, 1300]\nsize = [1200, 1200, 100]\n'
+    cell.write_text(f'units = "mm,deg"\n[[obstacles]]\nname = "TABLE"\n{box}')
+    text = "P0010 DMOVE {TCP} 0 0 -600 0 0 0 [5] (mm,deg,s) {B}"
+    settings = {"robot": "INDUSTRIAL6", "folder": tmp_path}
+    made = yarclang.compile(text, **settings)
+    assert made.ok
+    found = yarclang.compile(text, **settings, cell=cell)
+    assert (found.value, [one.code for one in found.diagnostics]) == (None, ["Y0901"])
+    assert yarclang.plan(text, **settings, cell=str(cell)).value.program.cell is not None
+    assert [one.code for one in yarclang.check(text, **settings, cell=cell)] == ["Y0901"]
+    assert not yarclang.prove(made.value.text, text, **settings, cell=cell).ok
+    (tmp_path / "yarc.toml").write_text('cell = "other.toml"\n')
+    assert [one.code for one in yarclang.check(text, **settings, cell=cell)] == ["Y1373"]
+
+
 @pytest.mark.parametrize("name", ["06_palletising.yarc", "09_fixture_cell.yarc"])
 def test_a_program_finds_what_lies_beside_it(name):
     path = EXAMPLES / name

@@ -64,6 +64,7 @@ def check(
     name: str = "<text>",
     folder: str | PathLike[str] = ".",
     start: Sequence[float] | None = None,
+    cell: str | PathLike[str] | None = None,
     plans: bool = True,
 ) -> tuple[Diagnostic, ...]:
     """All that `yarc check` says of a program, in the order of its lines.
@@ -82,11 +83,12 @@ def check(
         folder: where the program belongs: its modules, its cell and its yarc.toml are looked for there.
         start: where the robot stands [deg, mm for prismatic joints], one value a joint; without it what the program says, else yarc.toml, else
             the robot's home.
+        cell: the path of a cell.toml that the program keeps to; without it that of a CELL line or of yarc.toml. If several are named, they must be one file.
         plans: whether motions are planned and proved; without, only what needs neither is found.
     """
     from yarclang.pipeline.checking import check_text
 
-    source, options = _asked(text, name, robot, start)
+    source, options = _asked(text, name, robot, start, cell)
     return check_text(source, Path(folder), options, plans=plans).diagnostics
 
 
@@ -97,6 +99,7 @@ def plan(
     name: str = "<text>",
     folder: str | PathLike[str] = ".",
     start: Sequence[float] | None = None,
+    cell: str | PathLike[str] | None = None,
 ) -> Result[MotionPlan]:
     """Text to motion plan: the joints as a function of time.
 
@@ -117,17 +120,18 @@ def plan(
         name: see `check`.
         folder: see `check`.
         start: see `check`.
+        cell: see `check`.
     """
     from yarclang.diagnostics import Result, has_errors
     from yarclang.pipeline.checking import told
     from yarclang.pipeline.guarding import failure
     from yarclang.pipeline.stages import plan_module
 
-    source = _asked(text, name, robot, start)[0]
+    source = _asked(text, name, robot, start, cell)[0]
     found: tuple[Diagnostic, ...] = ()
     value: MotionPlan | None = None
     try:
-        opened = _opened(text, name, robot, folder, start)
+        opened = _opened(text, name, robot, folder, start, cell)
         found = opened.diagnostics
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)
@@ -146,6 +150,7 @@ def compile(  # noqa: A001  (the word that people look for)
     name: str = "<text>",
     folder: str | PathLike[str] = ".",
     start: Sequence[float] | None = None,
+    cell: str | PathLike[str] | None = None,
 ) -> Result[Compiled]:
     """Text to certified controller text, as `yarcc` writes it, with all that led to it.
 
@@ -168,13 +173,14 @@ def compile(  # noqa: A001  (the word that people look for)
         name: see `check`.
         folder: see `check`.
         start: see `check`.
+        cell: see `check`.
     """
     from dataclasses import replace
 
     from yarclang.diagnostics import Result
     from yarclang.pipeline.checking import check_text
 
-    source, options = _asked(text, name, robot, start)
+    source, options = _asked(text, name, robot, start, cell)
     checked = check_text(source, Path(folder), replace(options, target=target))
     return Result(checked.compiled, checked.diagnostics)
 
@@ -216,7 +222,7 @@ def prove(
         name: how findings call the program, or the controller text if there is none.
         folder: see `check`.
         start: see `check`.
-        cell: the path of a cell.toml with the surroundings, for a text without its program.
+        cell: see `check`; without the program, the path of a cell.toml with the surroundings.
     """
     from yarclang.diagnostics import Result
     from yarclang.pipeline.controller_text import judge_alone, prove_against
@@ -229,7 +235,7 @@ def prove(
             around = None if cell is None else str(Path(cell))
             judged = judge_alone(SourceFile(name, controller_text), robot, around)
             return Result(None if judged.value is None else judged.value.certificate, judged.diagnostics)
-        opened = _opened(text, name, robot, folder, start)
+        opened = _opened(text, name, robot, folder, start, cell)
         found = opened.diagnostics
         if opened.value is None:
             return Result(None, found)
@@ -260,19 +266,29 @@ def format(text: str) -> str:  # noqa: A001  (the word that people look for)
 
 
 def _asked(
-    text: str, name: str, robot: str | None, start: Sequence[float] | None
+    text: str,
+    name: str,
+    robot: str | None,
+    start: Sequence[float] | None,
+    cell: str | PathLike[str] | None,
 ) -> tuple[SourceFile, Options]:
     from yarclang.pipeline.inputs import Options
     from yarclang.source import SourceFile
 
     stands = None if start is None else tuple(map(float, start))
-    return SourceFile(name, text.removeprefix(_MARK)), Options(robot=robot, start=stands)
+    around = None if cell is None else str(Path(cell))
+    return SourceFile(name, text.removeprefix(_MARK)), Options(robot=robot, start=stands, cell=around)
 
 
 def _opened(
-    text: str, name: str, robot: str | None, folder: str | PathLike[str], start: Sequence[float] | None
+    text: str,
+    name: str,
+    robot: str | None,
+    folder: str | PathLike[str],
+    start: Sequence[float] | None,
+    cell: str | PathLike[str] | None,
 ) -> Result[Opened]:
     from yarclang.pipeline.inputs import open_source
 
-    source, options = _asked(text, name, robot, start)
+    source, options = _asked(text, name, robot, start, cell)
     return open_source(source, Path(folder), options)

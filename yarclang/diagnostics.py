@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from typing import Generic, TypeVar
 
 from yarclang.findings import CATALOGUE, Severity
+from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Edit:
     """Replace the text of a span."""
 
@@ -22,7 +23,7 @@ class Edit:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fix:
     """A change of the source that removes the finding."""
 
@@ -38,7 +39,7 @@ _LONGEST_QUOTE, _SHOWN = 300, 60
 _TOO_LONG = re.compile(rf"\S{{{_LONGEST_QUOTE + 1},}}")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Diagnostic:
     """One finding: a code of the catalogue, one sentence with its figures, and where.
 
@@ -74,7 +75,7 @@ class Diagnostic:
         return self.severity == "error"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Result(Generic[T]):
     """The answer of a stage: its product, or None where an error forbids one, and the findings."""
 

@@ -7,18 +7,19 @@ the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FL
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
+from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FrameLink:
     """A frame, and how it sits in the next one towards {B} or {FLANGE}.
 
@@ -33,7 +34,7 @@ class FrameLink:
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Origin:
     """The command that a primitive comes from."""
 
@@ -70,21 +71,21 @@ class Origin:
         return self.place or self.index
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JointGoal:
     """A joint position q (n,)."""
 
     q: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JointDelta:
     """A change of the joint position (n,), from where the robot stands."""
 
     dq: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class PoseGoal:
     """The moving frame shall stand at `base_from_moving`.
 
@@ -96,7 +97,7 @@ class PoseGoal:
     near: Array | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class PoseDelta:
     """Shift and turn the moving frame from where it stands, along given axes.
 
@@ -112,7 +113,7 @@ class PoseDelta:
     flange_from_moving: Array
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Reading:
     """A number that is a distance or an angle, as the motions that it belongs to say.
 
@@ -124,7 +125,7 @@ class Reading:
     angle: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Timing:
     """How long a motion takes: `duration` [s], or the shortest that the limits allow (None).
 
@@ -139,7 +140,7 @@ class Timing:
     speed: Reading | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JointMove:
     """Straight in joint space.
 
@@ -156,7 +157,7 @@ class JointMove:
     blend: Reading | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class AvoidMove:
     """In joint space to the goal by a way that keeps clear of all that is around: straight where that is free, else a natural cubic
     spline, as that of a SplineMove, through way-points that the planner finds.
@@ -170,7 +171,7 @@ class AvoidMove:
     blend: Reading | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class LineMove:
     """The moving frame goes straight, turning about one fixed axis, the short way."""
 
@@ -182,7 +183,7 @@ class LineMove:
     blend: Reading | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ArcMove:
     """The moving frame's origin goes along the circle through where it stands, `via` (3,) [m, in {B}] and the goal; it
     turns about one fixed axis, the short way, in step with the arc.
@@ -197,7 +198,7 @@ class ArcMove:
     blend: Reading | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class PoseSplineMove:
     """One C2 curve of the moving frame from where it stands through all way-points, which have one `flange_from_moving`.
 
@@ -218,7 +219,7 @@ TURN_CHORD = 0.1
 """How much of a spline's parameter [m] a turn of 1 rad between two way-points takes."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class SplineMove:
     """A natural cubic spline in joint space from where the robot stands through all way-points,
     over the chord length in joint space; equal neighbours count once.
@@ -232,7 +233,7 @@ class SplineMove:
     blend: Reading | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Signal:
     """An input or output: its name in the program, and the controller's variable, such as M11."""
 
@@ -240,7 +241,7 @@ class Signal:
     variable: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Dwell:
     """The robot stands still for `duration` [s]."""
 
@@ -248,7 +249,7 @@ class Dwell:
     duration: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SetOutput:
     """An output takes a value when the motion before has ended."""
 
@@ -257,7 +258,7 @@ class SetOutput:
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class WaitInput:
     """The robot stands until an input has a value; an error after `timeout` [s] (None: never)."""
 
@@ -267,7 +268,7 @@ class WaitInput:
     timeout: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hold:
     """The robot stands until the operator goes on."""
 
@@ -275,7 +276,7 @@ class Hold:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class When:
     """The steps up to the next Else or EndWhen of the same depth are done if an input has a value."""
 
@@ -284,21 +285,21 @@ class When:
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Else:
     """The steps from here on are done if the input of the When hasn't that value."""
 
     origin: Origin
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class EndWhen:
     """Both ways meet here, at the same joint positions."""
 
     origin: Origin
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Output:
     """A declared output, and the value that it takes at any stop, hold or fault (None: it stays as it is)."""
 
@@ -306,14 +307,14 @@ class Output:
     safe: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stop:
     """The end of the program."""
 
     origin: Origin
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gap:
     """A command with errors: what it does, and where the robot stands behind it, isn't known."""
 
@@ -323,7 +324,7 @@ Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
 Step = Motion | Action | Stop | Gap
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Program:
     """A checked program: where the robot stands at first, and what it does.
 

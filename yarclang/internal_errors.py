@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import platform
-import traceback
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import FrameType
 
@@ -41,6 +38,9 @@ def internal_error(
 
 def _report(error: BaseException, source: SourceFile | None, span: Span | None) -> str:
     """Return what a person who looks into the error wants to know, without names of folders."""
+    import platform
+    import traceback
+
     lines = [
         "this is a bug of yarclang, not of the program: please report it with these lines",
         f"yarclang {_version()}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
@@ -56,6 +56,8 @@ def _report(error: BaseException, source: SourceFile | None, span: Span | None) 
 
 
 def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return version(_PACKAGE.name)
     except PackageNotFoundError:  # it was never installed
@@ -64,6 +66,8 @@ def _version() -> str:
 
 def frames_of(error: BaseException) -> Iterator[tuple[FrameType, int]]:
     """Yield the calls that were under way when an exception was raised, the outermost first, with their lines."""
+    import traceback
+
     yield from traceback.walk_tb(error.__traceback__)
 
 

@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
+
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Box:
     """A box around its frame's origin: `size` (3,) are its whole edges along x, y, z [m]."""
 
     size: Array
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sphere:
     """A sphere around its frame's origin [m]."""
 
     radius: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Cylinder:
     """A cylinder around its frame's z axis; `length` [m] is halved by the origin."""
 
@@ -33,7 +34,7 @@ class Cylinder:
     length: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Capsule:
     """All points within `radius` [m] of a piece of the frame's z axis; its `length` [m], without the caps, is halved by the origin."""
 
@@ -41,7 +42,7 @@ class Capsule:
     length: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Mesh:
     """The triangles of a file, whose coordinates times `unit` are in m; `digest` is the SHA-256 of its bytes.
 

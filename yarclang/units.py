@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal
+
+from yarclang.frozen import frozen
 
 Kind = Literal["length", "angle", "time"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Unit:
     """A unit: `value * factor` is the value in m, rad or s."""
 

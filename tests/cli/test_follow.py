@@ -10,6 +10,8 @@ import time
 
 import pytest
 
+from yarclang.cli.secret_file import secret_file
+
 
 def lines_of(text):
     return [json.loads(line) for line in text.splitlines()]
@@ -128,6 +130,20 @@ def test_a_token_file_that_cannot_be_written(kind, workshop, simulator):
     assert "listening" not in process.text
     if kind == "link":
         assert (workshop.folder / "mine").read_text() == "mine"
+
+
+def test_a_file_that_was_written_anew_is_not_removed(tmp_path):
+    """A file system may give a new file the number of the one that was removed."""
+    path = tmp_path / "token"
+    with secret_file(path, "secret"):
+        number = path.lstat().st_ino
+        path.write_text("mine")
+        assert path.lstat().st_ino == number
+    assert path.read_text() == "mine"
+    path.unlink()
+    with secret_file(path, "secret"):
+        assert path.read_text() == "secret"
+    assert not path.exists()
 
 
 def test_a_token_file_is_replaced_and_nobody_elses_is_removed(workshop, simulator):

@@ -34,7 +34,7 @@ def test_it_compiles_at_once_without_flags(tmp_path, monkeypatch, robot):
     compiled = CliRunner().invoke(yarcc, ["my-cell.yarc"])
     assert (compiled.exit_code, compiled.stderr) == (0, "")
     assert Path("my-cell.pmc").read_text().startswith("; yarcc ")
-    assert tomllib.loads(Path("yarc.toml").read_text()) == {"robot": robot.upper()}
+    assert tomllib.loads(Path("yarc.toml").read_text()) == {"robot": robot.upper(), "cell": "cell.toml"}
     tomllib.loads(Path("cell.toml").read_text())
 
 
@@ -109,7 +109,8 @@ def test_a_robot_of_ones_own_is_named_by_its_path(tmp_path, monkeypatch, industr
     for file in industrial6.folder.iterdir():
         (tmp_path / "robots" / file.name).write_bytes(file.read_bytes())
     assert new("demo", "--robot", "robots/robot.toml").exit_code == 0
-    assert tomllib.loads((tmp_path / "demo" / "yarc.toml").read_text()) == {"robot": "../robots/robot.toml"}
+    written = tomllib.loads((tmp_path / "demo" / "yarc.toml").read_text())
+    assert written == {"robot": "../robots/robot.toml", "cell": "cell.toml"}
     monkeypatch.chdir(tmp_path / "demo")
     assert CliRunner().invoke(main, ["check", "demo.yarc"]).exit_code == 0
 

@@ -130,10 +130,15 @@ def test_a_cell_that_cant_be_read_forbids_the_run(made, tmp_path):
 
 
 @pytest.mark.parametrize("command", ["run", "exec"])
-def test_a_program_names_its_cell_itself(command, made):
-    result = CliRunner().invoke(main, [command, str(made / PROGRAM), "--cell", str(made / CELL)])
-    assert result.exit_code == 2
-    assert "CELL line" in result.stderr
+def test_a_program_names_its_cell_itself(command, made, tmp_path):
+    """The command line may name the same file, and no other one."""
+    other = shutil.copy(made / CELL, tmp_path / "other.toml")
+    result = CliRunner().invoke(main, [command, str(made / PROGRAM), "--cell", str(other)])
+    assert result.exit_code == 1
+    assert "Y1373" in result.output
+    found, diagnostics = loaded(made / PROGRAM, cell=str(made / "alone" / ".." / CELL), approach=False)
+    assert not any(one.is_error for one in diagnostics)
+    assert found.around.obstacles
 
 
 def test_exec_tells_it_as_an_event(made):

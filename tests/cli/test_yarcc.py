@@ -170,6 +170,30 @@ def test_the_commands_start_without_a_planner():
     assert not {"numpy", "pinocchio", "scipy", "lark", "rich", "pydantic", "matplotlib"} & set(loaded)
 
 
+@pytest.mark.parametrize(
+    ("words", "needless"),
+    [
+        ("yarcc --help", "numpy pydantic lark importlib.metadata"),
+        ("yarc fmt --check FILE", "numpy pydantic lark importlib.metadata"),
+        ("yarcc --robot INDUSTRIAL6 -o OUT FILE", "lark matplotlib toppra ompl rich"),
+    ],
+)
+def test_what_a_start_does_not_import(tmp_path, words, needless):
+    """Each of these takes 10 ms and more, which Listing 4 can do without."""
+    command, *arguments = words.split()
+    known = {"FILE": str(EXAMPLES / "01_listing4.yarc"), "OUT": str(tmp_path / "out.pmc")}
+    arguments = [known.get(word, word) for word in arguments]
+    code = (
+        "import atexit, sys\n"
+        "atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
+        f"from yarclang.cli.{command} import main\n"
+        f"main({arguments!r})"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert set(needless.split()) & set(ended.stderr.splitlines()[-1].split()) == set()
+
+
 def test_long_work_shows_progress_on_a_terminal(monkeypatch):
     from yarclang.cli import work
 

@@ -28,4 +28,5 @@ def test_its_examples_work(tmp_path):
     settings = re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1]
     program = re.search(r"```yarc\n(.*?)```", text, re.DOTALL)[1]
     (tmp_path / "yarc.toml").write_text(settings)
+    (tmp_path / "cell.toml").write_text('units = "mm,deg"\n')
     assert check_text(SourceFile("a.yarc", program), tmp_path, Options()).diagnostics == ()

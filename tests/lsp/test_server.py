@@ -138,6 +138,29 @@ def test_users_of_a_changed_robot_and_project(tmp_path: Path):
     run(work, capabilities(pull=True, refresh=False))
 
 
+def test_the_cell_of_an_open_project(tmp_path: Path):
+    """The cell of yarc.toml counts as it is open, and so does the cell's own file."""
+    cell = 'units = "mm,deg"\n[frames.TABLE]\nparent = "B"\nxyz = [0, 900, 800]\n'
+    (tmp_path / "cell.toml").write_text(cell)
+    (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
+
+    async def work(one: Editor) -> None:
+        user = one.open(tmp_path / "a.yarc", HEAD + "P0010 MOVEJ_RPY {TCP} 0 0 300 0 0 0 [5] {TABLE}\n")
+        assert codes(await one.pulled(user)) == ["Y0301"]
+        project = one.open(tmp_path / "yarc.toml", 'robot = "INDUSTRIAL6"\n')
+        one.write(project, 'robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
+        assert codes(await one.pulled(project)) == []
+        assert codes(await one.pulled(user)) == []
+        around = one.open(tmp_path / "cell.toml", cell)
+        one.write(around, cell.replace("TABLE", "BENCH"))
+        assert codes(await one.pulled(user)) == ["Y0301"]
+        one.write(project, 'robot = "INDUSTRIAL6"\ncell = "nowhere.toml"\n')
+        assert codes(await one.pulled(project)) == ["Y1302"]
+        assert "Y1302" in codes(await one.pulled(user))
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
 def test_over_a_port(tmp_path: Path):
     async def work() -> None:
         with socket.create_server(("127.0.0.1", 0)) as free:

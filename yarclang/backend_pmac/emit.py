@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
+from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
 from yarclang.pmac.variables import ARMED, ASTRAY, OUTPUTS_PLC, commanded_position
@@ -22,7 +22,7 @@ _ZEROS = re.compile(r"0+(?=[A-Z\n])")
 _POINT = re.compile(r"\.(?=[A-Z\n])")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Emitted:
     """The text of a program without its header.
 

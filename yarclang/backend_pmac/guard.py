@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 
 _RESERVE = 0.1
@@ -14,7 +14,7 @@ _SECONDS_AHEAD = 1.0
 """The rotary holds at least so much of a program."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Watermarks:
     """`low` and `full` are I16 and I17 in program lines, `words` the size of the rotary buffer."""
 

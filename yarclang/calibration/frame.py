@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 from yarclang.transforms import constant
 from yarclang.units import DEG, MM
@@ -20,7 +20,7 @@ LARGEST_HEIGHT = 0.5 * MM
 """Points off the plane by more than this are told."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FrameCalibration:
     """A frame that was found: `base_from_frame` (4, 4) [m].
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.frozen import frozen
 from yarclang.robot.actuation import counts_per_joint, from_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.transforms import constant
@@ -17,7 +17,7 @@ LARGEST_SPREAD = {"deg": 0.05 * DEG, "mm": 0.05 * MM}
 """Visits of one mark that differ by more than this are told."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class OffsetCalibration:
     """Offsets that were found.
 

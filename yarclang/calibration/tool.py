@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 from yarclang.transforms import constant
 from yarclang.units import DEG, MM
@@ -19,7 +19,7 @@ LARGEST_MISS = 1.0 * MM
 """Touches that miss each other by more than this are told."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class TipCalibration:
     """A tip that was found. All lengths in m.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 
 from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import CellFrame, Mount, Obstacle
 from yarclang.cell.schema import CellTable, ObstacleTable, ZoneTable
+from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.shapes import Shape
 from yarclang.toml import bodies
@@ -21,7 +21,7 @@ from yarclang.units import Kind, Unit
 Units = Mapping[Kind, Unit] | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Surroundings:
     """What bodies are read with: units and findings, the frames, the names of all that the file tries to declare, its folder, and the
     robot (None: the file alone is checked, and joint windows are only looked at).

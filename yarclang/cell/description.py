@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from yarclang.cell.model import Array, Cell, CellOutput
 from yarclang.diagnostics import Diagnostic, Result, in_order
+from yarclang.frozen import frozen
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
@@ -32,7 +32,7 @@ IsWord = Callable[[str], bool]
 _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Names:
     """What a cell's names are checked against: the language's words, and, where it is known, the robot."""
 

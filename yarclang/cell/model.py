@@ -7,12 +7,13 @@ neighbours cancel: `base_from_x` maps coordinates of x to the robot's {B}, `flan
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from yarclang.source import SourceFile, Span
 
@@ -23,7 +24,7 @@ PARTS = ("tool", "tcp", "elbow", "arm")
 """What a zone may watch besides links by their names."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Mount:
     """Where something sits: `transform` (4, 4) [m] is base_from_it, or, with `on_flange`, flange_from_it."""
 
@@ -31,7 +32,7 @@ class Mount:
     on_flange: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class CellFrame:
     """A frame of the cell: how it sits in its parent, `parent_from_frame` (4, 4) [m], and what that makes in all.
 
@@ -44,7 +45,7 @@ class CellFrame:
     mount: Mount
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CellOutput:
     """An output: the controller's variable, and its value at any stop, hold or fault (None: it stays as it is)."""
 
@@ -52,7 +53,7 @@ class CellOutput:
     safe: float | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Obstacle:
     """A body that the robot must not touch, or, with a mount on the flange, a body that it carries.
 
@@ -65,7 +66,7 @@ class Obstacle:
     margin: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ShapeRegion:
     """The points in a shape that stands still, around the origin of `base_from_shape` (4, 4) [m]."""
 
@@ -73,7 +74,7 @@ class ShapeRegion:
     shape: Box | Sphere | Cylinder | Capsule
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class HalfSpace:
     """The points p in {B} with normal . p >= offset: `normal` (3,) has the norm 1, `offset` is in m."""
 
@@ -81,7 +82,7 @@ class HalfSpace:
     offset: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JointWindow:
     """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]; infinite for joints that the window leaves open."""
 
@@ -92,7 +93,7 @@ class JointWindow:
 Region = ShapeRegion | HalfSpace | JointWindow
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Zone:
     """A region with a rule for what it watches.
 
@@ -114,7 +115,7 @@ class Zone:
     posture: JointWindow | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Cell:
     """A cell for a robot: names for programs, and bodies and zones in the order of the file.
 

@@ -11,8 +11,6 @@ cancels out on its own path needn't in the blend.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang import hir
@@ -21,6 +19,7 @@ from yarclang.certify.pieces import Pieces, arm_bounds, frame_motion, hull
 from yarclang.certify.pose import angle_of_chord
 from yarclang.certify.programmed import FramePaths, Lines, Rows
 from yarclang.certify.spline import NaturalSpline
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
@@ -29,7 +28,7 @@ _SAMPLES = 513
 _STEPS = 16
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Balls:
     """B balls, round the poses `corner` (B, 4, 4) of the frames at `flange_from_moving` (B, 4, 4): no more than `radius` (B,)
     [m] away, and turned by no more than `angle` (B,) [rad].
@@ -81,7 +80,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     return segment_max(position, begins), segment_max(angle_of_chord(chord), begins)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Away:
     """How far a part of a programmed path is from the corner: at most `position` [m]; it turns by `angle` [rad] or more."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from yarclang.certify.flows import Corner, frame_of
 from yarclang.certify.joint import by_kind
 from yarclang.certify.layout import CHUNK, Layout
 from yarclang.certify.proofs import Proofs
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.robot.model import Array
 from yarclang.units import DEG, MM
@@ -120,7 +121,7 @@ def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
     return joint_distances(cubics_of(spline, *((0.0, share) if end == 0 else (share, 1.0))), corner)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Ball:
     """The ball of one moving frame at one corner, and what of both paths isn't followed there."""
 

@@ -10,11 +10,10 @@ any norm that comes from an inner product.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 HERMITE = 1.0 / 384.0
@@ -22,7 +21,7 @@ JUMP = 1.0 / 192.0
 HERMITE_RATE = np.sqrt(3.0) / 216.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Cubics:
     """Motions with constant jerk, one a segment: position x, velocity v and acceleration a at
     its start and jerk j, (N, n) each, over h (N,) [s].
@@ -139,7 +138,7 @@ def path_fourth(bounds: Array, w: Array, a: Array, j: Array) -> Array:
     return total
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FourthDerivatives:
     """Bounds (N,) of the fourth time derivatives of the arm: of the tool's origin [m/s^4], and
     of its rotation matrix in the Frobenius norm [1/s^4].

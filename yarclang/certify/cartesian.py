@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +18,7 @@ from yarclang.certify.pieces import Pieces, arm_bounds, frame_motion, hull
 from yarclang.certify.pose import angle_of_chord
 from yarclang.certify.programmed import Bounds, FramePaths, Motion, Poses, Rows
 from yarclang.certify.speed import Programmed, Speeds, finer_for_speed, judged, speed_bounds, turn_bounds
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
@@ -29,7 +28,7 @@ MOST_PIECES = 32
 """... but never more than this many a segment: a motion that needs more is far out of any limit."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Stretch:
     """The segments of C commands, those of each behind each other, from `first` (C,) on.
 
@@ -47,7 +46,7 @@ class Stretch:
     speed: Programmed
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Followed:
     """What was proved of C commands: the largest deviation in `position` [m] and `angle` [rad], what of both is remainder, (C,) each;
     the shares of the path between which it was followed, `covered` (C, 2); how fast the frame goes.
@@ -103,7 +102,7 @@ def follow(
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Arm:
     """Of each segment: its command, the arm's fourth derivatives there, and by which the segment asks for pieces."""
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal
 
 from yarclang.certify.text import ControllerText
+from yarclang.frozen import frozen
 from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
@@ -14,7 +15,7 @@ Kind = Literal["joint", "avoid", "line", "arc", "spline", "pose_spline"]
 Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_velocity", "hold", "torque"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Load:
     """The joint (or motor) that is used most, and its share of its limit; 1.0 is the limit itself.
 
@@ -33,7 +34,7 @@ class Load:
 IDLE = Load("", 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Deviation:
     """How far the executed path is from the programmed one, at most: `position` [m] and `angle` [rad].
 
@@ -63,7 +64,7 @@ class Deviation:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Blended:
     """What was proved where a motion flows into the next one, over `segments` segments, half of them its own.
 
@@ -89,7 +90,7 @@ class Blended:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ToolSpeed:
     """How fast the moving frame goes: its origin [m/s], or, where its path only turns (`turns`), its angular speed [rad/s].
 
@@ -114,7 +115,7 @@ class ToolSpeed:
         return {f"{key}_{name}": _number(value / unit) for key, value in values.items()}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Clearance:
     """How far apart the bodies of two kinds stay at least [m], and the two that come nearest.
 
@@ -135,7 +136,7 @@ class Clearance:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ZoneSpeed:
     """How fast something goes at most while it is in a slow zone [m/s], a proved bound: `part` in `zone`, where `limit` is allowed."""
 
@@ -159,7 +160,7 @@ class ZoneSpeed:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CommandCertificate:
     """What was proved for one motion command.
 
@@ -232,7 +233,7 @@ class CommandCertificate:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Certificate:
     """What was proved for a whole program, command by command.
 

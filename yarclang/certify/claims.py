@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Claims:
     """All values that cross from the planner to the judge, by the number of a motion in the program's steps.
 

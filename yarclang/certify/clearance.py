@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,11 +16,12 @@ from yarclang.collision.meeting import Contact, contact
 from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Apart:
     """How near a command brings the robot to its cell, and to itself; None where there is nothing to come near to."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from yarclang.certify.joint import by_kind
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.pose import distance
 from yarclang.certify.programmed import goal_pose
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
@@ -24,7 +24,7 @@ NEARLY_KEPT = 5e-4
 """A claim to miss a programmed speed by no more than this share isn't needed: the motion is held to the whole speed."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Judged:
     """What the paths are judged by. `find` takes a code, a message and the number of a step."""
 
@@ -45,7 +45,7 @@ class Judged:
         return kept if 0.0 < kept < 1.0 - NEARLY_KEPT else 1.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Starts:
     """Where the programmed path of each of P motions begins: joints `q` (P, n) [rad or m], and `flange` (P, 4, 4) in {B}."""
 
@@ -53,7 +53,7 @@ class Starts:
     flange: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _End:
     """The programmed end of a motion; of a Cartesian one, the joints are worked out when they are asked for."""
 

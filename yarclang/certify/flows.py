@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +12,7 @@ from yarclang.certify.bounds import Cubics
 from yarclang.certify.corner import Judged, Starts
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 SHORTEST = 1e-6
@@ -22,7 +21,7 @@ SHORTEST = 1e-6
 IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Corner:
     """Motion number `first` flows into motion number `second`, over `segments` segments.
 
@@ -37,7 +36,7 @@ class Corner:
     joints: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Flows:
     """Of each of P motions: the segments `follow` (P, 2), from and up to, that go along its path, and whether the path is joined and
     left elsewhere than at its ends, `free` (P, 2). The corners, in order. `whole` (P, 2) are all segments to look at: those of the

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from yarclang.certify.cursor import Lines, Refusal, check_characters, shown
 from yarclang.certify.text import Barred, Entry, Unreadable
+from yarclang.frozen import frozen
 from yarclang.pmac.header import COLUMNS, LOADING, Header
 
 _FIRST = re.compile(r"; yarcc (\S{1,40}): (.*)")
@@ -38,7 +38,7 @@ _BARRIER = re.compile(
 _CONDITIONAL = ("wait", "when")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Preamble:
     """All that stands above the first line that the controller reads: the header, the map's commands, and its barriers by their lines."""
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import reaches, segment_max
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
 
 
@@ -22,7 +21,7 @@ def by_kind(deviations: Array, robot: Robot) -> tuple[float, float]:
     return float(deviations[prismatic].max(initial=0.0)), float(deviations[~prismatic].max(initial=0.0))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JointLines:
     """C straight lines in joint space, from `start` to `goal` (C, n) [rad or m].
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import MappingProxyType
 
 import numpy as np
@@ -25,6 +25,7 @@ from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
 from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
 from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.frozen import frozen
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import Span
@@ -51,7 +52,7 @@ GUARD_SHARE = 0.05
 """A fixed program may start so far off that it adds this share of the acceleration limit."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Judge:
     """The context of one judgement, and what it has found so far."""
 

@@ -10,7 +10,6 @@ stand in one sequence; the header's map says where, and how many segments belong
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from yarclang import hir
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.robot.model import Array
 from yarclang.units import MS
@@ -26,7 +26,7 @@ CHUNK = 8192
 """Segments that are judged at once: enough for whole-array work, few enough for the processor's cache."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Place:
     """The segments `first` to `last` (not included) of `motion`, step `step` of the program.
 
@@ -55,7 +55,7 @@ class Place:
         return str(self.lines[1]) if self.lines else "none"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Layout:
     """All segments of the text, in order, and the commands that they belong to.
 

@@ -5,14 +5,13 @@ On a segment the jerk is constant, so each of them has its extremes in closed fo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import Cubics, segment_max
 from yarclang.certify.certificate import IDLE, Load, Quantity
 from yarclang.certify.layout import Layout, Place
+from yarclang.frozen import frozen
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.model import Array, Robot
 
@@ -24,7 +23,7 @@ POSITION_UNITS = 1e-9
 """The same for positions, in axis units (deg or mm)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Excess:
     """A limit that one command breaks, where it does so most: `text` says by how much; the segment begins
     `time` [s] after the command does.
@@ -36,7 +35,7 @@ class Excess:
     time: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Loads:
     """The loads of one command and the limits that it breaks."""
 

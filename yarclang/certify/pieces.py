@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.certify.bounds import Cubics, arm_fourth, reaches
 from yarclang.certify.programmed import Motion, Rows
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Array, Chain, Robot
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Pieces:
     """Segments cut into pieces: `segment` (P,), duration `d` (P,) [s], and `command` (P,), in order.
 

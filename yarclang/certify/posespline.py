@@ -8,7 +8,6 @@ cells of each span.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import comb
 
 import numpy as np
@@ -18,6 +17,7 @@ from yarclang import hir
 from yarclang.certify.programmed import Bounds, Motion, Poses, Rows
 from yarclang.certify.project import guess_by_length, project
 from yarclang.certify.spline import SAME, NaturalSpline
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 CELLS = 16
@@ -26,7 +26,7 @@ HALF_TURN = np.pi - 1e-9
 """Neighbours that are turned by more than this have no short way between them."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class PoseSpline:
     """One such curve, over s = u / u_total.
 
@@ -121,7 +121,7 @@ BEYOND = 1e-3
 """How far beyond its ends, as a share of the whole, a curve is bounded."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Weighed:
     """A curve of poses in coordinates that count the same."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang import hir
 from yarclang.certify.pose import axis_and_angle
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import skew
 from yarclang.robot.model import Array
 
@@ -19,7 +19,7 @@ SMALLEST_CIRCLE = 1e-6
 """Three points nearer to each other [m], or to a line [rad], than this say no circle."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Motion:
     """Moving frames at points of time: position p (N, 3), rotation (N, 3, 3), and the velocities of both (N, 3). `d` (P,) are the times
     between them [s], of those that belong together.
@@ -32,7 +32,7 @@ class Motion:
     d: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Poses:
     """Points of programmed paths: position p (N, 3), rotation (N, 3, 3), and their derivatives over s."""
 
@@ -42,7 +42,7 @@ class Poses:
     spin: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Bounds:
     """Bounds of derivatives over s: the first to the fourth of the position (P, 4) [m] and of the rotation matrix in the Frobenius
     norm (P, 4); how much the third of each jumps (P,), added up. `straight` says that all but the first of the position are zero,
@@ -97,7 +97,7 @@ class FramePaths(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Turns:
     """C turns from the rotations `start` (C, 3, 3) by `theta` (C,) [rad] about `axis` (C, 3), the short way.
 
@@ -137,7 +137,7 @@ class Turns:
         return _angle_about(rotation @ self.start.transpose(0, 2, 1)[owner], self.axis[owner])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Lines:
     """Straight lines from `origin` (C, 3) by `way` (C, 3) [m], turning about one fixed axis."""
 
@@ -184,7 +184,7 @@ class Lines:
         return s / norm[owner], rate / norm[owner]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Arcs:
     """Arcs by `sweep` (C,) [rad] about `normal` (C, 3) through `centre` (C, 3) [m], turning about one fixed axis in step.
 

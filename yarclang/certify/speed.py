@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import HERMITE_RATE, segment_max
 from yarclang.certify.programmed import Motion, Rows
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 KEPT = 1e-3
@@ -18,7 +17,7 @@ SHARP = 1e-4
 MOST_PIECES = 32
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Programmed:
     """The speeds that C commands shall have: `cruise` (C,), NaN where none is programmed, of the frame's origin [m/s], or,
     where its path only turns (`turns` (C,)), of the turn [rad/s].
@@ -31,7 +30,7 @@ class Programmed:
     around: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Speeds:
     """Proved bounds (C,) of the speeds of C commands, as `Programmed` [m/s or rad/s]: the most anywhere, and, where a cruise speed is
     programmed, the `least` and the `most` from when it is first reached up to when it is last left; NaN where it

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import HERMITE, JUMP, Cubics, catch_up, hermite_bezier
 from yarclang.certify.project import guess_by_length, project
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
@@ -19,7 +18,7 @@ SAME = 1e-9
 """Neighbours nearer than this [rad or m] are one way-point."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class NaturalSpline:
     """The cubic spline y(s) through way-points, with y'' = 0 at both ends.
 
@@ -86,7 +85,7 @@ def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
     return right
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class SplineBound:
     """The largest deviation of each joint (n,) [rad or m], what of it is remainder, and the shares of the spline between
     which it was followed (2,).
@@ -144,7 +143,7 @@ def _proved(
         pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * min(need, 1e6) ** 0.25))))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Weighed:
     """A spline in joints that count the same."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,12 +12,13 @@ from yarclang.certify.clearance import Apart
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.limits import Loads
+from yarclang.frozen import frozen
 from yarclang.identity import flat, key_of
 from yarclang.memory import Forgetful, Memory
 from yarclang.robot.model import Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Proved:
     """All that was proved of one motion by itself."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,10 @@ from numpy.typing import NDArray
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.layout import Layout, Place, chunks
 from yarclang.collision.course import Course
+from yarclang.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Sweep:
     """Commands that follow each other: what the joints do in their segments, and which of these (M, 2), first and last (not included), are those of each."""
 

@@ -5,12 +5,11 @@ Any instant would be lawful: up to it the one path is proved, from it on the oth
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.programmed import Rows
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Array, Chain
 
@@ -20,7 +19,7 @@ _ROUNDS = 40
 _LEAST = 1e-7
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Corner:
     """The corner, as joints `q` (n,) that count by `weights` (n,), or, with a frame at `flange_from_moving` (4, 4), as its `pose` (4, 4),
     in which 1 / `weights` are a distance [m] and an angle [rad].

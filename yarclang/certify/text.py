@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.pmac.header import Header
 from yarclang.pmac.program import Target
 from yarclang.robot.model import Array
@@ -16,7 +16,7 @@ TM_STEPS_PER_MS = 4096
 """TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Unreadable:
     """The first place of the text that isn't what yarcc emits: its line (from 1), the reason, the code."""
 
@@ -25,7 +25,7 @@ class Unreadable:
     code: str = "Y1151"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Entry:
     """A line `; command` of the header: which move lines belong to which step of the program.
 
@@ -45,7 +45,7 @@ class Entry:
     any_jerk: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sent:
     """Lines that the controller is sent, as they stand in the text from line `first` on: one, or neighbouring move lines joined by line feeds."""
 
@@ -57,7 +57,7 @@ class Sent:
         yield from enumerate(self.text.split("\n"), self.first)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Marks:
     """The rotary buffer as the text defines it: `words` long; it counts as low below `low` lines (I16), as full from `full` on (I17)."""
 
@@ -66,7 +66,7 @@ class Marks:
     words: int
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Armed:
     """The guard's flag P8100 is set (`on`) or cleared in a line of the text."""
 
@@ -74,7 +74,7 @@ class Armed:
     on: bool
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Put:
     """A variable gets a value: at rest, or, where it is `synchronous`, when the move of the next line begins."""
 
@@ -84,7 +84,7 @@ class Put:
     synchronous: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Run:
     """One spline sequence: the move lines between two values of TM.
 
@@ -99,7 +99,7 @@ class Run:
     puts: tuple[Put, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Dwelt:
     """DWELL: the sequence ends, and the robot stands for `milliseconds` more."""
 
@@ -107,7 +107,7 @@ class Dwelt:
     milliseconds: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Barred:
     """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
     (`condition`, such as M11=1, or -), how long [s] (None: for ever), and the input's name or the operator's text.
@@ -121,7 +121,7 @@ class Barred:
     name: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Stood:
     """A slow RAPID to where the robot stands: `point` (n,) [deg or mm]."""
 
@@ -129,7 +129,7 @@ class Stood:
     point: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Start:
     """Where the motion starts.
 
@@ -146,7 +146,7 @@ class Start:
     guard_step: Array | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ControllerText:
     """What the text makes the controller do, and the very lines that are sent to have it done.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from yarclang.certify.limits import RELATIVE
 from yarclang.certify.moments import pose_text
 from yarclang.certify.torque_bounds import torque_bends
 from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
+from yarclang.frozen import frozen
 from yarclang.robot.dynamics import holding_torques, torques
 from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.units import UNITS
@@ -27,7 +27,7 @@ ROOM = 0.03
 """By this share a proposed time is longer than the one at which the effort is used up: in another time a law has another number of segments, and other ramps."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Samples:
     """Torques at S instants of neighbouring motions: `row` is the segment, `time` after its begin [s]; `torque` (S, n) and `bound` (S, n), by how much |torque| may be
     more up to the next instant; `share` (S, n) of the efforts, of both. `first` (G,) is where each motion begins.

@@ -7,10 +7,9 @@ length times Bell's polynomials of the joints' rates; the product's are Leibniz'
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Dynamics
 
 LEAST_LENGTH = 0.1
@@ -62,7 +61,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Rates:
     """Sums over joints of the largest |velocity|, |acceleration| and |jerk| (N,): of those that turn [rad, s], and of those that slide [m, s]."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,11 +25,12 @@ from yarclang.collision.zones.watched import Moving, tool_frame
 from yarclang.collision.zones.windows import room
 from yarclang.collision.zones.workspace import Watch, watches_of
 from yarclang.diagnostics import Diagnostic, Fix, grouped
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class InZones:
     """What was proved of a command: how near what is watched comes to borders that it must not cross, and how fast it is in slow zones, where that is nearest to
     what is allowed. None where there are no such zones, or it isn't in one.

@@ -18,6 +18,7 @@ from yarclang.client import Robot as Asked
 from yarclang.coordinator.attached import Attached, Here, There
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.opened import Ground, opened
+from yarclang.pipeline.cells import is_same_file
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import REPLY_TIME
@@ -124,6 +125,18 @@ def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -
     return Place(Address(host, int(port)), served)
 
 
+def check_cell(robot: Attached, named: str) -> None:
+    """Check that a robot that somebody serves keeps to the cell that the command line names.
+
+    Raises:
+        Trouble: it keeps to another one, or to none.
+    """
+    known = robot.welcome.status.cell
+    if known is None or not is_same_file(Path(known), Path(named)):
+        what = f"the command line names the cell {named}, the served robot keeps to {known or 'none'}"
+        raise Trouble(what, "leave --cell out, or serve the robot with this cell", "Y1373")
+
+
 @asynccontextmanager
 async def attached(
     place: Place,
@@ -163,6 +176,7 @@ async def attached(
         Path() if folder is None else folder,
         what,
         tm=options.get("tm"),
+        cell=options.get("cell"),
         log=NO_LOG if options["no_log"] else options["log"],
         reply_time=SIMULATED_REPLY_TIME if place.own else REPLY_TIME,
         pace=options.get("rate") or 1.0,

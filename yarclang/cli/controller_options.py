@@ -56,12 +56,6 @@ def run_options(function: F) -> F:
             help="Move slowly to the program's start first, if the robot isn't there.",
         ),
         click.option(
-            "--cell",
-            type=click.Path(dir_okay=False),
-            metavar="FILE.toml",
-            help="Of a .pmc: what is around the robot (default: the cell of its program, if that is found beside it).",
-        ),
-        click.option(
             "--source",
             type=click.Path(dir_okay=False),
             metavar="FILE.yarc",

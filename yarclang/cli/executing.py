@@ -23,6 +23,7 @@ from yarclang.coordinator.messages.replies import Ended, LogTold, ProgramDescrib
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.subscription import Subscription
 from yarclang.diagnostics import Diagnostic
+from yarclang.report.cell import cell_text
 from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
 
@@ -155,6 +156,8 @@ async def _execute(
     whose = loaded.program.robot if isinstance(loaded, Loaded) else None
     with signals:
         async with attached(place, whose, "exec", options, what=name) as robot:
+            if place.served is not None and (cell := robot.welcome.status.cell) is not None:
+                lines.say({"event": "message", "text": cell_text(cell), "warning": False})
             await robot.ask(orders.Own(shared=True))
             signals.attached = robot
             stream = await robot.listen(positions=options["positions"])

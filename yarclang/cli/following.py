@@ -8,14 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from yarclang.cli.attaching import Place, attached
+from yarclang.cli.attaching import Place, attached, check_cell
 from yarclang.cli.executing import Lines, Signals, log_line, refused_line, status_of, tell
 from yarclang.cli.secret_file import secret_file
 from yarclang.coordinator.attached import Attached
 from yarclang.coordinator.engine import UNDER_WAY
 from yarclang.coordinator.live.serving import Door, MasterServer, TcpDoor, UnixDoor
 from yarclang.coordinator.messages import orders
-from yarclang.coordinator.messages.findings import findings_of
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
@@ -75,8 +74,8 @@ async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Li
         async with attached(place, whose, "follow", options, what="follow") as robot:
             await robot.ask(orders.Own())
             signals.attached = robot
-            if options["cell"] is not None:
-                await _keep_to(robot, options["cell"])
+            if place.served is not None and options["cell"] is not None:
+                check_cell(robot, options["cell"])
             moving = "{" + options["moving"].strip("{} ") + "}"
             with await robot.listen(positions=options["positions"]) as stream:
                 telling = asyncio.create_task(tell(stream, lines))
@@ -84,7 +83,7 @@ async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Li
                     robot, _door(options), robot=whose.name, moving=moving, speed=options["speed"]
                 ) as server:
                     with _known(server, options["token_file"]) as listening:
-                        await lines.put(listening)
+                        await lines.put(listening | {"cell": robot.welcome.status.cell})
                         await ends.wait()
                     stands = await _at_rest(robot)
             await asyncio.wait((telling,), timeout=1.0)
@@ -93,13 +92,6 @@ async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Li
     said = {"status": int(not sound), "well": True, "joints": stands, "log": path}
     lines.say({**refused_line("a termination has come", ""), **said})
     return int(not sound)
-
-
-async def _keep_to(robot: Attached, cell: str) -> None:
-    made = await robot.ask(orders.Offer(text=f'CELL "{cell}"'))
-    if made.offer is None:
-        raise Trouble(f"the cell can't be used: {findings_of(made.findings)[0].message}", "see its findings")
-    await robot.ask(orders.Go(offer=made.offer.number))
 
 
 async def _at_rest(robot: Attached) -> dict[str, float]:

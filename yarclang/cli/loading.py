@@ -38,8 +38,6 @@ def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
     Raises:
         click.UsageError: an option doesn't go with the file.
     """
-    if options.get("cell") is not None and not is_compiled(file):
-        raise click.UsageError("--cell: only with a .pmc; a program names its cell itself, in a CELL line")
     if options.get("source") is not None and not is_compiled(file):
         raise click.UsageError("--source: only with a .pmc, which it is the program of")
     return Source(
@@ -48,7 +46,6 @@ def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
         first,
         bool(options.get("step")),
         options_from(options),
-        options.get("cell"),
         options.get("source"),
         bool(options.get("approach")),
     )
@@ -84,7 +81,7 @@ def load_order(source: Source) -> orders.Load:
         start=options.start,
         tolerance=None if tolerance is None else tuple(one for one in tolerance if one is not None),
         tm=options.tm,
-        cell=absolute(source.cell),
+        cell=absolute(options.cell),
         source=absolute(source.program),
         approach=source.approach,
     )

@@ -96,9 +96,20 @@ def robot_option(function: F) -> F:
     )(function)
 
 
+def cell_option(function: F) -> F:
+    """--cell FILE.toml."""
+    return click.option(
+        "--cell",
+        type=click.Path(dir_okay=False),
+        metavar="FILE.toml",
+        help="What is around the robot, of programs without a CELL line (default: the cell of yarc.toml).",
+    )(function)
+
+
 def planning_options(function: F) -> F:
-    """--robot, --start and --tolerance: they belong to every command that plans."""
+    """--robot, --start, --tolerance and --cell: they belong to every command that plans."""
     for option in (
+        cell_option,
         click.option(
             "--tolerance",
             type=Numbers("MM[,DEG]", most=2, positive=True),

@@ -26,6 +26,7 @@ from yarclang.coordinator.messages.replies import Ended, LogTold, ProgramDescrib
 from yarclang.coordinator.picture import Picture
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.subscription import Subscription
+from yarclang.report.cell import cell_text
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
@@ -129,6 +130,9 @@ class _Run:
                 async with attached(
                     self.place, wanted.robot, "run", self.options, what=wanted.name
                 ) as self._attached:
+                    cell = self._attached.welcome.status.cell
+                    if self.place.served is not None and cell is not None:
+                        self.screen.say(cell_text(cell))
                     return await self._in_order(self._attached)
             except NotReady as trouble:
                 return self._refuse(trouble)

@@ -34,7 +34,9 @@ def secret_file(path: Path, text: str) -> Iterator[None]:
         yield
     finally:
         with contextlib.suppress(OSError):
-            if os.path.samestat(path.lstat(), made):
+            there = path.lstat()
+            # a new file may have the number of one that was removed
+            if os.path.samestat(there, made) and there.st_mtime_ns == made.st_mtime_ns:
                 path.unlink()
 
 

@@ -13,13 +13,12 @@ import click
 
 from yarclang.cli.address import Address
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
-from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.messages import events
 from yarclang.coordinator.opened import Ground, opened
 from yarclang.coordinator.subscription import Subscription
+from yarclang.report.cell import cell_text
 from yarclang.robot.model import Robot
-from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.private import folder, own_name
@@ -41,7 +40,7 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
 
     Raises:
         ControlError: another process of this computer drives the controller.
-        Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`); the cell can't be used.
+        Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
     ground = Ground(
         address.host,
@@ -49,6 +48,7 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
         Path.cwd(),
         "serve",
         tm=options["tm"],
+        cell=options["cell"],
         log=NO_LOG if options["no_log"] else options["log"],
         reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
         pace=options["rate"] or 1.0,
@@ -57,8 +57,8 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
     )
     with _terminations() as ends:
         async with opened(robot, ground) as coordinator:
-            if options["cell"] is not None:
-                await _keep_to(coordinator, options["cell"])
+            if coordinator.cell is not None:
+                click.echo(cell_text(coordinator.cell), err=True)
             with coordinator.subscribe(positions=False) as stream:
                 telling = asyncio.create_task(_tell(stream))
                 where = folder() / f"{own_name(robot.name)}.sock"
@@ -68,17 +68,6 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
                     click.echo(f"{coordinator.under_way} is stopped on its path", err=True)
             telling.cancel()
     return 0
-
-
-async def _keep_to(coordinator: Coordinator, cell: str) -> None:
-    client = coordinator.attach("serve")
-    client.session.own()
-    made = await client.motion.offer(f'CELL "{cell}"')
-    if made.value is None:
-        raise Trouble(f"the cell can't be used: {made.diagnostics[0].message}", "see its findings")
-    await client.motion.go(made.value)
-    client.session.release()
-    client.session.leave()
 
 
 @contextmanager

@@ -8,12 +8,14 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.files import replace_file
-from yarclang.pipeline.inputs import Options
 from yarclang.progress import told_to
+
+if TYPE_CHECKING:
+    from yarclang.pipeline.inputs import Options
 
 _SILENT = 1.0
 """Work shorter than this [s] shows no progress."""
@@ -92,6 +94,8 @@ class Progress:
 
 def options_from(planning: dict[str, Any]) -> Options:
     """The options of a command line."""
+    from yarclang.pipeline.inputs import Options
+
     tolerance = planning.get("tolerance")
     return Options(
         robot=planning.get("robot"),
@@ -99,6 +103,7 @@ def options_from(planning: dict[str, Any]) -> Options:
         tm=planning.get("tm"),
         tolerance=None if tolerance is None else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
         target=planning.get("target", "rotary"),
+        cell=planning.get("cell"),
     )
 
 

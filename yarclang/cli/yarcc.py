@@ -10,6 +10,7 @@ import click
 
 from yarclang import __version__
 from yarclang.cli.door import Door, failure_of, is_failure
+from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
 from yarclang.cli.outputs import beside, refuse_collisions
 
@@ -57,6 +58,7 @@ def main(
     It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
+    seldom_look_for_garbage()
     destinations = {file: output or beside(file, ".pmc", out_dir) for file in files}
     results = [(destination, file) for file, destination in destinations.items()]
     if certificate is not None:

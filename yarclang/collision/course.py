@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.shapes import Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Course:
     """Segments with constant jerk, one behind the other: position `x`, velocity `v`, acceleration `a` at the start of each and jerk `j`,
     (N, n) each [rad or m, s]; `begins` (N + 1,) are the times between them [s].

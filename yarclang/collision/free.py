@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -11,11 +10,12 @@ import numpy as np
 from yarclang.collision.placing import distances, place, relative
 from yarclang.collision.proof import SLACK
 from yarclang.collision.scene import Scene
+from yarclang.frozen import frozen
 from yarclang.robot.model import Chain
 from yarclang.shapes import Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FreeSpace:
     """The joint positions at which all pairs of a scene's bodies stay farther apart than their margins, and some more.
 

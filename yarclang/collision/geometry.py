@@ -5,15 +5,15 @@ coal is imported where it is first used.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Geometry:
     """A shape for distances: coal's own, and all points within `radius` [m] of a box that encloses it.
 

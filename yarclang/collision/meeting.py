@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.collision.course import Course
 from yarclang.collision.placing import distances, place, relative
 from yarclang.collision.proof import SLACK, Meeting
 from yarclang.collision.scene import Scene
+from yarclang.frozen import frozen
 from yarclang.shapes import Array
 
 SAMPLES = 200
 """Places of the motion that are looked at."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Contact:
     """Between `begin` and `end` [s] after the motion's start a pair is too near; nearest at `worst`, where it is `distance` [m] apart
     (negative: so deep one is in the other). They are found by samples: between them it may be a little worse.

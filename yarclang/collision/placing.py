@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -10,11 +9,12 @@ from numpy.typing import NDArray
 
 from yarclang.collision.geometry import encloses
 from yarclang.collision.scene import Rows, Scene
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import skew
 from yarclang.shapes import Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Placed:
     """The arm at P joint positions: `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) bring what the first joints move from where it
     is with all joints at zero to where it is; `middle` (M, P, 3) are the middles of the bodies' boxes in {B}.
@@ -77,7 +77,7 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
     return gaps
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Relative:
     """The second body of a pair seen from the first: `turn` (R, 3, 3), and its box's `middle` seen from the first's (R, 3) [m]."""
 
@@ -193,7 +193,7 @@ def _too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
     return near
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Spheres:
     """What tells most pairs apart: of the pairs `still` (S,), whose first body stands still, the `turn` (S, 3, 3) into its box's axes, its
     middle `at` (S, 3, 1) and `half` (S, 3, 1) there, and the squares of how near they count as near, `reach` (S, 1); of the others, `moving` (M,), `wide` (M, 1).

@@ -8,7 +8,7 @@ way is too long, a plane between the bodies is tried (planes.py): most of what p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from yarclang.collision.placing import Placed, box_gaps, distances, place, relat
 from yarclang.collision.planes import least_gap
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.travel import accelerations, travel
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.shapes import Array
 
@@ -35,7 +36,7 @@ BLOCK = 2048
 """Pieces that are looked at together."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Meeting:
     """A pair that comes too near on a motion: where it was seen first among the samples, and how far it is apart there [s, m].
 
@@ -48,7 +49,7 @@ class Meeting:
     distance: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Clearances:
     """What was proved of G motions: `least` (G, 2) is a lower bound of the distance [m] of all pairs, of the robot's bodies among themselves and of
     pairs with the cell's; `nearest` (G, 2) the pair that comes nearest, -1 where all stay above `KNOWN`. `meetings` come too near.
@@ -86,7 +87,7 @@ def clearances(scene: Scene, course: Course, spans: NDArray[np.int64]) -> Cleara
     return search.answer()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Pieces:
     """Pieces of motions: times `begin` and `end` (P,) [s], and whose they are."""
 
@@ -105,7 +106,7 @@ class _Pieces:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Pairs:
     """Pairs on pieces, (R,) each: `gap` is what they are apart in the middle at least, `apart` how far they move from there at most, `nearer` how much
     nearer they come.
@@ -120,7 +121,7 @@ class _Pairs:
     gap: Array
 
     def take(self, rows: Rows) -> _Pairs:
-        return _Pairs(*(getattr(self, name)[rows] for name in self.__slots__))
+        return _Pairs(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
 
 
 def _first_pieces(course: Course, spans: Rows) -> _Pieces:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -13,13 +12,14 @@ from numpy.typing import NDArray
 from yarclang.cell.model import Cell, Obstacle
 from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.robot.model import Chain, Robot
 from yarclang.shapes import Array, Mesh, Shape
 
 Rows = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Body:
     """Something that has room: a link's shape, an obstacle, or what the robot carries.
 
@@ -38,7 +38,7 @@ class Body:
     of_cell: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Scene:
     """The bodies, and for K pairs of them: `first` and `second` (K,), of which `second` is moved by more joints, `margin` (K,) [m], and whether
     one of both stands in the cell (`of_cell`). `at_home` are the pairs of links that touch in the robot's HOME: there it stands, so that it is their

@@ -7,10 +7,11 @@ knows a command by name.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from typing import Any
 
+from yarclang.frozen import frozen
 from yarclang.hir import Origin, Reading, Step, Timing
 from yarclang.units import Kind
 
@@ -62,7 +63,7 @@ class Values(Enum):
         return ("length",) * 3 + ("angle",) * 3
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Arguments:
     """A checked command in SI, as its `build` gets it.
 
@@ -79,7 +80,7 @@ class Arguments:
     avoids: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CommandSpec:
     """One command of the language.
 

@@ -50,9 +50,9 @@ class Coordinator:
         session: the connection to its controller.
         folder: where modules, cells and yarc.toml are looked for.
         tm: longest segment time of what is planned [ms]; None: the robot's.
+        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
         name: what `yarc status` calls it while nothing is under way.
-        cell: the description of what is around the robot, as people call it; None: nothing is said of it.
         simulated: whether the controller is a simulator of our own.
         serves: whether it is there to serve other processes.
         plan: where planning is done; None: in a thread, so that a long program doesn't keep anybody from stopping the robot.
@@ -76,21 +76,20 @@ class Coordinator:
         *,
         folder: Path,
         tm: float | None = None,
+        cell: str | None = None,
         log: Path | None = None,
         name: str = "",
-        cell: str | None = None,
         simulated: bool = False,
         serves: bool = False,
         plan: Planning | None = None,
     ) -> None:
         self.robot = robot
         self.name = name
-        self.cell = cell
         self.simulated = simulated
         self.serves = serves
         self.since = datetime.now().astimezone().isoformat(timespec="seconds")
         self.engine = Engine(robot, session, log, self._bug)
-        self.planner = Planner(robot, folder, tm)
+        self.planner = Planner(robot, folder, tm, cell)
         self.lines = Lines()
         self.names = Names(self.lines, self.planner)
         self.history = History(robot)
@@ -109,6 +108,12 @@ class Coordinator:
         self._subscriptions: list[Subscription] = []
         session.operation.positions_each = POSITIONS_EACH * session.pace
         session.listen(self._hear)
+
+    @property
+    def cell(self) -> str | None:
+        """The path of the cell.toml that all motions keep to; None if only a CELL line can name one."""
+        cell = self.planner.cell
+        return None if cell is None else str(Path(cell.source.name).absolute())
 
     # from beginning to end
 

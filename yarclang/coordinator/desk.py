@@ -28,7 +28,8 @@ from yarclang.coordinator.messages.replies import Reply
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.programs import Loaded, way_to_start
 from yarclang.coordinator.undertaking import Undertaking
-from yarclang.diagnostics import Result
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.pipeline.cells import is_same_file
 from yarclang.pipeline.inputs import Options
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Hold
@@ -210,7 +211,13 @@ class Desk:
         return ended_described(ended, self.client.robot, self._coordinator.state)
 
     async def _load(self, order: orders.Load) -> replies.Loaded:
-        tolerance = order.tolerance
+        tolerance, known = order.tolerance, self._coordinator.cell
+        if order.cell and known and not is_same_file(Path(order.cell), Path(known)):
+            message = f"the robot keeps to the cell {known}, the command line names {order.cell}"
+            conflict = Diagnostic(
+                "Y1373", message, help="leave --cell out, or serve the robot with this cell"
+            )
+            return replies.Loaded(program=None, findings=finding_messages((conflict,)))
         source = Source(
             order.file,
             order.text,
@@ -222,8 +229,8 @@ class Desk:
                 tolerance=None
                 if tolerance is None
                 else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
+                cell=order.cell or known,
             ),
-            order.cell,
             order.source,
             order.approach,
         )

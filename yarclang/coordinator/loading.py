@@ -27,8 +27,7 @@ class Source:
         text: of the program, in the place of the file's; None: the file's.
         first: the index of the command to begin with; None: the first.
         by_steps: whether its commands are wanted one by one.
-        options: robot, start, tolerance, segment time.
-        cell: the description of the surroundings, of a compiled program; None: its program's.
+        options: robot, start, tolerance, segment time, cell.
         program: of a compiled program, the file that it is judged against; None: the one beside it.
         approach: whether the way to its start is wanted as well.
     """
@@ -38,7 +37,6 @@ class Source:
     first: str | None = None
     by_steps: bool = False
     options: Options = field(default_factory=Options)
-    cell: str | None = None
     program: str | None = None
     approach: bool = False
 
@@ -80,7 +78,7 @@ def _judged(source: Source) -> Result[Loaded]:
     read = read_controller_text(source.file)
     if read.value is None:
         return Result(None, read.diagnostics)
-    made = judge_text(read.value, Path(source.file).parent, source.options, source.cell, source.program)
+    made = judge_text(read.value, Path(source.file).parent, source.options, source.program)
     judged = made.value
     if judged is None:
         return Result(None, made.diagnostics)

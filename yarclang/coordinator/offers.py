@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate, CommandCertificate
 from yarclang.coordinator.lines import Lines, Parts, numbered, parts_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors
@@ -18,12 +19,13 @@ from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.checking import settled
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.modules import loader
-from yarclang.pipeline.project import Project, find_project
+from yarclang.pipeline.project import FILE_NAME, Project, find_project
 from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_checked
 from yarclang.robot.kinematics.inverse import branches
 from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
+from yarclang.semantics.context import GivenCell
 from yarclang.semantics.declarations import declared_robot
 from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
@@ -108,15 +110,29 @@ class Planner:
         robot: whose motions they are.
         folder: where the session is at home.
         tm: longest segment time [ms]; None: the robot's.
+        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
     """
 
-    def __init__(self, robot: Robot, folder: Path, tm: float | None = None) -> None:
+    def __init__(self, robot: Robot, folder: Path, tm: float | None = None, cell: str | None = None) -> None:
         self.robot = robot
         self.folder = folder
+        found = find_project(folder)
+        self._project: Project = found.value or Project(folder)
+        load_cell = cell_loader(folder, robot)
+        given = load_cell.given(self._project, cell)
+        told = (*found.diagnostics, *given.diagnostics)
+        around = given.value
+        if has_errors(told):  # nobody knows what is around: every text is refused with these findings
+            around = GivenCell(FILE_NAME, Result(None, told), FILE_NAME, f"repair {FILE_NAME}")
         self._request = Request(
-            robot, tm=tm, load=loader(folder), load_cell=cell_loader(folder, robot), index_needed=False
+            robot, tm=tm, load=loader(folder), load_cell=load_cell, cell=around, index_needed=False
         )
-        self._project: Project = find_project(folder).value or Project(folder)
+
+    @property
+    def cell(self) -> Cell | None:
+        """The cell that all motions keep to; None if only a CELL line can name one."""
+        given = self._request.cell
+        return None if given is None else given.loaded.value
 
     def request(self, start: Array) -> Request:
         """How a text is compiled from where the robot stands (n,) [rad or m]."""

@@ -25,12 +25,12 @@ class Ground:
         folder: where modules, cells and yarc.toml are looked for.
         name: what `yarc status` calls it while nothing is under way.
         tm: longest segment time of what is planned [ms]; None: the robot's.
+        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
         simulated: whether the controller is a simulator of our own.
         serves: whether the coordinator is there to serve other processes.
-        cell: the description of what is around the robot; None: nothing is said of it.
     """
 
     host: str

@@ -47,6 +47,11 @@ class Loaded:
     spans: tuple[tuple[int, int], ...] = ()
 
     @property
+    def around(self) -> Cell | None:
+        """The cell that the program, and the way to its start, keeps to."""
+        return self.plan.program.cell if self.plan is not None else self.cell
+
+    @property
     def name(self) -> str:
         """What people call it."""
         return self.program.name
@@ -121,8 +126,7 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array) -> Way:
         return Way("")
     if loaded.begins_within and job.commands:
         text = text.replace(f"where {job.name} starts", f"where {job.commands[0].title} starts")
-    cell = loaded.plan.program.cell if loaded.plan is not None else loaded.cell
-    made = approach(robot, joints, job.start, cell)
+    made = approach(robot, joints, job.start, loaded.around)
     if made.value is None:
         return Way(text, None, made.diagnostics)
     return Way(text, job_of_compiled(made.value, APPROACH))

@@ -34,9 +34,9 @@ FINDINGS = (
         "Y1373",
         "two-cells",
         "error",
-        "a program and its modules name different cells",
-        "The robot stands in one cell: with two, it would keep clear of the obstacles of only one of them. A module that names a cell works "
-        "in programs with the same file.",
+        "different cells are named for one robot",
+        "The robot stands in one cell: with two, it would keep clear of the obstacles of only one of them. A CELL line, --cell and `cell` in yarc.toml "
+        "each name the cell; if several do, it must be the same file. A module that names a cell works in programs with the same file.",
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from yarclang.frozen import frozen
 from yarclang.source import Span
 from yarclang.syntax.ast import (
     Computed,
@@ -22,7 +23,7 @@ _FRAMES = ("FRAME", "FRAME_QUAT")
 _NAMED = ("LET", "JOINTS", "INPUT", "OUTPUT", "SUB", "USE")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Declared:
     """A declaration: its word (FRAME for both kinds), the name in upper case, its statement, where the name stands."""
 

@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 
 from yarclang.diagnostics import Fix
 from yarclang.findings import Finding
+from yarclang.frozen import frozen
 from yarclang.hir import Origin, Step
 from yarclang.lint.names import Names, names_of
 from yarclang.memory import NO_MEMORY, Memory
@@ -19,7 +20,7 @@ from yarclang.syntax.ast import Module
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Remark:
     """What a rule says of one place: a sentence with its figures, and what to do.
 
@@ -52,7 +53,7 @@ class Surroundings:
         return names_of(self.module)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Rule(Generic[T]):
     """One rule.
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix, suggest
+from yarclang.frozen import frozen
 from yarclang.lint.registry import codes_of, everything
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.lines import code_of
@@ -15,7 +15,7 @@ _COMMENT = re.compile(r"!\s*yarc\s*:\s*ignore\b\s*(\[[^\]]*\]?)?", re.IGNORECASE
 _WORD = re.compile(r"[^\s,\[\]]+")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Suppression:
     """One code in a comment: for which line, where it stands, and how it is taken away."""
 

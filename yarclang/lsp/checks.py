@@ -10,12 +10,12 @@ from pathlib import Path
 from yarclang.diagnostics import Diagnostic, in_order
 from yarclang.findings import SYNTAX
 from yarclang.lsp.documents import Document
-from yarclang.pipeline.cells import check_cell
+from yarclang.pipeline.cells import check_cell, check_project
 from yarclang.pipeline.checking import Checked
 from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.incremental import Analysis, Analyst
 from yarclang.pipeline.inputs import Options, robot_for
-from yarclang.pipeline.project import FILE_NAME, read_project
+from yarclang.pipeline.project import FILE_NAME
 from yarclang.pipeline.sources import NO_TEXTS
 from yarclang.robot.description import read_robot
 from yarclang.robot.library import DESCRIPTION
@@ -90,7 +90,7 @@ class Checks:
         """A cell's file, for the robot that its folder is for; or a robot's, or a project's."""
         name = document.path.name.lower() if document.path else ""
         if name == FILE_NAME:
-            return Checked(in_order(read_project(document.source, document.folder).diagnostics))
+            return Checked(in_order(check_project(document.source, document.folder, self.texts)))
         if name == DESCRIPTION:
             return Checked(in_order(read_robot(document.source, document.folder).diagnostics))
         robot = robot_for(document.folder, self._options.robot, self.texts).value

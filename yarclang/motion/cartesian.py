@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.inverse import follow
@@ -43,7 +43,7 @@ class FramePath(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class CartesianPath:
     """A path of the moving frame as the arm goes along it, in one configuration.
 

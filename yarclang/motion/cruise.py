@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve
@@ -28,7 +28,7 @@ _FINEST = 0.002
 """Segments aren't made shorter than this [s] for the sake of short blends."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CruiseBroken:
     """The speed can't be held: which limit it breaks, as in `TooFast`, or that the way is too short to reach it (None).
 

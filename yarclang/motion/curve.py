@@ -14,17 +14,16 @@ first differences over h: limits of velocity, acceleration and jerk hold at all 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_SEGMENTS = 4
 """With fewer there is no control point left between the three of the start and the three of the end."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Curve:
     """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s].
 

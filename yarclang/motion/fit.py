@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve, knot_values
 from yarclang.motion.limits import Bounds, Demand, Grid
 from yarclang.motion.path import Path
@@ -37,7 +38,7 @@ MOST_SEGMENTS = 100_000
 """A motion of more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no bound."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TooFast:
     """A limit is broken in the given time.
 
@@ -53,7 +54,7 @@ class TooFast:
     shortest: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NotHeld:
     """The path can't be held: what it misses by [m], [rad], at the shortest segments."""
 
@@ -62,7 +63,7 @@ class NotHeld:
     segment: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TooLong:
     """The motion would need more segments than are ever planned: at least `duration` [s]."""
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from yarclang.collision.zones.workspace import Watch
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.curve import FEWEST_SEGMENTS
 from yarclang.motion.zones import HEADROOM as ZONE_HEADROOM
@@ -28,7 +29,7 @@ HEADROOM: dict[LimitKind, float] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Demand:
     """What a limit asks of the segment time: `segment` [s] is the least at which control points keep it.
 
@@ -43,7 +44,7 @@ class Demand:
     watch: Watch | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Bounds:
     """The limits of a robot, less the headroom.
 
@@ -121,7 +122,7 @@ def bounds_of(robot: Robot) -> Bounds:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Grid:
     """The segment times that the controller takes [s]: from `smallest` to `largest` in steps of `quantum`."""
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.curve import solve_tridiagonal
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class NaturalSpline:
     """`knots` (w,) from 0 to 1, `values` (w, d) there, `bends` (w, d) second derivatives there, none at the ends."""
 

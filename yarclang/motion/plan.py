@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array, Program
 from yarclang.motion.curve import Curve
 from yarclang.motion.path import Path
@@ -14,7 +15,7 @@ from yarclang.motion.profile import load_profile
 from yarclang.robot.model import Robot
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class PlannedMotion:
     """One motion: step number `step` of the program.
 

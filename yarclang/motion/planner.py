@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Stop
 from yarclang.memory import NO_MEMORY, Memory, recall
 from yarclang.motion import messages
@@ -31,7 +32,7 @@ from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Settings:
     """How to plan: the segment times that the controller takes, the tolerance, and what was planned before."""
 

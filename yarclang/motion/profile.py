@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -12,6 +11,7 @@ from pkgutil import iter_modules
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion import profiles
 from yarclang.motion.limits import Bounds
@@ -25,7 +25,7 @@ NO_FORM = np.zeros((1, 0), dtype=np.int64)
 """The forms of a law that leaves nothing open: one, and empty."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Law:
     """A law of motion along one path.
 
@@ -45,14 +45,14 @@ class Law:
     shortest: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NoLaw:
     """The place `s` of a path, from 0 to 1, at which the search for a law gives up."""
 
     s: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Profile:
     """A law of motion for every path.
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic
+from yarclang.frozen import frozen
 from yarclang.hir import (
     Action,
     ArcMove,
@@ -46,7 +47,7 @@ from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Route:
     """The path of one motion, and the joint positions (k, n) [rad or m] that were chosen for its way-points."""
 
@@ -54,7 +55,7 @@ class Route:
     waypoints: Array
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Ways:
     """A WHEN that isn't ended: where the robot stood before it, and where its first way ends, once there is a second."""
 
@@ -64,7 +65,7 @@ class _Ways:
     parted: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Stand:
     """What is known between two steps: where the robot stands (None: nowhere known), the WHENs around, and the last motion whose
     solution was chosen and decides where the robot stands (None: where it stands was written). `flange` is where the flange stands,

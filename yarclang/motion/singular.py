@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.robot.kinematics.singularity import smallest_singular_values
@@ -19,7 +18,7 @@ _COSTS = 2.0
 _STILL = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Nearest:
     """The place `s` of a path that is nearest to a singularity: the smallest singular value there, and the `joint` that turns most,
     by `rate` [rad or m per m of the way, or per rad of a pure turn].

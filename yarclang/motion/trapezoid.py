@@ -5,11 +5,10 @@ A form is (blend, ramp): the segments of speeding up (and of slowing down), and 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_IN_BLEND = 2
@@ -57,7 +56,7 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
     return _of_accelerations((rise - rise[::-1]) / cruise)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Ramp:
     """Speeding up, or slowing down: it begins at knot `start`, a whole number or not, takes `width` segments, and its acceleration rises in
     `rise` of them and falls in as many.

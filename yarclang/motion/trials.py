@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.curve import knot_values, middle_values, through_knots
 from yarclang.motion.limits import Bounds, Demand
@@ -29,7 +30,7 @@ MANY_SEGMENTS = 24
 """So many that the form of a law hardly depends on their number any more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Trial:
     """Control points for a number of segments and a form of the law, and what the limits ask of them."""
 

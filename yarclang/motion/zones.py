@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from yarclang.collision.zones.moved import Whole
 from yarclang.collision.zones.speed import fastest_inside, may_enter
 from yarclang.collision.zones.watched import Moving, tool_frame
 from yarclang.collision.zones.workspace import SLACK, Watch, watches_of
+from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, PoseSplineMove, SplineMove
 from yarclang.robot.model import Robot
 from yarclang.transforms import constant
@@ -37,7 +37,7 @@ _LARGER = 2.0 * SLACK
 """Zones count as larger by this [m]: the printed curve may enter them where this one doesn't."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class SlowZones:
     """What slow zones watch while a motion is under way."""
 

@@ -1,8 +1,9 @@
-"""Where cells are: the path of a CELL line counts from the file that it stands in."""
+"""Where cells are: the path of a CELL line counts from the file that it stands in, that of yarc.toml from its folder."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from yarclang.cell.description import Names, load_cell, read_cell
@@ -10,42 +11,144 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.pipeline.kept import cell_kept
-from yarclang.pipeline.sources import NO_TEXTS
+from yarclang.pipeline.project import FILE_NAME, Project, find_project, read_project
+from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.robot.model import Robot
+from yarclang.semantics.context import GivenCell
 from yarclang.semantics.naming import is_word
 from yarclang.source import SourceFile
 
 SUFFIX = ".toml"
 
 
-def cell_loader(
-    folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS, memory: Memory = NO_MEMORY
-) -> Callable[[str, SourceFile | None], Result[Cell]]:
-    """How cells of a program in `folder` are read: the path of a CELL line, and the module that it stands in (None: the program).
+class CellLoader:
+    """Reads the cells of a program: of its CELL lines, and the given one.
 
-    The same file gives the same cell, whatever paths lead to it. `texts` are files that are open somewhere, as for modules.
+    The same file gives the same result, whatever paths lead to it.
+
+    Args:
+        folder: of the program.
+        robot: whose joint values the cells have.
+        texts: files that are open somewhere, as for modules.
+        memory: keeps what was read.
     """
-    known: dict[Path, Result[Cell]] = {}
 
-    def load(path: str, module: SourceFile | None) -> Result[Cell]:
-        place = (folder if module is None else Path(module.name).parent) / path
-        try:
-            key = place.resolve()
-        except (OSError, ValueError, RuntimeError):  # a name that can't be one, links in a circle
-            key = place
-        if key not in known:
-            text, names = texts.get(place.absolute()) or texts.get(key), Names(is_word, robot)
+    def __init__(
+        self,
+        folder: Path,
+        robot: Robot,
+        texts: Mapping[Path, SourceFile] = NO_TEXTS,
+        memory: Memory = NO_MEMORY,
+    ) -> None:
+        self._folder = folder
+        self._robot = robot
+        self._texts = texts
+        self._memory = memory
+        self._known: dict[Path, Result[Cell]] = {}
+
+    def __call__(self, path: str, module: SourceFile | None) -> Result[Cell]:
+        """Read the cell of a CELL line.
+
+        Args:
+            path: as the line names it.
+            module: the module that the line stands in; None: the program.
+        """
+        return self.at((self._folder if module is None else Path(module.name).parent) / path)
+
+    def at(self, place: Path) -> Result[Cell]:
+        """Read the cell of a file; its findings name the file as it was asked for first."""
+        key = _file(place)
+        if key not in self._known:
+            text = self._texts.get(place.absolute()) or self._texts.get(key)
+            names = Names(is_word, self._robot)
 
             def read() -> Result[Cell]:
                 return load_cell(place, names) if text is None else read_cell(text, place.parent, names)
 
-            # findings name the file as it was asked for
-            known[key] = cell_kept(memory, place, robot, None if text is None else text.text, read)
-        return known[key]
+            saved = None if text is None else text.text
+            self._known[key] = cell_kept(self._memory, place, self._robot, saved, read)
+        return self._known[key]
 
-    return load
+    def given(self, project: Project, named: str | None) -> Result[GivenCell]:
+        """Read the cell that a program keeps to even without a CELL line.
+
+        Args:
+            project: whose `cell` holds without `named`.
+            named: by the command line; None: nothing is.
+
+        Returns:
+            None without findings if there is no such cell; None with an error if both name one and it isn't the same file. What is wrong
+            with the cell's own file is left to `GivenCell.loaded`.
+        """
+        if project.cell is None and named is None:
+            return Result(None)
+        if project.cell is None:
+            assert named is not None  # one of the two is
+            return Result(GivenCell(named, self.at(Path(named)), "the command line", "leave --cell out"))
+        own, span = project.folder / project.cell, project.span_of("cell")
+        remedy = f"change cell in {FILE_NAME}"
+        if named is not None and not is_same_file(own, Path(named)):
+            message = f"{FILE_NAME} names the cell {project.cell}, the command line names {named}"
+            help_ = f"leave --cell out, or {remedy}"
+            return Result(None, (Diagnostic("Y1373", message, project.source, span, help_),))
+        place = own if self._folder.is_absolute() else _from_here(own)
+        return Result(GivenCell(str(place), self.at(place), FILE_NAME, remedy, project.source, span))
+
+
+def cell_loader(
+    folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS, memory: Memory = NO_MEMORY
+) -> CellLoader:
+    """Return what reads the cells of a program in `folder`."""
+    return CellLoader(folder, robot, texts, memory)
+
+
+def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) -> Result[GivenCell]:
+    """Read the cell that is named, else that of a project: for work that has no program yet.
+
+    Args:
+        folder: where the work is done.
+        project: of that folder.
+        robot: whose joint values the cell has.
+        named: by the command line; None: nothing is.
+
+    Returns:
+        None without errors if there is no cell; None with errors if it can't be used.
+    """
+    found = CellLoader(folder, robot).given(project, named)
+    given = found.value
+    if given is None:
+        return found
+    told = in_order(given.findings)
+    return Result(None if has_errors(told) else given, told)
+
+
+def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenCell]:
+    """Read the cell of a session in a folder, as `cell_for`, with the folder's yarc.toml."""
+    project = find_project(folder)
+    if project.value is None:
+        return Result(None, project.diagnostics)
+    return cell_for(folder, project.value, robot, named)
+
+
+def is_same_file(one: Path, other: Path) -> bool:
+    """Return True if two paths lead to the same file, or would if it were there."""
+    return _file(one) == _file(other)
+
+
+def _file(place: Path) -> Path:
+    """Return the file that a path leads to, or the path itself if it leads to none: a name that can't be one, links in a circle."""
+    try:
+        return place.resolve()
+    except (OSError, ValueError, RuntimeError):
+        return place
+
+
+def _from_here(place: Path) -> Path:
+    """Return a path as seen from the working folder, if it is in there."""
+    here = Path.cwd()
+    return place.relative_to(here) if place.is_relative_to(here) else place
 
 
 def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> tuple[Diagnostic, ...]:
@@ -59,15 +162,40 @@ def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> 
     return _whole(read_cell(source, folder, Names(is_word, robot)), robot)
 
 
-def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ...]:
-    """The findings of a cell.toml, or of a robot.toml, by itself.
+def check_project(
+    source: SourceFile, folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS
+) -> tuple[Diagnostic, ...]:
+    """Check the text of a yarc.toml by itself, and that the cell that it names can be read.
 
     Args:
-        path: the file; one that is called robot.toml is a robot's.
+        source: the text.
+        folder: where it stands.
+        texts: files that are open somewhere: a cell among them needs no file.
+    """
+    read = read_project(source, folder)
+    project = read.value
+    if project is None or project.cell is None or (folder / project.cell).absolute() in texts:
+        return read.diagnostics
+    cell = load_cell(folder / project.cell, Names(is_word))
+    missing = [one for one in cell.diagnostics if one.source is None]
+    return (
+        *read.diagnostics,
+        *(replace(one, source=source, span=project.span_of("cell")) for one in missing),
+    )
+
+
+def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ...]:
+    """Check a cell.toml, a robot.toml or a yarc.toml by itself.
+
+    Args:
+        path: the file; one that is called robot.toml is a robot's, one that is called yarc.toml a project's.
         robot_name: the robot for which joint values of a cell are checked; without one, all is checked that holds for any.
     """
     if Path(path).name.lower() == DESCRIPTION:
         return load_robot(path).diagnostics
+    if Path(path).name == FILE_NAME:
+        read = read_source(path)
+        return read.diagnostics if read.value is None else check_project(read.value, Path(path).parent)
     robot: Robot | None = None
     if robot_name is not None:
         found = load_robot(robot_name)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 
 from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
 from yarclang.findings import Severity
+from yarclang.frozen import frozen
 from yarclang.hir import Program
 from yarclang.lint.engine import Remarks, remarks
 from yarclang.lint.engine import told as told_by_rules
@@ -27,7 +28,7 @@ from yarclang.progress import tell
 from yarclang.source import SourceFile
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Begun:
     """A program for a robot as far as it is checked before its motions are planned.
 
@@ -48,7 +49,7 @@ class Begun:
         return self.opened.module.source
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Checked:
     """What was found in a file, and what the stages made of it, as far as they came.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,18 +14,21 @@ from yarclang.certify.header import header_of
 from yarclang.certify.judge import certify, certify_text
 from yarclang.certify.text import Unreadable
 from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import Program
 from yarclang.identity import fingerprint
 from yarclang.motion.plan import MotionPlan
-from yarclang.pipeline.cells import cell_loader
+from yarclang.pipeline.cells import cell_for, is_same_file
 from yarclang.pipeline.inputs import Opened, Options, open_program, tolerance_of
 from yarclang.pipeline.origins import start_values
+from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import LARGEST_DATA, name_of, read_content
 from yarclang.pipeline.stages import check_program, claims_of, plan_checked, plan_module
 from yarclang.pmac.header import Header
 from yarclang.pmac.seal import is_sealed
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
+from yarclang.semantics.context import GivenCell
 from yarclang.source import SourceFile, Span
 
 COMPILED = ".pmc"
@@ -43,7 +46,7 @@ _TOLERANCES = ("Y1159", "Y1160", "Y1161", "Y1166")
 AGAIN = "it isn't as yarcc wrote it: compile the program again"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JudgedText:
     """A controller text that was judged.
 
@@ -76,7 +79,6 @@ def judge_text(
     text: SourceFile,
     folder: Path,
     options: Options,
-    cell: str | None = None,
     program: str | None = None,
 ) -> Result[JudgedText]:
     """Judge a controller text: against the program beside it, or, if none is there, for all that needs no program.
@@ -84,25 +86,34 @@ def judge_text(
     Args:
         text: that yarcc has written.
         folder: where the text is, and where its program is looked for.
-        options: the robot and the tolerance that were asked for.
-        cell: the description of the surroundings, for a text whose program names none.
+        options: the robot, the tolerance and the cell that were asked for; without a cell that of the folder's yarc.toml holds.
         program: the program's file, if somebody says which it is.
 
     Returns:
         None if the text may not be carried out, with the errors; a value may have notes and warnings.
     """
-    opened = _opened(text, options.robot, cell)
+    project = find_project(folder)
+    if project.value is None:
+        return Result(None, project.diagnostics)
+    opened = _opened(text, options.robot, options.cell, folder, project.value)
     if opened.value is None:
         return Result(None, opened.diagnostics)
-    header, robot, around = opened.value
+    header, robot, given = opened.value
     known = _program_of(text, header, folder, robot, options, program)
     told = (*opened.diagnostics, *known.diagnostics)
     if known.value is None:
         return Result(None, told)
     if isinstance(known.value, str):
+        around = None if given is None else given.loaded.value
         return _alone(text, robot, around, known.value, told)
     plan = known.value
-    meant = plan.program if plan.program.cell is not None else replace(plan.program, cell=around)
+    meant = plan.program
+    if given is not None:  # the program may be elsewhere, where nothing or something else is around
+        if meant.cell is not None and not is_same_file(Path(meant.cell.source.name), Path(given.path)):
+            named = meant.cell.source.name
+            message = f"the program keeps to the cell {named}, {given.giver} names {given.path}"
+            return Result(None, (*told, Diagnostic("Y1373", message, given.source, given.span, given.remedy)))
+        meant = replace(meant, cell=given.loaded.value)
     tolerance = tolerance_of(robot, options.tolerance) or robot.tolerance
     does_the_same = fingerprint(plan.program) == header.program_fingerprint
     judged = certify(text.text, meant, robot, tolerance, claims_of(plan), any_line=does_the_same)
@@ -136,10 +147,11 @@ def judge_alone(text: SourceFile, robot: str | None, cell: str | None) -> Result
         robot: a robot's name or path; None: the header's.
         cell: the description of the surroundings, if there is one.
     """
-    opened = _opened(text, robot, cell)
+    opened = _opened(text, robot, cell, Path(), Project(Path()))
     if opened.value is None:
         return Result(None, opened.diagnostics)
-    _, found, around = opened.value
+    _, found, given = opened.value
+    around = None if given is None else given.loaded.value
     return _alone(text, found, around, "no program was given", opened.diagnostics)
 
 
@@ -151,9 +163,9 @@ def _alone(
 
 
 def _opened(
-    text: SourceFile, name: str | None, cell: str | None
-) -> Result[tuple[Header, Robot, Cell | None]]:
-    """What a text says of itself, its robot, and what is around it; nothing of the text is judged yet."""
+    text: SourceFile, name: str | None, cell: str | None, folder: Path, project: Project
+) -> Result[tuple[Header, Robot, GivenCell | None]]:
+    """Read what a text says of itself, its robot, and what is around it; nothing of the text is judged yet."""
     if not text.text.startswith(FIRST_WORDS):
         message = "this isn't a text that yarcc has written"
         help_ = "give the program itself, or what yarcc made of it"
@@ -164,13 +176,9 @@ def _opened(
     found = robot_of(preamble.header, text, name)
     if found.value is None:
         return Result(None, found.diagnostics)
-    if cell is None:
-        return Result((preamble.header, found.value, None), found.diagnostics)
-    around = cell_loader(Path(), found.value)(cell, None)
-    told = (*found.diagnostics, *around.diagnostics)
-    if around.value is None:
-        return Result(None, told)
-    return Result((preamble.header, found.value, around.value), told)
+    given = cell_for(folder, project, found.value, cell)
+    told = (*found.diagnostics, *given.diagnostics)
+    return Result(None if has_errors(told) else (preamble.header, found.value, given.value), told)
 
 
 def _unreadable(place: Unreadable, text: SourceFile) -> Diagnostic:
@@ -272,9 +280,9 @@ def _program_of(
             count = sum(one.is_error for one in planned.diagnostics)
             errors = f"{count} error{'s' * (count != 1)}"
             message = f"{place.name}, the program beside this text, has {errors}: the text can't be proved against it"
-            return Result(
-                None, (Diagnostic("Y1192", message, text, help=f"yarc check {place.name} shows them"),)
-            )
+            told = Diagnostic("Y1192", message, text, help=f"yarc check {place.name} shows them")
+            conflicts = (one for one in planned.diagnostics if one.code == "Y1373")
+            return Result(None, (told, *conflicts))
         if planned.value is not None:
             return Result(planned.value)
     return Result(f"{folder / header.source}, the program, isn't there")

@@ -5,7 +5,6 @@ It is read by the certificate's own reader, from the text alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from yarclang.certify.read import read
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
 from yarclang.certify.unsourced import start_of
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
 from yarclang.robot.model import Array, Robot
@@ -23,7 +23,7 @@ from yarclang.units import MS
 Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Act:
     """What one command does.
 
@@ -45,7 +45,7 @@ class Act:
         return f"{self.place} {self.name}" if self.place else self.name
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Executed:
     """All that a text does, in order, from joint positions `start` (n,) [rad or m]."""
 

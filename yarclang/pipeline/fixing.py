@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.findings import SYNTAX
+from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.checking import Checked
@@ -25,7 +26,7 @@ _SAME = 1e-9
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Fixed:
     """A text with its fixes applied, what is left to say of it, and the titles of the fixes."""
 

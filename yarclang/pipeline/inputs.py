@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 import numpy as np
 
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.pipeline.cells import cell_loader
@@ -28,10 +29,10 @@ from yarclang.syntax.parse import parse
 from yarclang.units import DEG, MM
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Options:
     """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
-    `tolerance` in mm and deg (None: the robot's own). `texts` are files that are open somewhere, by their absolute
+    `tolerance` in mm and deg (None: the robot's own), `cell` the path of a cell.toml. `texts` are files that are open somewhere, by their absolute
     paths: modules, cells and robots are read from there before what is saved. `memory` keeps what is worked out, for the
     next time (pipeline/incremental.py makes one). `enough` is the number of lines in loops and SUBs after which a first look has seen enough (None: all).
     """
@@ -44,9 +45,10 @@ class Options:
     texts: Mapping[Path, SourceFile] = field(default_factory=lambda: NO_TEXTS)
     memory: Memory = NO_MEMORY
     enough: int | None = None
+    cell: str | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Opened:
     """A parsed program and the request to compile it."""
 
@@ -97,8 +99,10 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
     settings = Collector(found_in.source or source)
     fallback = _start(robot, found_in.start, "start", settings, found_in.span_of("start"))
     findings.found += settings.found
-    diagnostics = (*diagnostics, *findings.found)
-    if has_errors(findings.found):
+    load_cell = cell_loader(folder, robot, options.texts, options.memory)
+    cell = load_cell.given(found_in, options.cell)
+    diagnostics = (*diagnostics, *findings.found, *cell.diagnostics)
+    if has_errors((*findings.found, *cell.diagnostics)):
         return Result(None, diagnostics)
     request = Request(
         robot=robot,
@@ -108,7 +112,8 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         tolerance=tolerance_of(robot, options.tolerance),
         target=options.target,
         load=loader(folder, options.texts),
-        load_cell=cell_loader(folder, robot, options.texts, options.memory),
+        load_cell=load_cell,
+        cell=cell.value,
         memory=options.memory,
         enough=options.enough,
     )

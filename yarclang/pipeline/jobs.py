@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from yarclang.certify.assignments import assignments_of
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
@@ -26,7 +27,7 @@ _SHORTEST_BUFFER = 1.0
 """What a rotary holds at least [s]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Papers:
     """What goes with a job into its log: the program's text and the certificate as JSON."""
 
@@ -116,7 +117,7 @@ def _has_barriers(content: ControllerText) -> bool:
     return any(isinstance(item, Barred) for item in content.course)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Making:
     """What all parts of a text share: when each move line's motion begins [s], the commands with their times; by their lines, what arms the
     guard, sets a variable, and stands still [s].

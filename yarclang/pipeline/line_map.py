@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from yarclang.certify.header import header_of
 from yarclang.certify.text import Unreadable
+from yarclang.frozen import frozen
 
 _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")
 _GUARD = re.compile(r"P8100=([01])")
 _SPLINE = "SPLINE1"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Listed:
     """A command as the header lists it; `first` and `last` are its move lines, None for one without."""
 
@@ -35,7 +36,7 @@ class Listed:
         return f"{self.index} {self.name}" if self.index else self.name
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Stretch:
     """Neighbouring lines `first` to `last` of the text with one purpose, `what`, and the command that they belong to, if any."""
 
@@ -45,7 +46,7 @@ class Stretch:
     what: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LineMap:
     """What each line of a text is for.
 

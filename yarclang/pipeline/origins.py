@@ -7,11 +7,11 @@ folder, is that program if it does the same; comments and layout may have change
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from yarclang.certify.header import header_of
 from yarclang.certify.text import Unreadable
+from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.inputs import Options, open_program
@@ -23,7 +23,7 @@ from yarclang.robot.model import Robot
 _AXIS = re.compile(r"[A-Z](-?\d+(?:\.\d+)?)")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Origins:
     """Where the commands of a text come from: `program`, or, where it is None, `missing`: why it isn't known."""
 
@@ -50,7 +50,9 @@ class Origins:
         return self.of(listed.index, listed.name, listed.source_line)
 
 
-def origins_of_text(text: str, folder: Path, robot: Robot, source: str | None = None) -> Origins:
+def origins_of_text(
+    text: str, folder: Path, robot: Robot, source: str | None = None, cell: str | None = None
+) -> Origins:
     """Look for the program of a controller text.
 
     Args:
@@ -58,6 +60,7 @@ def origins_of_text(text: str, folder: Path, robot: Robot, source: str | None = 
         folder: where it is.
         robot: whom it is for.
         source: the program's file, if somebody says which it is.
+        cell: the path of a cell.toml, if the program was compiled with one.
     """
     preamble = header_of(text)
     if isinstance(preamble, Unreadable):
@@ -71,7 +74,7 @@ def origins_of_text(text: str, folder: Path, robot: Robot, source: str | None = 
         return Origins(None, f"{tried[0]}, the program, isn't there")
     for place in places:
         for start in (None, start_values(header, robot)):
-            program = _program(str(place), robot, start)
+            program = _program(str(place), robot, start, cell)
             if program is not None and fingerprint(program) == header.program_fingerprint:
                 return Origins(program)
     return Origins(
@@ -79,9 +82,9 @@ def origins_of_text(text: str, folder: Path, robot: Robot, source: str | None = 
     )
 
 
-def _program(path: str, robot: Robot, start: tuple[float, ...] | None) -> Program | None:
+def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str | None) -> Program | None:
     """A program as it is checked for a robot; None where it can't be read."""
-    opened = open_program(path, Options(robot=str(robot.folder / "robot.toml"), start=start))
+    opened = open_program(path, Options(robot=str(robot.folder / "robot.toml"), start=start, cell=cell))
     if opened.value is None:
         return None
     return check_program(opened.value.module, opened.value.request).value

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.hir import Else, EndWhen, Gap, Program
 from yarclang.syntax.words import LONGEST_INDEX
 
 _PART = re.compile(rf"P([0-9]{{1,{LONGEST_INDEX}}})(?:\(([^()]*)\))?", re.IGNORECASE)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Part:
     """One part of a place: `P0020(I=2)` is command 20 in a loop with I at 2."""
 

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.frozen import frozen
 from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.source import SourceFile, Span
 from yarclang.toml.places import find_places
 
 FILE_NAME = "yarc.toml"
-_KEYS = ("robot", "start", "teach", "findings")
+_KEYS = ("robot", "cell", "start", "teach", "findings")
 _LEVELS = ("off", "note", "warning", "error")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Project:
-    """The settings of a yarc.toml: a robot's name or path (relative to `folder`), where the
+    """The settings of a yarc.toml: a robot's name or path (relative to `folder`), the path of a cell.toml that all its programs keep to (likewise), where the
     robot stands [deg, mm for prismatic joints], whether its programs are for teaching at reduced speed, and how severe
     findings are by their codes (`off`: they aren't told).
     """
@@ -28,6 +29,7 @@ class Project:
     folder: Path
     robot: str | None = None
     start: tuple[float, ...] | None = None
+    cell: str | None = None
     source: SourceFile | None = None
     teach: bool = False
     levels: Mapping[str, str] = field(default_factory=dict)
@@ -82,6 +84,13 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
     robot, start = data.get("robot"), data.get("start")
     if robot is not None and (not isinstance(robot, str) or not robot.strip()):
         say("robot", "robot is a name or a path, in quotes", 'write robot = "INDUSTRIAL6"')
+    cell = data.get("cell")
+    if cell is not None and (not isinstance(cell, str) or not cell.strip()):
+        say(
+            "cell",
+            f"cell is the path of a file, seen from the folder of {FILE_NAME}, in quotes",
+            'write cell = "cell.toml"',
+        )
     if start is not None and not (
         isinstance(start, list) and all(type(value) in {int, float} for value in start)
     ):
@@ -97,7 +106,7 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
     if findings:
         return Result(None, tuple(findings))
     given = tuple(map(float, start)) if start is not None else None
-    return Result(Project(folder, robot, given, source, teach, levels))
+    return Result(Project(folder, robot, given, cell, source, teach, levels))
 
 
 def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import PurePath
@@ -18,6 +18,7 @@ from yarclang.certify.certificate import Certificate
 from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
+from yarclang.frozen import frozen
 from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
@@ -32,19 +33,19 @@ from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
-from yarclang.semantics.context import Context
+from yarclang.semantics.context import Context, GivenCell
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 from yarclang.units import MS
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Request:
     """What a door asks for besides the program.
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
-    the modules that the program uses, `load_cell` its cell. `index_needed` says whether a command must have an index. `memory`
+    the modules that the program uses, `load_cell` its cell; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
     keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough.
     """
 
@@ -56,12 +57,13 @@ class Request:
     target: Target = "rotary"
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
+    cell: GivenCell | None = None
     index_needed: bool = True
     memory: Memory = NO_MEMORY
     enough: int | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Compiled:
     """A compiled program: the text and all that led to it."""
 
@@ -85,6 +87,7 @@ def context_of(request: Request) -> Context:
         request.fallback_start,
         request.load,
         request.load_cell,
+        request.cell,
         request.index_needed,
         request.memory,
         request.enough,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
+from yarclang.frozen import frozen
 from yarclang.pmac.program import Target
 
 LOADING: Mapping[Target, str] = MappingProxyType(
@@ -22,7 +22,7 @@ UNSEALED = "-"
 """Stands in place of a certificate or a seal that isn't made yet."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Header:
     """Facts about a controller text, for people and for whoever judges the text. Nothing in it is trusted: the judge compares or ignores it.
 

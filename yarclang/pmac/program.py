@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
+
 Target = Literal["rotary", "prog"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SegmentTime:
     """TM: the segment time of the moves that follow [ms], exactly as the controller keeps it."""
 
     milliseconds: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Assignment:
     """A variable takes a value when the controller gets there; the motion doesn't mind.
 
@@ -31,14 +32,14 @@ class Assignment:
     in_step: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rest:
     """DWELL: the sequence ends, and the robot stands for so long [ms]; what follows is calculated behind it."""
 
     milliseconds: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Stand:
     """The robot stands at `point` (axes,) [axis units]: a slow RAPID there, which is no motion if it does, and SPLINE1."""
 
@@ -48,7 +49,7 @@ class Stand:
 BarrierKind = Literal["wait", "hold", "when", "else", "end"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Barrier:
     """Where the program may not go on by itself: it waits for an input or the operator, or its ways part or meet.
 
@@ -65,7 +66,7 @@ class Barrier:
     label: str = ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Moves:
     """Move lines of one command: `values` (k, axes) in axis units, rounded to the printed decimals."""
 
@@ -76,7 +77,7 @@ class Moves:
 Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Command:
     """What the map in the header says of a command of the program.
 
@@ -92,7 +93,7 @@ class Command:
     any_jerk: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class PmacProgram:
     """All that the text says.
 

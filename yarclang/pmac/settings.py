@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.pmac.variables import ARMED
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class IVariable:
     """An I-variable, its value as it is printed, and what it is for."""
 
@@ -22,7 +22,7 @@ class IVariable:
         return f"{self.name}={self.value} ; {self.remark}"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AxisDefinition:
     """A motor's position in counts as a sum of axes and an offset, such as `2.5X-3.0Y+100.0`."""
 
@@ -35,7 +35,7 @@ class AxisDefinition:
         return f"#{self.motor}->{self.terms}"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MDefinition:
     """An M-variable and the register that it stands for."""
 
@@ -48,7 +48,7 @@ class MDefinition:
         return f"{self.variable}->{self.address}"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Plc:
     """A PLC program: its number, and the statements that a listing of it shows."""
 
@@ -61,7 +61,7 @@ class Plc:
         return (f"OPEN PLC {self.number} CLEAR", *self.listing, "CLOSE")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ControllerSettings:
     """Everything that a controller is told once about a robot.
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container
-from dataclasses import dataclass
+
+from yarclang.frozen import frozen
 
 ARMED = "P8100"
 """1 while a rotary program wants its buffer guarded, 2 after the guard has held the motion, else 0."""
@@ -58,7 +59,7 @@ _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 """Variables that yarclang itself uses: the guard's, and the motors' positions."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SignalVariable:
     """The variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy."""
 

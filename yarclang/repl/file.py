@@ -27,13 +27,19 @@ class LoadedFile:
     commands: tuple[str, ...]
 
 
-def load_file(path: Path, robot: Robot, stands: Array) -> Result[LoadedFile]:
+def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Result[LoadedFile]:
     """Read and check a program.
+
+    Args:
+        path: of the file.
+        robot: that it must be for.
+        stands: (n,) where it begins unless it says START [rad or m].
+        cell: the path of the cell.toml that the session keeps to, and the program with it.
 
     Returns:
         None where a finding forbids to work with it; what only planning tells isn't asked here.
     """
-    opened = open_here(Source(str(path), options=Options(robot=str(robot.folder))), stands)
+    opened = open_here(Source(str(path), options=Options(robot=str(robot.folder), cell=cell)), stands)
     if opened.value is None:
         return Result(None, opened.diagnostics)
     module = opened.value.module

@@ -14,17 +14,17 @@ blanks, or give a call as an example:
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import PurePath
 from textwrap import wrap
 
+from yarclang.frozen import frozen
 from yarclang.syntax.ast import FrameName, Module, Parameter, Statement, Value
 
 WIDTH = 96
 """Columns of a text."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ParameterText:
     """A parameter of a SUB: as in the head, `{AT}` or `T (s)`, and what the comment says of it."""
 
@@ -32,7 +32,7 @@ class ParameterText:
     meaning: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SubText:
     """A SUB: what it does, the parameters of its head in their order, and a call.
 
@@ -51,7 +51,7 @@ class SubText:
         return " ".join((self.name, *(one.name for one in self.parameters)))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ModuleText:
     """A module: what it is for, in paragraphs, and its SUBs."""
 

@@ -6,10 +6,9 @@ constant matrix. The instants are the last index: a step is a few operations on 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain, Dynamics
 
@@ -89,7 +88,7 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Links:
     """The constants of an arm: of each joint `step` (n, 3, 3), the turn into its frame from the one before, and `shift` (n, 3), where it is there; of what it moves
     `mass` (n,), `center` (n, 3) and `inertia` (n, 3, 3) in its frame. `turn` and `slide` are about and along z, per unit of joint position.

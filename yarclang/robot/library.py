@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from yarclang.frozen import frozen
 from yarclang.named import by_name
 
 DESCRIPTION = "robot.toml"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RobotSummary:
     """A robot of the standard library; `size` is its number of joints."""
 

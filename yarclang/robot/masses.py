@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.link_shapes import link_places, placed_at
 from yarclang.robot.model import Array, Chain, Dynamics, Tool
 from yarclang.robot.urdf import Joint, Urdf
@@ -16,7 +16,7 @@ GRAVITY = 9.81
 """Along the negative z axis of the URDF's root, if robot.toml doesn't say more [m/s^2]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Lump:
     """A body that `joint` joints move: `mass` [kg], `center` (3,) in {B} [m], `inertia` (3, 3) about it [kg m^2]."""
 

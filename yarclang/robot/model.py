@@ -7,13 +7,13 @@ one entry a joint, from the base to the flange.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.shapes import Shape
 from yarclang.units import DEG, MM
 
@@ -24,7 +24,7 @@ REDUCED_SPEED = 250.0 * MM
 JointKind = Literal["revolute", "prismatic", "continuous"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Chain:
     """The serial chain from {B} to {FLANGE}, as a product of exponentials.
 
@@ -48,7 +48,7 @@ class Chain:
         return prismatic
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Limits:
     """Joint limits (n,) each: position from `lower` to `upper` [rad or m] (infinite where there is none),
     and the largest velocity, acceleration, jerk, and acceleration of an emergency stop.
@@ -62,7 +62,7 @@ class Limits:
     stop_acceleration: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Actuation:
     """Motor positions from joint positions, the paper's eq. 5: counts = K J q + a0.
 
@@ -77,7 +77,7 @@ class Actuation:
     velocity: Array
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Controller:
     """How the robot hangs on its controller, and the controller's own settings.
 
@@ -112,7 +112,7 @@ class Controller:
         return 3.0 * (self.i8 + 1) * self.servo_period
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tolerance:
     """How far the executed path may be from the programmed one."""
 
@@ -122,7 +122,7 @@ class Tolerance:
     """[rad], of the moving frame, and of revolute joints"""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class LinkShape:
     """A collision shape of a link: `base_from_shape` (4, 4) [m] is where it is with all joints at zero.
 
@@ -135,7 +135,7 @@ class LinkShape:
     shape: Shape
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ToolShape:
     """A shape of a tool, and where it is on the flange: `flange_from_shape` (4, 4) [m]."""
 
@@ -143,7 +143,7 @@ class ToolShape:
     shape: Shape
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Tool:
     """What hangs on the flange, or, if it isn't `mounted`, could.
 
@@ -158,7 +158,7 @@ class Tool:
     shapes: tuple[ToolShape, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Dynamics:
     """What the joints have to move, with all of them at zero, in {B}: of what joint k moves and joint k + 1 doesn't, mounted tools among it, `mass` (n,) [kg], `center`
     (n, 3) [m], and `inertia` (n, 3, 3) about it [kg m^2].
@@ -180,7 +180,7 @@ class Dynamics:
         return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Robot:
     """A robot: geometry, limits, frames, actuation, controller.
 

@@ -11,9 +11,9 @@ import bisect
 import math
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
+from yarclang.frozen import frozen
 from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
 from yarclang.toml.file import did_you_mean
@@ -27,7 +27,7 @@ _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _MOST_LINKS = 1000
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Joint:
     """A joint of the file. `xyz` [m], `rpy` [rad], `axis` of length 1."""
 

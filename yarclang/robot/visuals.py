@@ -6,11 +6,11 @@ Nothing is judged by them, so that what can't be read is left out here, and the 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.frozen import frozen
 from yarclang.robot.link_shapes import link_places, placed_at, shape_of
 from yarclang.robot.model import Array, Robot
 from yarclang.robot.urdf import Urdf, read_urdf
@@ -23,7 +23,7 @@ from yarclang.transforms import constant
 Colour = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Visual:
     """A visual shape of a link: `base_from_shape` (4, 4) [m] is where it is with all joints at zero, `joint` how many joints move it.
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.units import UNITS, Kind, Unit
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Amount:
     """A number, and its unit if it has one."""
 

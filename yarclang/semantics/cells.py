@@ -1,16 +1,17 @@
-"""CELL: the names of a cell.toml, as if they were declared at this line."""
+"""CELL: the names of a cell.toml, as if they were declared at this line; those of a given cell, as if in front of the first line."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, has_errors
+from yarclang.frozen import frozen
 from yarclang.hir import FrameLink, Output, Signal
 from yarclang.robot.model import Robot
-from yarclang.semantics.context import Context
+from yarclang.semantics.context import Context, GivenCell
 from yarclang.semantics.naming import declared_already
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.scope import Frame, Input, JointPosition, Named, Scope, Where
@@ -20,7 +21,7 @@ from yarclang.syntax.ast import Statement, Text
 from yarclang.transforms import constant
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CellName:
     """The file that a CELL line names, and where it names it."""
 
@@ -43,6 +44,33 @@ class Cells:
         self.broken = False
         """Whether a cell has errors, so that what is made of it isn't what was meant."""
 
+    def begin(self, scope: Scope, signals: Signals, findings: Collector) -> list[Output]:
+        """Declare the names of the cell that the command line or yarc.toml names.
+
+        Args:
+            scope: of the program.
+            signals: of the program and its modules.
+            findings: of the program.
+
+        Returns:
+            The outputs of the cell; none without a given cell.
+        """
+        given = self._context.cell
+        if given is None:
+            return []
+        findings.found += given.findings
+        self.broken |= has_errors(given.loaded.diagnostics)
+        cell = given.loaded.value
+        if cell is None:
+            self.broken = self._unread = True
+            return []
+        self._told.add(cell.source.name)
+        self.cell = cell
+        outputs, clashes = declare_cell(cell, scope, self._context.robot, signals)
+        findings.found += clashes
+        self.broken |= has_errors(clashes)
+        return outputs
+
     def read(
         self, statement: Statement, scope: Scope, signals: Signals, findings: Collector, is_program: bool
     ) -> list[Output]:
@@ -55,6 +83,12 @@ class Cells:
             self.broken = self._unread = True
             return []
         loaded = load(line.path, None if is_program else findings.source)
+        given = self._context.cell
+        if given is not None and loaded is not given.loaded:
+            self._refuse(line, given, findings)
+            return []
+        if given is not None and is_program:
+            return []  # its names are declared in front of the first line
         cell = loaded.value
         if cell is not None and self.cell is not None and cell is not self.cell:
             message = (
@@ -79,6 +113,12 @@ class Cells:
         findings.found += clashes
         self.broken |= has_errors(clashes)
         return outputs if is_new else []
+
+    def _refuse(self, line: CellName, given: GivenCell, findings: Collector) -> None:
+        """Add a finding about a CELL line that names another file than the given one."""
+        message = f"the CELL line names {line.path}, {given.giver} names {given.path}"
+        findings.add("Y1373", message, line.span, f"take the CELL line away, or {given.remedy}")
+        self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
         """The findings without those that only say that a cell couldn't be read."""

@@ -7,9 +7,9 @@ that differ are counted one after the other, up to the limit.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from yarclang.diagnostics import Collector
+from yarclang.frozen import frozen
 from yarclang.progress import tell
 from yarclang.semantics.amounts import Amount
 from yarclang.semantics.arguments import names_in
@@ -38,7 +38,7 @@ _FAULTS = 20
 """After so many mistakes nothing more is counted: they are reported when the lines are carried out."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Count:
     """What lines come to: `commands`, and `lines` that are carried out."""
 

@@ -65,6 +65,10 @@ class Declaring:
         scope = Scope(Scope.of_robot(self._robot))
         return File(findings, scope, Defaults(scope), is_program)
 
+    def begin(self, file: File) -> None:
+        """Declare in the program's scope what the command line or yarc.toml gives to it."""
+        self.outputs += self.cells.begin(file.scope, self._signals, file.findings)
+
     def arranged(self, module: Module, file: File) -> tuple[Node, ...]:
         """Its statements in blocks; names of commands are looked up even where nothing leads to them."""
         arranged = arrange(module)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector
+from yarclang.frozen import frozen
 from yarclang.hir import FrameLink
 from yarclang.semantics.frames import base_axes, known_frame, moving_frame
 from yarclang.semantics.line import Line
@@ -14,7 +13,7 @@ from yarclang.semantics.scope import Frame
 from yarclang.syntax.ast import Statement, Word
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Moved:
     """The frames of a command: the one on the flange that is moved and the one of its values, None for joint values or with errors.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import lru_cache
 
 from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
+from yarclang.frozen import frozen
 from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.words import AVOID, DECLARATIONS
 
@@ -20,7 +20,7 @@ ACTIONS = ("WAIT", "SET", "HOLD")
 _NOT_TAKEN_APART = frozenset([*ACTIONS, "CALL"])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ResolvedName:
     """A command's name taken apart; `values` is None for a command without values."""
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from operator import attrgetter
 from typing import Any
 
 from yarclang.diagnostics import Collector
+from yarclang.frozen import frozen
 from yarclang.hir import FrameLink, Gap, Origin, Step
 from yarclang.memory import Memory, recall
 from yarclang.robot.model import Robot
@@ -65,7 +66,7 @@ _Asked = tuple[tuple[bool, str, Hashable], ...]
 _Links = tuple[tuple[int, str] | None, tuple[int, str] | None]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Kept:
     """A step without its place in the text: what it asked of its scope and of that of DEFAULT, and which frames it names."""
 

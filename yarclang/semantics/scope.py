@@ -7,11 +7,11 @@ names of their own.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount
@@ -21,7 +21,7 @@ BASE = "B"
 FLANGE = "FLANGE"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Frame:
     """A frame: `transform` (4, 4) is base_from_frame, or flange_from_frame of one that the robot carries.
 
@@ -33,35 +33,35 @@ class Frame:
     link: FrameLink | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class JointPosition:
     """A named joint position `q` (n,) [rad or m]."""
 
     q: Array
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Input:
     """A declared input."""
 
     signal: Signal
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Routine:
     """A SUB: `sub` is what semantics/declaring.py makes of it."""
 
     sub: object
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Library:
     """A module that was loaded by USE; its names are read with its own in front."""
 
     scope: Scope
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Where:
     """Where something was declared."""
 

@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.frozen import frozen
 from yarclang.hir import Signal
 from yarclang.semantics.scope import Where
 
 Kind = Literal["input", "output"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Declared:
     kind: Kind
     name: str

@@ -68,6 +68,7 @@ def declared_names(module: Module, context: Context) -> Scope:
     """
     declaring = Declaring(context, CommandNames(context.profiles), [])
     file = declaring.file(module, is_program=True)
+    declaring.begin(file)
     for node in declaring.arranged(module, file):
         word = node.head.name.name if isinstance(node, Block) else node.name.name
         if word == "SUB" or (isinstance(node, Statement) and node.index is None and word in DECLARATIONS):
@@ -106,6 +107,7 @@ class _Unroller:
         """The whole program."""
         declaring, cells = self._declaring, self._declaring.cells
         file = declaring.file(module, is_program=True)
+        declaring.begin(file)
         nodes = declaring.arranged(module, file)
         if module.unreadable_lines:
             self._extent.expect_syntax_errors()

@@ -6,8 +6,7 @@ wherever it moves in the file; `Statement.span` gives the place in the file.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.expressions import Expression
 from yarclang.syntax.leaves import FrameName, Number, Other, Parameter, Percent, Place, Quantity, Text, Word
@@ -37,7 +36,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Computed:
     """An expression that stands for a number, as written: `$NAME` or `$(expression)`."""
 
@@ -46,7 +45,7 @@ class Computed:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ComputedPercent:
     """An expression that stands for the number of a percentage, as written: `$SHARE%`."""
 
@@ -60,7 +59,7 @@ Value = Number | Word | Text | Other | Computed | FrameName | Quantity | Paramet
 in the head of a SUB."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class WayPoint:
     """The values between two semicolons; the words, arguments or parameters of a line that has no way-points."""
 
@@ -75,7 +74,7 @@ class WayPoint:
         return Place(first.row, first.start, last.end)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Time:
     """What stands in square brackets."""
 
@@ -83,7 +82,7 @@ class Time:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Units:
     """What stands in round brackets."""
 
@@ -91,7 +90,7 @@ class Units:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Option:
     """An option behind the base frame, and its argument."""
 
@@ -99,7 +98,7 @@ class Option:
     argument: Number | Word | Percent | Other | Computed | ComputedPercent | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Comment:
     """A comment with its exclamation mark, in line `row` of its statement."""
 
@@ -107,7 +106,7 @@ class Comment:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Statement:
     """A command (with an index) or a declaration: its parts in the order of the language.
 
@@ -177,7 +176,7 @@ class Statement:
         return (self.moving or self.name).place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Block:
     """The statements from a SUB, REPEAT, IF or WHEN to its END.
 
@@ -195,7 +194,7 @@ class Block:
 Node = Statement | Block
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Module:
     """A file's statements in order, the first lines of those that couldn't be read, and its
     comment lines by line number.

@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.syntax.faults import Fault
 from yarclang.syntax.leaves import Place
 from yarclang.syntax.lines import code_of, opens_statement, texts_of
@@ -90,7 +90,7 @@ def instead_of(character: str) -> str | None:
     return None if digit is None else str(digit)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Found:
     """A character that can't stand where it stands: in code, or in a comment or a text (`where`)."""
 

@@ -6,9 +6,9 @@ so that a tree can be printed as it was written.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from yarclang.frozen import frozen
 from yarclang.syntax.leaves import Number, Place, Quantity, Word
 
 UnaryOperator = Literal["NOT", "+", "-"]
@@ -19,7 +19,7 @@ DEEPEST_EXPRESSION = 100
 through a tree needs no more than this many calls."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Name:
     """A name that stands for a number: `PITCH`, `PALLET.PITCH`, or `PI`; `name` is its upper-case form."""
 
@@ -32,7 +32,7 @@ class Name:
         return self.text.upper()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Bracket:
     """An expression in round brackets."""
 
@@ -40,7 +40,7 @@ class Bracket:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Unary:
     """An operator before its operand."""
 
@@ -49,7 +49,7 @@ class Unary:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Binary:
     """An operator between its operands."""
 
@@ -59,7 +59,7 @@ class Binary:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Function:
     """A function of the language (words.FUNCTIONS) with as many arguments as it takes."""
 

@@ -7,15 +7,15 @@ has read and not yet put together (`stack`: tokens and finished parts).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from yarclang.frozen import frozen
 from yarclang.syntax.leaves import Place, place_of
 
 _CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fault:
     """A syntax error, its place relative to the statement.
 

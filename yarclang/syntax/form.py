@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache
 from itertools import zip_longest
 from typing import Any
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.internal_errors import internal_error
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Computed, ComputedPercent, FrameName, Module, Number
@@ -58,7 +59,7 @@ def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
     return Diagnostic(code, message, source, Span.on_line(line, 1, max(len(source.line(line)), 1) + 1), help_)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Row:
     """A line that isn't empty: its code as it is written (without an index, if indices are new), and its comment."""
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from yarclang.frozen import frozen
 
-@dataclass(frozen=True, slots=True)
+
+@frozen
 class Place:
     """Columns `start` to `end` (not included, from 1) of the statement's line number `row` (from 0)."""
 
@@ -26,7 +27,7 @@ def from_to(first: Place, last: Place) -> Place:
     return Place(first.row, first.start, last.end)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Number:
     """A number as written and its value (infinite where the text overflows a float)."""
 
@@ -35,7 +36,7 @@ class Number:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Percent:
     """A percentage as written and its value in percent."""
 
@@ -44,7 +45,7 @@ class Percent:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Word:
     """A name as written; `name` is its upper-case form."""
 
@@ -57,7 +58,7 @@ class Word:
         return self.text.upper()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Text:
     """A text in quotes; `text` has the quotes."""
 
@@ -65,7 +66,7 @@ class Text:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Other:
     """Something that is none of the above (`30-5`, `0,5`): checked where it stands."""
 
@@ -73,7 +74,7 @@ class Other:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameName:
     """A frame's name in braces; `text` has the braces."""
 
@@ -86,7 +87,7 @@ class FrameName:
         return self.text[1:-1].strip().upper()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Quantity:
     """A number with its own unit, `60 (mm)`: in an expression, or among the arguments of CALL."""
 
@@ -100,7 +101,7 @@ class Quantity:
         return f"{self.number.text} ({self.unit.text})"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Parameter:
     """A name in the head of a SUB, and the unit in which it counts there."""
 

@@ -6,6 +6,8 @@ fault costs one finding and nothing else, and an unchanged statement is parsed o
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -200,14 +202,56 @@ def _stack(error: Any) -> list[Any]:
     return [one for one in error.state.value_stack if not str(getattr(one, "data", "")).startswith("__")]
 
 
+TABLES = GRAMMAR.with_suffix(".json")
+"""The tables that Lark makes of the grammar; `made_tables` writes them."""
+
+
 @cache
 def _parser() -> Any:
+    grammar = GRAMMAR.read_text(encoding="utf-8")
+    return _loaded(grammar) or _built(grammar, Nodes())
+
+
+def _built(grammar: str, transformer: Nodes | None) -> Any:
     from lark import Lark
 
-    return Lark(
-        GRAMMAR.read_text(encoding="utf-8"),
-        start="statement",
-        parser="lalr",
-        maybe_placeholders=False,
-        transformer=Nodes(),
-    )
+    return Lark(grammar, start="statement", parser="lalr", maybe_placeholders=False, transformer=transformer)
+
+
+def _loaded(grammar: str) -> Any:
+    """Return the parser of the saved tables: to make them takes 60 ms. None if they are of another grammar or another Lark."""
+    import lark
+
+    try:
+        kept = json.loads(TABLES.read_text(encoding="utf-8"))
+    except (OSError, ValueError):  # an installation without the file, or with half of it, still parses
+        return None
+    if kept.get("of") != _key(grammar):
+        return None
+    data, tables = kept["data"], kept["data"]["parser"]["parser"]
+    # the keys of JSON are texts
+    tables["tokens"] = _by_number(tables["tokens"])
+    tables["states"] = {state: _by_number(actions) for state, actions in _by_number(tables["states"]).items()}
+    parser: Any = lark.Lark
+    return parser._load_from_dict(data, _by_number(kept["memo"]), transformer=Nodes())
+
+
+def _by_number(content: dict[str, Any]) -> dict[int, Any]:
+    return {int(key): one for key, one in content.items()}
+
+
+def _key(grammar: str) -> str:
+    """Return what the tables depend on."""
+    import lark
+
+    return f"lark {lark.__version__}, grammar {hashlib.sha256(grammar.encode()).hexdigest()}"
+
+
+def made_tables() -> str:
+    """Return the text of `TABLES`, made of the grammar anew. Lark numbers states as chance has it."""
+    from lark.grammar import Rule
+    from lark.lexer import TerminalDef
+
+    grammar = GRAMMAR.read_text(encoding="utf-8")
+    data, memo = _built(grammar, None).memo_serialize([TerminalDef, Rule])
+    return json.dumps({"of": _key(grammar), "data": data, "memo": memo}, separators=(",", ":")) + "\n"

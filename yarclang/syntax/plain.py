@@ -1,4 +1,4 @@
-"""Statements as most lines have them, read by one regular expression: no expression, no text in quotes, one way-point, one line.
+"""Statements as most lines have them, read by one regular expression: no expression, no text in quotes, one line.
 
     P0001 MOVEJ_RPY_LSPB {TCP} 0.00 1174.40 1176.00 0.00 0.00 0.00 [20] (mm,deg,s) {B} BLEND 5 ! to the part
 
@@ -53,10 +53,11 @@ def _form() -> re.Pattern[str]:
     others = "|".join(said[name] for name in ("CALL", "SUB", "LET", "IF", "LONE"))
     word = f"(?:(?!{option}){said['WORD']})"
     blank = "[ \t]*+"
+    values = rf"(?:(?>{numbers}|{word}){blank})++"
     return re.compile(
         rf"{blank}(?:({index}){blank})?+(?!{others})(?>({said['WORD']})){blank}"
         rf"(?:({frame}){blank})?+"
-        rf"((?:(?>{numbers}|{word}){blank})*+)"
+        rf"((?:{values}(?:;{blank}{values})*+)?+)"
         rf"(\[{blank}(?>{percent}|{numbers}|{said['WORD']}{blank}(?:{numbers})?+){blank}\])?+{blank}"
         rf"(\({blank}(?>{said['WORD']}){blank}(?:,{blank}(?>{said['WORD']}){blank})*+\))?+{blank}"
         rf"(?:({frame}){blank})?+"
@@ -88,7 +89,7 @@ def plain_statement(text: str) -> Statement | None:
         Word(index, _place(match, 1)) if index else None,
         Word(name, _place(match, 2)),
         FrameName(moving, _place(match, 3)) if moving else None,
-        (WayPoint(tuple(_items(text, *match.span(4)))),) if values else (),
+        tuple(_waypoints(text, *match.span(4))) if values else (),
         None,
         _time(match) if time else None,
         Units(tuple(_words(text, *match.span(6))), _place(match, 6)) if units else None,
@@ -101,6 +102,15 @@ def plain_statement(text: str) -> Statement | None:
 def _place(match: re.Match[str], group: int) -> Place:
     start, end = match.span(group)
     return Place(0, start + 1, end + 1)
+
+
+def _waypoints(text: str, begin: int, end: int) -> Iterator[WayPoint]:
+    """The way-points between semicolons."""
+    while begin < end:
+        found = text.find(";", begin, end)
+        last = end if found < 0 else found
+        yield WayPoint(tuple(_items(text, begin, last)))
+        begin = last + 1
 
 
 def _items(text: str, begin: int, end: int) -> Iterator[Number | Word]:

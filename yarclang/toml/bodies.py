@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Protocol
 
 import numpy as np
 
 from yarclang.files import LARGEST_MESH, read_whole
+from yarclang.frozen import frozen
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from yarclang.toml.draft import missing_mistake, table_name
 from yarclang.toml.file import TomlFile
@@ -54,7 +54,7 @@ class Sized(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Keys:
     """The keys of a shape, or of what else decides on keys: `what` it is in words, those that it needs, and those that it may have."""
 

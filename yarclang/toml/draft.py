@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from pydantic import ValidationError
 
+from yarclang.frozen import frozen
 from yarclang.toml.file import TomlFile
 from yarclang.toml.places import Path
 from yarclang.toml.tables import LARGEST, LEAST, Document, Table
@@ -16,7 +16,7 @@ from yarclang.toml.tables import LARGEST, LEAST, Document, Table
 D = TypeVar("D", bound=Document)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Mistake:
     """What is wrong with the form of the file, where."""
 
@@ -27,7 +27,7 @@ class Mistake:
     at_key: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Draft(Generic[D]):
     """A file as far as it can be read: `table` lacks what is `dropped`, each with a mistake."""
 

@@ -6,8 +6,8 @@ The text must be one that tomllib accepts; so the scanner checks nothing and onl
 from __future__ import annotations
 
 import bisect
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
 Path = tuple[str | int, ...]
@@ -17,7 +17,7 @@ _BARE_END = frozenset(" \t\n=.]#,}")
 _SCALAR_END = frozenset("\n#,]}")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Places:
     """The places of a TOML text: of each key, or of the header that makes a table, and of each value."""
 

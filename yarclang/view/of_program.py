@@ -78,6 +78,7 @@ def stage_of_program(
         marks=tuple(stands.mark(one) for one in findings),
         scene=around.scene,
         duration=plan.duration,
+        cell=around.cell,
     )
 
 

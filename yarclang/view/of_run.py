@@ -6,10 +6,11 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
-from yarclang.diagnostics import Diagnostic, Result
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.findings import Severity
-from yarclang.hir import Program
-from yarclang.pipeline.origins import origins_of_text
+from yarclang.pipeline.cells import session_cell
+from yarclang.pipeline.origins import Origins, origins_of_text
 from yarclang.report.pictures.plot import duration_text
 from yarclang.report.runs.course import marks_of, outcome_text
 from yarclang.report.runs.log import RecordedRun, read_run
@@ -25,12 +26,13 @@ from yarclang.view.track import Recorded, Shifted, way_of_track
 _MOST_POINTS = 20_000
 
 
-def stage_of_run(file: str, robot_name: str | None) -> Result[Stage]:
+def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> Result[Stage]:
     """What a log shows.
 
     Args:
         file: the log.
         robot_name: the robot, if the command line names it; else the one of the library that the log names.
+        cell: the path of a cell.toml, if the command line names one; else the yarc.toml of the log's folder may.
 
     Returns:
         None, with findings, where the file is no log, has no positions, or is of a robot that isn't there.
@@ -58,8 +60,13 @@ def stage_of_run(file: str, robot_name: str | None) -> Result[Stage]:
     planned = planned_motion(run)
     if planned.value is None:
         return Result(None, (*found, *planned.diagnostics))
-    origins = origins_of_text(run.text, Path(file).parent, robot)
-    stage = _stage(run, planned.value, robot, origins.program, origins.missing)
+    given = session_cell(Path(file).parent, robot, cell)
+    found = (*found, *given.diagnostics)
+    if has_errors(given.diagnostics):
+        return Result(None, found)
+    around = None if given.value is None else given.value.loaded.value
+    origins = origins_of_text(run.text, Path(file).parent, robot, cell=cell)
+    stage = _stage(run, planned.value, robot, origins, around)
     return Result(stage, (*found, *planned.diagnostics))
 
 
@@ -67,11 +74,12 @@ def _with_help(finding: Diagnostic, help_: str) -> Diagnostic:
     return Diagnostic(finding.code, finding.message, finding.source, finding.span, help_)
 
 
-def _stage(run: RecordedRun, planned: Planned, robot: Robot, program: Program | None, missing: str) -> Stage:
+def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, cell: Cell | None) -> Stage:
+    program = origins.program
     tracking = tracking_of(run, planned)
     frame = followed_frame(robot, program)
     flange_from_frame = frame.flange_from_frame
-    around = surroundings_of(robot, program, missing)
+    around = surroundings_of(robot, program, origins.missing, cell)
     notes = around.notes
     track = Recorded(run.times, run.actual)
     plan_times = _plan_times(run, tracking)
@@ -100,6 +108,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, program: Program | 
         marks=_marks(run, tracking, track, robot, flange_from_frame),
         scene=around.scene,
         duration=float(run.end),
+        cell=around.cell,
     )
 
 

@@ -6,8 +6,10 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
-from yarclang.diagnostics import Result
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Result, has_errors
 from yarclang.hir import Program
+from yarclang.pipeline.cells import session_cell
 from yarclang.pipeline.executed import Executed, executed
 from yarclang.pipeline.origins import origins_of_text
 from yarclang.report.pictures.plot import duration_text
@@ -18,19 +20,34 @@ from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import Curves, way_of_curves
 
 
-def stage_of_text(source: SourceFile, folder: Path, robot: Robot) -> Result[Stage]:
-    """What a controller text shows; None, with a finding, where it isn't as yarcc wrote it."""
+def stage_of_text(source: SourceFile, folder: Path, robot: Robot, cell: str | None = None) -> Result[Stage]:
+    """Show what a controller text does.
+
+    Args:
+        source: the text.
+        folder: where it is, and where its program and its cell are looked for.
+        robot: whom it is for.
+        cell: the path of a cell.toml, if the command line names one.
+
+    Returns:
+        None, with a finding, if the text isn't as yarcc wrote it, or its cell can't be used.
+    """
     read = executed(source.text, robot, source.name)
     if read.value is None:
         return Result(None, read.diagnostics)
-    origins = origins_of_text(source.text, folder, robot)
-    return Result(_stage(source.name, read.value, origins.program, origins.missing), read.diagnostics)
+    given = session_cell(folder, robot, cell)
+    if has_errors(given.diagnostics):
+        return Result(None, given.diagnostics)
+    around = None if given.value is None else given.value.loaded.value
+    origins = origins_of_text(source.text, folder, robot, cell=cell)
+    stage = _stage(source.name, read.value, origins.program, origins.missing, around)
+    return Result(stage, (*read.diagnostics, *given.diagnostics))
 
 
-def _stage(name: str, does: Executed, program: Program | None, missing: str) -> Stage:
+def _stage(name: str, does: Executed, program: Program | None, missing: str, cell: Cell | None) -> Stage:
     robot = does.robot
     frame = followed_frame(robot, program)
-    around = surroundings_of(robot, program, missing)
+    around = surroundings_of(robot, program, missing, cell)
     begins, pieces, owners = [], [], []
     now = 0.0
     for number, act in enumerate(does.acts):
@@ -67,4 +84,5 @@ def _stage(name: str, does: Executed, program: Program | None, missing: str) -> 
         marks=(),
         scene=around.scene,
         duration=now,
+        cell=around.cell,
     )

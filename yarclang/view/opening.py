@@ -33,7 +33,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
     if file != STANDARD_INPUT and is_log(file):
         from yarclang.view.of_run import stage_of_run
 
-        return stage_of_run(file, options.robot)
+        return stage_of_run(file, options.robot, options.cell)
     read = read_source(file, LARGEST_DATA)
     if read.value is None:
         return Result(None, read.diagnostics)
@@ -44,7 +44,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
         robot = robot_of(read.value, options.robot)
         if robot.value is None:
             return Result(None, robot.diagnostics)
-        made = stage_of_text(read.value, folder, robot.value)
+        made = stage_of_text(read.value, folder, robot.value, options.cell)
         return Result(made.value, (*robot.diagnostics, *made.diagnostics))
     return program_stage(read.value, folder, options)
 

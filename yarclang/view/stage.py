@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.cell.model import Cell
 from yarclang.collision.scene import Scene
 from yarclang.findings import Severity
 from yarclang.robot.kinematics.fk import joint_transform
@@ -120,6 +121,7 @@ class Stage:
         way: of the robot that is shown, and `ghost_way`, as it was planned.
         scene: the bodies of the collision check; None where there is nothing to be near to.
         duration: the last time that is shown [s].
+        cell: what is around the robot; None if no cell is known.
     """
 
     title: str
@@ -138,6 +140,7 @@ class Stage:
     marks: tuple[Mark, ...]
     scene: Scene | None
     duration: float
+    cell: Cell | None = None
 
     def piece_at(self, time: float) -> int:
         """The command that is carried out at a time: of several at once the moving one, else the first; -1 before the first one."""

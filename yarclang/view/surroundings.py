@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.cell.model import Cell
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.hir import Program
 from yarclang.report.pictures.drawn_frame import DrawnFrame, led_by
@@ -16,33 +17,39 @@ from yarclang.view.stage import Axes, Item
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """As of `Stage`: its bodies, its frames, the bodies of the collision check, and notes about what isn't shown."""
+    """As of `Stage`: its bodies, its frames, the bodies of the collision check, notes about what isn't shown, and the cell."""
 
     items: tuple[Item, ...]
     axes: tuple[Axes, ...]
     scene: Scene | None
     notes: tuple[str, ...]
+    cell: Cell | None
 
 
-def surroundings_of(robot: Robot, program: Program | None, missing: str = "") -> Surroundings:
+def surroundings_of(
+    robot: Robot, program: Program | None, missing: str = "", given: Cell | None = None
+) -> Surroundings:
     """What is around.
 
     Args:
         robot: that is shown.
         program: whose frames and cell are shown; None where there is none.
         missing: why there is none.
+        given: the cell that is shown without a program.
     """
-    cell = program.cell if program is not None else None
+    cell = program.cell if program is not None else given
     links, unread = robot_items(robot)
     around, placeless = cell_items(robot, cell) if cell is not None else ((), ())
     axes, more = axes_of(robot, program, cell)
     scene = scene_of(robot, cell).value
-    without = (f"without the program's cell and frames: {missing}",) if program is None else ()
+    what = "cell and frames" if cell is None else "frames"
+    without = (f"without the program's {what}: {missing}",) if program is None else ()
     return Surroundings(
         (*links, *around),
         axes,
         scene if scene is not None and len(scene.first) else None,
         (*without, *unread, *placeless, *more),
+        cell,
     )
 
 

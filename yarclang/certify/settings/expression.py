@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+
+from yarclang.frozen import frozen
 
 _TOKEN = re.compile(r"[0-9]{1,15}(?:\.[0-9]{1,30})?|[A-Z][0-9]{1,4}|[-+*/()]")
 _DEEPEST = 8
@@ -16,7 +17,7 @@ class NotAffineError(Exception):
     """Error for a text that isn't a sum of variables times constants; the argument says why."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Affine:
     """A constant and a factor for each variable."""
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.certify.settings.coupling import Row, coupling_of
@@ -15,11 +13,12 @@ from yarclang.certify.settings.system import check_system
 from yarclang.certify.settings.text import SettingsText
 from yarclang.certify.text import Unreadable
 from yarclang.diagnostics import Collector, Result
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile, Span
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ProvedSettings:
     """Settings that are what certificates rest on: their text, and what it says.
 

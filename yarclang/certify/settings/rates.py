@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 
 from yarclang.certify.settings.coupling import Coupling, Row, exact
 from yarclang.certify.settings.positions import Say
 from yarclang.certify.settings.text import Setting, SettingsText
+from yarclang.frozen import frozen
 from yarclang.pmac.variables import motor_variable
 from yarclang.robot.model import Robot
 
@@ -21,7 +21,7 @@ _Rates = Mapping[int, Fraction]
 """Counts/s or counts/s^2 of motors, by their rows."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Quantity:
     """What one Ixx of all motors sets.
 
@@ -77,7 +77,7 @@ def _quantities(robot: Robot) -> Iterator[_Quantity]:
     yield _Quantity(22, _SPEED, rapid, fastest, "RAPID moves", share)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Group:
     """Motors and joints that belong together."""
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 
+from yarclang.frozen import frozen
 
-@dataclass(frozen=True, slots=True)
+
+@frozen
 class Number:
     """A printed number: its value, and what 1 in its last digit is worth."""
 
@@ -15,7 +16,7 @@ class Number:
     step: Fraction
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Definition:
     """The axis definition of a motor: counts by axis, and the offset, in `line` (from 1); `terms` as they are printed."""
 
@@ -26,7 +27,7 @@ class Definition:
     offset: Number
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pointer:
     """An M-variable and the register that it stands for."""
 
@@ -35,7 +36,7 @@ class Pointer:
     address: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Setting:
     """An I-variable: its value, as it is printed too, and the remark after it."""
 
@@ -46,7 +47,7 @@ class Setting:
     remark: str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Listing:
     """A PLC: its number, and its statements from `line` on. `places` are the lines in the text of the statements."""
 
@@ -55,7 +56,7 @@ class Listing:
     places: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SettingsText:
     """Everything that the text tells the controller, in order. `settings` are by their names, I5 the last."""
 

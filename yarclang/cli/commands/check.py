@@ -66,8 +66,8 @@ def command(
 ) -> None:
     """Check programs: everything that yarcc checks before it writes, and what else is worth saying.
 
-    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml is a robot's, any other a
-    cell's (for --robot, if it is given). `yarc.toml` says for which robot, and which findings are told: docs/findings.md.
+    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml is a robot's, yarc.toml a
+    project's, any other a cell's (for --robot, if it is given). `yarc.toml` says for which robot, in which cell, and which findings are told: docs/findings.md.
     """
     _check_usage(paths, fix, diff, watch, format_)
     seldom_look_for_garbage()

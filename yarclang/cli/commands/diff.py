@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from yarclang.cli.options import Numbers, file_argument, format_option
+from yarclang.cli.options import Numbers, cell_option, file_argument, format_option
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
@@ -32,6 +32,7 @@ _COLOURS = {"+": "green", "-": "red", "~": "yellow"}
 @click.option(
     "--robot", metavar="NAME|PATH", help="A robot of the standard library, or the path of a robot.toml."
 )
+@cell_option
 @format_option
 def command(
     first: str,
@@ -39,6 +40,7 @@ def command(
     tolerance: tuple[float, ...] | None,
     all_commands: bool,
     robot: str | None,
+    cell: str | None,
     format_: str,
 ) -> None:
     """Compare two programs by what the robot does: paths, times, configurations, outputs, waits. Comments, layout and renumbering
@@ -54,7 +56,7 @@ def command(
 
     programs: list[Executed] = []
     for file in (first, second):
-        found, diagnostics = _read(file, robot)
+        found, diagnostics = _read(file, robot, cell)
         show_findings(diagnostics)
         if found is None:
             click.echo(f"{file}: nothing was compared", err=True)
@@ -97,7 +99,7 @@ def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
     return Tolerance(position, angle)
 
 
-def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
+def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
     """A program as it is executed, and what is wrong with it."""
     from yarclang.cli.loading import is_compiled
     from yarclang.cli.work import Progress, options_from
@@ -124,7 +126,7 @@ def _read(file: str, robot: str | None) -> tuple[Executed | None, tuple[Diagnost
         made = executed(read.value.text, found.value, file)
         return made.value, (*found.diagnostics, *made.diagnostics)
     with Progress():
-        checked = check_program_file(file, options_from({"robot": robot}))
+        checked = check_program_file(file, options_from({"robot": robot, "cell": cell}))
     compiled = checked.compiled
     if compiled is None:
         # warnings are for who compiles it

@@ -38,6 +38,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.cli.executing import Lines, execute, findings_line, not_repeated, refused_line
     from yarclang.cli.loading import is_compiled, load, source_of
     from yarclang.coordinator.describing import program_described
+    from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
 
     if is_compiled(file) and (first or any(options[name] for name in ("start", "tm"))):
@@ -54,6 +55,8 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
         if loaded is None:
             lines.say(refused_line("the program has errors; nothing moved", "see the findings"))
             raise SystemExit(1)
+        if loaded.around is not None:
+            lines.say({"event": "message", "text": cell_text(loaded.around.source.name), "warning": False})
         if refused := not_repeated(program_described(0, loaded), options):
             lines.say(refused)
             raise SystemExit(1)

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from yarclang.cli.address import SIM, Address, AddressType
-from yarclang.cli.options import PositiveNumber, robot_option
+from yarclang.cli.options import PositiveNumber, cell_option, robot_option
 
 
 @click.command("follow")
@@ -43,7 +43,7 @@ from yarclang.cli.options import PositiveNumber, robot_option
     type=PositiveNumber("MM_S"),
     help="The largest speed of that frame, mm/s (default: the robot's, [jog] speed of its robot.toml).",
 )
-@click.option("--cell", type=click.Path(), help="A cell.toml: its obstacles and zones are kept to.")
+@cell_option
 @click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
 @click.option(
     "--log",
@@ -67,6 +67,8 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
     from yarclang.cli.attaching import place_of, place_served, served_at
     from yarclang.cli.executing import Lines, findings_line, refused_line
     from yarclang.cli.following import follow
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.cells import session_cell
     from yarclang.pipeline.inputs import robot_for
     from yarclang.runtime.actions import Trouble
 
@@ -81,6 +83,12 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
             raise SystemExit(1)
         if (served := served_at(to, lambda: whose)) is not None:
             raise SystemExit(follow(whose, place_served(served, whose, options), options, lines))
+        around = session_cell(Path(), whose, options["cell"])
+        if around.diagnostics:
+            lines.say(findings_line(around.diagnostics))
+        if has_errors(around.diagnostics):
+            lines.say(refused_line("the cell can't be used; nothing moved", "see the findings"))
+            raise SystemExit(1)
         with place_of(to, whose, whose.home, tells=False) as place:
             raise SystemExit(follow(whose, place, options, lines))
     except Trouble as trouble:

@@ -234,7 +234,7 @@ def _of_text(
         stretches = mapped.of(steps[0])
         if len(steps) > 1 and format_ == "text":
             click.echo(f"{place} stands at {len(steps):,} places; this is the first", err=True)
-    origins = _origins(file, read.value, source, planning.get("robot"))
+    origins = _origins(file, read.value, source, planning.get("robot"), planning.get("cell"))
     if format_ == "json":
         _print_text_json(mapped, stretches, line, origins, text)
     else:
@@ -242,7 +242,7 @@ def _of_text(
     return 0
 
 
-def _origins(file: str, source: Any, program: str | None, robot: str | None) -> Origins:
+def _origins(file: str, source: Any, program: str | None, robot: str | None, cell: str | None) -> Origins:
     """Where its commands come from, as far as that can be found out."""
     from yarclang.pipeline.controller_text import robot_of_text
     from yarclang.pipeline.origins import Origins, origins_of_text
@@ -250,7 +250,7 @@ def _origins(file: str, source: Any, program: str | None, robot: str | None) -> 
     found = robot_of_text(source, robot)
     if found.value is None:
         return Origins(None, "its robot isn't known here: --robot PATH says where it is")
-    return origins_of_text(source.text, Path(file).parent, found.value, program)
+    return origins_of_text(source.text, Path(file).parent, found.value, program, cell)
 
 
 def _text_sections(

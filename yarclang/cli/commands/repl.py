@@ -12,7 +12,7 @@ import click
 
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
-from yarclang.cli.options import Numbers, robot_option, tm_option
+from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
 
 if TYPE_CHECKING:
     from yarclang.cli.attaching import Place
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 @click.command("repl")
 @robot_option
+@cell_option
 @controller_option
 @click.option(
     "--start",
@@ -38,6 +39,8 @@ def command(to: Address | None, **options: Any) -> None:
     .help lists what else can be typed; Ctrl-C stops the robot. Standard input that is no terminal is read line by line.
     """
     from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.cells import session_cell
     from yarclang.pipeline.inputs import joint_position, robot_for
 
     check_controller_usage(to, options)
@@ -57,25 +60,34 @@ def command(to: Address | None, **options: Any) -> None:
     with trouble_is_said():
         if (served := served_at(to, lambda: robot)) is not None:
             raise SystemExit(asyncio.run(_session(robot, place_served(served, robot, options), options)))
+        around = session_cell(Path(), robot, options["cell"])
+        show_findings(around.diagnostics)
+        if has_errors(around.diagnostics):
+            raise SystemExit(1)
         with place_of(to, robot, placed.value, options["rate"]) as place:
             raise SystemExit(asyncio.run(_session(robot, place, options)))
 
 
 async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
     from yarclang import __version__
-    from yarclang.cli.attaching import attached
+    from yarclang.cli.attaching import attached, check_cell
     from yarclang.cli.ending import error_text
     from yarclang.cli.table import checked_table
     from yarclang.coordinator.engine import NotReady
     from yarclang.coordinator.messages import orders
     from yarclang.repl.console import converse
     from yarclang.repl.interpreter import Interpreter, trouble_text
+    from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
 
     terminal = sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
     folder = Path.cwd()
     try:
         async with attached(place, robot, "repl", options, what="repl", folder=folder) as client:
+            if place.served is not None and options["cell"] is not None:
+                check_cell(client, options["cell"])
+            if (cell := client.welcome.status.cell) is not None:
+                click.echo(cell_text(cell), err=True)
             with contextlib.suppress(Trouble):  # somebody else owns it: this person watches at first
                 await client.ask(orders.Own(shared=True))
             interpreter = Interpreter(

@@ -32,6 +32,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     """
     from yarclang.cli.loading import is_compiled, load, source_of
     from yarclang.cli.show import show_findings
+    from yarclang.report.cell import cell_text
 
     _check_usage(to, options)
     if is_compiled(file):
@@ -43,6 +44,8 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     show_findings(diagnostics)
     if loaded is None:
         raise SystemExit(1)
+    if loaded.around is not None:
+        click.echo(cell_text(loaded.around.source.name), err=True)
     from yarclang.cli.attaching import place_of
     from yarclang.cli.controllers import robot_argument
     from yarclang.cli.running import Wanted, run_program
@@ -97,7 +100,7 @@ def _again(file: str, to: Address | None, options: dict[str, Any]) -> str | None
     if file == "-":
         return ""
     words = ["yarc", "run", file, "--to", str(to)]
-    for name in ("robot", "start", "tolerance", "tm"):
+    for name in ("robot", "cell", "start", "tolerance", "tm"):
         if (value := options[name]) is not None:
             numbers = value if isinstance(value, tuple) else (value,)
             words += [f"--{name}", ",".join(f"{one:g}" if isinstance(one, float) else one for one in numbers)]

@@ -10,7 +10,7 @@ import click
 
 from yarclang.cli.address import Address, trouble_is_said
 from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
-from yarclang.cli.options import Numbers, robot_option, tm_option
+from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
 
 
 @click.command("serve")
@@ -21,7 +21,7 @@ from yarclang.cli.options import Numbers, robot_option, tm_option
     type=Numbers("Q1,Q2,..."),
     help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
 )
-@click.option("--cell", type=click.Path(), help="A cell.toml: its obstacles and zones are kept to.")
+@cell_option
 @log_options
 @tm_option
 def command(to: Address | None, **options: Any) -> None:
@@ -31,6 +31,8 @@ def command(to: Address | None, **options: Any) -> None:
     robot to rest on its path, and end.
     """
     from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.cells import session_cell
     from yarclang.pipeline.inputs import joint_position, robot_for
 
     check_controller_usage(to, options)
@@ -44,6 +46,10 @@ def command(to: Address | None, **options: Any) -> None:
     placed = joint_position(robot, options["start"], "--start")
     show_findings(placed.diagnostics)
     if placed.value is None:
+        raise SystemExit(1)
+    around = session_cell(Path(), robot, options["cell"])
+    show_findings(around.diagnostics)
+    if has_errors(around.diagnostics):
         raise SystemExit(1)
     from yarclang.cli.controllers import controller
     from yarclang.cli.serving import serve

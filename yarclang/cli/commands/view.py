@@ -60,10 +60,13 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
     from yarclang.pipeline.controller_text import robot_of_text
+    from yarclang.report.cell import cell_text
     from yarclang.report.runs.kind import is_log
     from yarclang.view.opening import opened
 
-    given = [f"--{name}" for name, value in planning.items() if value is not None and name != "robot"]
+    given = [
+        f"--{name}" for name, value in planning.items() if value is not None and name not in ("robot", "cell")
+    ]
     if given and (is_log(file) or is_compiled(file)):
         raise click.UsageError(f"{', '.join(given)}: {file} is planned already")
     with Progress() as progress:
@@ -73,6 +76,8 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
     if found.value is None:
         click.echo(f"{file}: nothing to show", err=True)
         raise SystemExit(1)
+    if found.value.cell is not None:
+        click.echo(cell_text(found.value.cell.source.name), err=True)
     return found.value
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.collision.course import Course
 from yarclang.collision.scene import Scene
 from yarclang.collision.zones.workspace import Watch, slack_at, slack_of
+from yarclang.frozen import frozen
 
 SAMPLES = 200
 """Places of the motion that are looked at."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Beyond:
     """Between `begin` and `end` [s] after the motion's start a watch is broken, worst at `worst`, where its slack is `slack` [m, of a joint window rad or m]:
     below zero. They are found by samples: between them it may be a little worse.

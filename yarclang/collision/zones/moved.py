@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,12 +11,13 @@ from yarclang.collision.course import Course
 from yarclang.collision.placing import place
 from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.watched import Item
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Chain
 from yarclang.shapes import Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Posed:
     """What some of the joints move, at P instants: `turn` (3, 3, P) and `shift` (3, P) [m] bring it from where it is with all joints at zero to where it is;
     `angular` and `linear` (3, P) are how fast it turns, and how fast its point in the origin of {B} goes then [rad/s, m/s].
@@ -60,16 +60,19 @@ class Posed:
 
     def take(self, rows: Rows) -> Posed:
         """Some of the instants."""
-        return Posed(*(getattr(self, name)[..., rows] for name in self.__slots__))
+        return Posed(*(getattr(self, name)[..., rows] for name in self.__dataclass_fields__))
 
     def beside(self, other: Posed) -> Posed:
         """These instants, and then those of another."""
         return Posed(
-            *(np.concatenate([getattr(self, name), getattr(other, name)], axis=-1) for name in self.__slots__)
+            *(
+                np.concatenate([getattr(self, name), getattr(other, name)], axis=-1)
+                for name in self.__dataclass_fields__
+            )
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Arm:
     """The arm at P instants: what the first joints move, none to all of them, each as in `Posed`."""
 
@@ -98,7 +101,7 @@ class Arm:
 
     def of(self, item: Item) -> Posed:
         """What moves an item."""
-        return Posed(*(getattr(self, name)[item.joint] for name in self.__slots__))
+        return Posed(*(getattr(self, name)[item.joint] for name in self.__dataclass_fields__))
 
 
 def _reach(item: Item, directions: Array) -> Array:
@@ -119,7 +122,7 @@ def _cross(one: Array, other: Array) -> Array:
     return product
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Rates:
     """Bounds (N,) for each point of an item on segments of a course: of its speed [m/s], of its acceleration, and of the jerk [m/s^3]."""
 
@@ -180,7 +183,7 @@ def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Ar
     return reach, links.turn, np.abs(links.slide)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Pieces:
     """Pieces of segments: `segment` (P,), and `begin` and `end` (P,) after the segment's start [s]."""
 

@@ -7,7 +7,6 @@ few pieces; and nothing is missed, however short.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.shapes import Array
 
@@ -33,7 +33,7 @@ BLOCK = 2048
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Breach:
     """A watch that is broken on a motion: where that was seen first among the samples [s]."""
 
@@ -42,7 +42,7 @@ class Breach:
     time: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Kept:
     """What was proved of G motions: `least` (G,) is a lower bound of the distance [m] of all that is watched from the borders that it must not cross,
     and `nearest` (G,) the watch that comes nearest, -1 where all stay above `KNOWN`, of the samples at `when` (G,) [s]. `breaches` are broken.

@@ -5,7 +5,6 @@ All are convex. The signed distance of a point, positive outside and negative by
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -13,12 +12,13 @@ import numpy as np
 
 from yarclang.cell.model import HalfSpace, ShapeRegion
 from yarclang.collision.geometry import geometry_of
+from yarclang.frozen import frozen
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Sphere
 
 Place = ShapeRegion | HalfSpace
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Faces:
     """A region with flat faces: the points p with normals . p <= offsets, (F, 3) and (F,); the normals point out of it."""
 

@@ -7,7 +7,6 @@ length of a vector is largest at an end of a line. So the bound of a piece is sh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.shapes import Array
 
@@ -31,7 +31,7 @@ SHARP = 2e-4
 """The largest speed is told to within this share of it."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Fastest:
     """The largest speed (G,) of an item on each motion while it is in a zone [m/s], a proved bound; 0 where it never is. `segment` (G,) is where, -1 for nowhere,
     and `time` (G,) when: the middle of the piece that it belongs to [s].

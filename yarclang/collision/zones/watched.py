@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -11,13 +10,14 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Zone
 from yarclang.collision.scene import Body, Scene, scene_of
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.elbow import elbow_of
 from yarclang.robot.model import Robot
 from yarclang.shapes import Array
 from yarclang.transforms import constant
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Moving:
     """The frame that a motion moves: its name without braces, and `flange_from_moving` (4, 4) [m]."""
 
@@ -25,7 +25,7 @@ class Moving:
     flange_from_moving: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Item:
     """A convex body, or a point, that the first `joint` joints move; all in {B} with all joints at zero [m].
 

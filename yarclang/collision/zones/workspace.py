@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -16,6 +15,7 @@ from yarclang.collision.zones.moved import Arm
 from yarclang.collision.zones.watched import Item, Moving, items_of
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room
+from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.shapes import Array
 
@@ -23,7 +23,7 @@ SLACK = 1e-5
 """What is beyond a border by no more than this [m] isn't told from what is on it."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Watch:
     """A zone, and an item that it watches; None where only joints count."""
 

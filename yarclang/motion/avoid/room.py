@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,6 +18,7 @@ from yarclang.collision.travel import arm_lengths
 from yarclang.collision.zones.proof import kept
 from yarclang.collision.zones.watched import Moving
 from yarclang.collision.zones.workspace import Watch, slack_at, slack_of, watches_of
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Robot
@@ -29,7 +30,7 @@ _LEAST_REACH = 0.1
 """A joint counts as moving what it carries by at least this [m/rad]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Obstruction:
     """What is in the way at a joint position: two bodies and how far they are apart [m], or a zone and what it watches, and by how
     much it is broken [m, of joints rad or m].
@@ -40,7 +41,7 @@ class Obstruction:
     is_zone: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Room:
     """What is around a robot while a frame is moved: the bodies, and the watches of zones that aren't about speed."""
 

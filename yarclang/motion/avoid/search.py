@@ -8,16 +8,16 @@ search at once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.progress import go_on
 from yarclang.robot.model import Limits
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Effort:
     """How a way is looked for: pairs stay farther apart than their margins by `padding` [m] where they can; `step` [m] is about how far bodies move between
     two joint positions that are looked at; `samples` are drawn at most, from `seed` on.
@@ -29,7 +29,7 @@ class Effort:
     seed: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Question:
     """From `start` to `goal` (n,) [rad or m] within limits, through what is `free`. `reach` (n,) are the joints' scales [m/rad or 1]."""
 

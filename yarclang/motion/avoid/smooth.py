@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang.collision.course import Course
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.room import Room
 from yarclang.motion.natural import NaturalSpline
@@ -29,7 +29,7 @@ _PIECES = 4
 """Pieces of a leg, whose speeds are bounded each by itself."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Bend:
     """What a curve has to keep clear of.
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.room import Obstruction, Room, reaches
 from yarclang.motion.avoid.search import Effort, Question, polyline
@@ -31,7 +30,7 @@ _LOOK = 0.05
 """How far bodies move, about, between two places of the straight way that are looked at [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Way:
     """Way-points (k, n) [rad or m], without the start; the last is the goal. One by itself is the straight way; else `between` is
     in that.
@@ -46,7 +45,7 @@ class Way:
         return len(self.waypoints) == 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class NoWay:
     """Why there is no way: what is in the way at the `start`, or at the `goal`; neither says that nothing was found between, of which `between` is
     in the straight way.

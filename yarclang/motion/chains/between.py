@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, islice, repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.chains.blend import Part
 from yarclang.motion.chains.links import Link
@@ -24,7 +25,7 @@ _AT_ONCE = 40
 """How many laws are tried together, where the first few don't keep the limits: solving many takes hardly longer than a few."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Turn:
     """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap of `overlap` segments.
     With motions slower by `asked` the limits would just be kept.
@@ -36,7 +37,7 @@ class Turn:
     asked: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Timed:
     """A law as control values (segments + 3,), within overlaps of `into` and `out` segments at its ends, and how far `behind` a knot its last ramp begins."""
 
@@ -46,7 +47,7 @@ class _Timed:
     behind: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Between:
     """A motion, the corners before and behind it (None: it starts from rest, or ends at rest), and the segment time [s].
 

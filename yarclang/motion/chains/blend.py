@@ -9,10 +9,10 @@ else joint positions are. Where the ball is of no size the paths are tangent: th
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath, extent_of
 from yarclang.motion.curve import knot_values, solve_tridiagonal
@@ -28,7 +28,7 @@ _FADE = 24
 """So many knots beside an overlap a correction of its knots is still felt: it falls to a fourth from each to the next."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Corner:
     """Where one motion flows into the next: within `radius` [m] of the frame `flange_from_moving` (4, 4), or, with None for that,
     within `reach` (n,) [rad or m] of each joint.
@@ -63,7 +63,7 @@ class Corner:
         return self.reach is None and self.radius == 0.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Part:
     """One motion of a chain: its path, and the control points (n + 3, d) with which it would go alone."""
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Corner
@@ -16,7 +15,7 @@ from yarclang.motion.profile import Profile
 from yarclang.robot.model import Tolerance
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Link:
     """One motion of a chain.
 
@@ -54,7 +53,7 @@ class Link:
         return self.bounds if self.profile.has_jerk_limit else self.bounds.without_jerk()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Piece:
     """What a chain makes of one motion: its curve from the middle of one overlap to that of the next, the segments of the
     overlap at its end (0: a stop), and the control values of its own law, from its rest to its rest. `kept` is the share of a speed asked for that is reached.

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Corner, Part, begins, both, shares, superpose, way_length
@@ -28,7 +29,7 @@ _WIDTHS = 14
 _SHARE_OF_TOLERANCE = 0.7
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Overlaps:
     """The corners of a chain with segments of `segment` [s]."""
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import FramePath
 from yarclang.motion.path import Path
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Led:
     """The path of a motion (None where it can't be done), where it ends if that is known, and the joint positions (k, n) that were chosen for its
     way-points [rad or m]. `broken` says that it can't be done from where the robot stands, though perhaps from elsewhere.
@@ -24,7 +23,7 @@ class Led:
 NOWHERE = Led(None, None, None)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FrameWay:
     """The way of a moving frame whose ends are known, though no joint positions are: what there is of a motion behind one that can't be done."""
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector
+from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion, PoseGoal
 from yarclang.motion.avoid.messages import configuration_blocked, every_configuration_blocked
 from yarclang.motion.avoid.room import Obstruction, Room, room_of
@@ -17,7 +16,7 @@ from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_s
 from yarclang.robot.model import Robot
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Solver:
     """Solves poses for a robot in its cell.
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.rotation import turn_between, turned
 
@@ -14,7 +14,7 @@ NO_CIRCLE = 1e-6
 """Three points nearer to each other [m], or to a line [rad], than this give no circle."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Arc:
     """Poses of the moving frame over s: by the angle `sweep` [rad] about `normal` (3,) through `centre` (3,) [m], in {B},
     and turning by `angle` [rad] about `axis` (3,).
@@ -61,7 +61,7 @@ class Arc:
         return spokes
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NoArc:
     """Why there is no arc: two of the points coincide (`apart` [m]), all three lie on a line (`bend` [rad]), or the
     orientation turns by half a revolution.

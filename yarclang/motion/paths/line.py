@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.rotation import NO_TURN, turn_between, turned
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Line:
     """Poses of the moving frame over s: from `base_from_start` (4, 4) by `shift` (3,) [m], and by
     `angle` [rad] about the unit vector `axis` (3,), both in the axes of {B}, to `base_from_end` (4, 4).

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import TURN_CHORD, Array
 from yarclang.motion.natural import NaturalSpline
 from yarclang.motion.rotation import HALF_TURN
@@ -107,7 +108,7 @@ class PoseSpline:
         return speeds
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class AtConstantSpeed:
     """A spline of poses over the share of its way: the frame's origin goes equally fast everywhere."""
 

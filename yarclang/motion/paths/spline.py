@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.natural import NaturalSpline
 
@@ -17,7 +16,7 @@ SAME_PLACE = 1e-12
 """Way-points nearer than this [rad or m] count once."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class SplinePath:
     """The way-points' natural spline; `prismatic` (n,) says which joints slide."""
 

@@ -12,13 +12,13 @@ by how far the joints have moved. Near a singularity a joint turns half round in
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
@@ -53,7 +53,7 @@ _SHARE = 0.9998
 """The share of the limits that the law uses: between the places it may use a little more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Scaled:
     """A path as TOPP-RA gets it.
 
@@ -68,7 +68,7 @@ class _Scaled:
     time: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Passed:
     """A law: `times` (N,) [s] and `speed` (N,) [1/s] of the place at the places `gone` (N,), where `s` (N,) of the way is done. Between two of them the
     acceleration of the place is constant.

@@ -25,7 +25,9 @@ async def _load(interpreter: Interpreter, rest: str) -> None:
     if not rest:
         raise Misused("a file is missing")
     path = interpreter.folder / rest
-    loaded = load_file(path, interpreter.robot, await interpreter.stands())
+    loaded = load_file(
+        path, interpreter.robot, await interpreter.stands(), interpreter.attached.welcome.status.cell
+    )
     interpreter.show(loaded.diagnostics)
     if loaded.value is None:
         return

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.pipeline.executed import Act, Executed
 from yarclang.report.comparison.paired import pairs_of
 from yarclang.report.comparison.path_difference import PathDifference, path_difference
@@ -22,7 +22,7 @@ _OTHER_JOINTS = 1.0
 Status = Literal["same", "changed", "added", "removed"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Compared:
     """A command of the first program, one of the second, or both.
 
@@ -50,7 +50,7 @@ class Compared:
         return "changed" if different else "same"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Comparison:
     """Two programs side by side; `frame` is the one whose path is compared, `start` (n,) [rad or m] how much further the
     second starts.

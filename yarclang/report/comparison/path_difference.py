@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.motion.curve import Curve
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
@@ -17,7 +16,7 @@ _PLACES = 513
 """Along the way, where both are compared."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PathDifference:
     """The largest differences: of the tool's position [m] and orientation [rad], and of a joint, `joint` (from 0), in axis units.
 

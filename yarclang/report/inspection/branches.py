@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.inverse import branches
 from yarclang.robot.kinematics.nearest import EDGE, SAME, beyond, full_turns, nearest_turn
 from yarclang.robot.model import Array, Robot
@@ -20,7 +20,7 @@ Follow = Callable[[Array], str]
 """What goes wrong behind a joint position (n,): a sentence, or nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Solution:
     """A joint position `q` (n,) [rad or m] that reaches the pose.
 

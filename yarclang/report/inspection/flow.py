@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
+from yarclang.frozen import frozen
 from yarclang.hir import Gap, Motion, Origin, SetOutput
 from yarclang.motion.plan import MotionPlan
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Flowing:
     """A corner that is passed in motion: from which command into which, when both are carried out together, from `begins` to
     `ends` [s of the program], and when one gives way to the other, `middle`.
@@ -23,7 +23,7 @@ class Flowing:
     ends: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Flows:
     """The corners `before` and `behind` a motion, or that `inside` which an output is set; None where the robot stands."""
 

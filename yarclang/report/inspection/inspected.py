@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from yarclang.certify.certificate import CommandCertificate
 from yarclang.diagnostics import Diagnostic
+from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
     AvoidMove,
@@ -36,7 +35,7 @@ from yarclang.robot.kinematics.nearest import Unreachable, nearest_solutions
 from yarclang.robot.model import Robot
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Studied:
     """A program as far as it can be understood, with all that is said of it: planned and certified only if it has no errors."""
 
@@ -46,7 +45,7 @@ class Studied:
     findings: tuple[Diagnostic, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class WayPoint:
     """A pose that a motion goes to: `pose` (4, 4) is base_from_moving, with the frame at `flange_from_moving`. `reference` (n,)
     [rad or m] is from where the nearest solution counts (`near`: NEAR says so).
@@ -60,7 +59,7 @@ class WayPoint:
     unreachable: Unreachable | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Inspected:
     """A command.
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Motion, Program
 from yarclang.motion.curve import knot_values
 from yarclang.motion.limits import Demand, bounds_of
@@ -19,7 +20,7 @@ _ORDERS = {"velocity": 1, "motor speed": 1, "acceleration": 2, "jerk": 3}
 _TRIALS = 20
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Limit:
     """How near a motion comes to a limit: `share` of it (1 is all that may be used), of `whose` joint or motor, `time` [s] behind
     the start of the motion, at a share `s` of its way.
@@ -32,7 +33,7 @@ class Limit:
     s: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pace:
     """What limits the time of a motion: the limits, the nearest first, and the shortest time that works [s] (None: none does)."""
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
+from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
     FrameLink,
@@ -42,7 +42,7 @@ _MOST_SOLUTIONS = 12
 """More are counted."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Section:
     """A title and the lines below it."""
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
     AvoidMove,
@@ -23,7 +24,7 @@ from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.stages import Request, plan_program
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Way:
     """Where the robot stands when a motion begins, `start` (n,) [rad or m], and the motion as it is planned.
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, Step
 from yarclang.motion.plan import MotionPlan
 from yarclang.robot.model import Robot
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class DrawnFrame:
     """A frame on the flange: its name without braces, and where it sits, `flange_from_frame` (4, 4)."""
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin
 from yarclang.motion.plan import MotionPlan
 
@@ -23,7 +23,7 @@ MOST_BARS = 256
 """More commands than this share bars and colours with their neighbours: neither could be seen apart."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Bar:
     """Consecutive motions in one colour: `first` up to but without `behind`, from `start` to `end` [s].
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
 from yarclang.report.pictures import tool_panels
@@ -107,7 +107,7 @@ def _head(axes: Axes, title: str, note: str, found: str) -> None:
     axes.tick_params(labelbottom=False, length=2.5, labelsize=8.5)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Panel:
     """One quantity: its shares (N, n), a name for each column, a remark, and its height against the others."""
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.plan import MotionPlan
@@ -18,7 +17,7 @@ _SAME = 1e-9
 """Frames whose places differ by less [m] are one."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Passed:
     """The corners, in order of time: c of them.
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion
 from yarclang.motion.plan import MotionPlan
 from yarclang.report.pictures.drawn_frame import DrawnFrame, moving_frame
@@ -21,7 +20,7 @@ _AT_ONCE = 20_000
 """So many samples are worked on together, for the sake of memory."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ToolTrace:
     """The motion of `frame` on the flange over time.
 

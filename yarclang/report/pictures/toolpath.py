@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
 from yarclang.report.pictures.drawn_frame import DrawnFrame
@@ -24,7 +23,7 @@ MOST_DOTS = 400
 """Way-points that a picture still shows apart."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ToolPath:
     """The path of the origin of `frame` on the flange, in mm in {B}.
 

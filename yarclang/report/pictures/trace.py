@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.curve import Curve
 from yarclang.motion.plan import MotionPlan
@@ -29,7 +28,7 @@ STANDING = 1.0
 """How long [s] a program without motion is shown."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Trace:
     """What the joints and the motors do, as shares of their limits: 1.0 is the limit itself.
 
@@ -57,7 +56,7 @@ class Trace:
         return bool(np.abs(self.motors).max() > np.abs(self.velocity).max())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Peak:
     """The largest share of a quantity: of which joint or motor (counted from 0), and when [s]."""
 
@@ -110,7 +109,7 @@ def _sampled(limits: _Limits, curve: Curve, parts: int) -> tuple[Array, Array]:
     return times, limits.shares(*curve.sample(times), jerk)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Limits:
     """What to divide by: the `middle` of each joint's range and `half` its width, the largest velocity, acceleration and
     jerk (n,) [rad or m, s], and `motors` (n, n), the share of each motor's speed per joint velocity. `robot` is whose masses count, None where they aren't known.

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.messages import Outcome
 from yarclang.report.runs.tracking import Tracking
@@ -20,7 +21,7 @@ _AT_ONCE = 0.1
 """Things that are nearer to each other are told as one [s]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Span:
     """A state from `start` to `end` [s of the run], and from `begins` to `ends` [s of the program]; None where the program
     hadn't begun.
@@ -33,7 +34,7 @@ class Span:
     ends: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Mark:
     """Something worth knowing, at `time` [s of the run] and `at` [s of the program], if it had begun."""
 

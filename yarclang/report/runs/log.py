@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.files import LARGEST_LOG, read_whole
+from yarclang.frozen import frozen
 from yarclang.report.runs.messages import Outcome, RecordedRobot, Told, read_messages, read_only, read_robot
 from yarclang.report.runs.records import Records, read_records
 from yarclang.robot.model import Array
@@ -20,7 +20,7 @@ from yarclang.runtime.job import JobCommand
 from yarclang.runtime.log_record import CERTIFICATE, FORMAT, JOB, METADATA, PROGRAM, TEXT
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class RecordedRun:
     """A run as its log has it. Times are in s from the log's start, in the controller's pace.
 

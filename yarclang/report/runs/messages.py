@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Controller
 from yarclang.runtime.notices import Changed, Progress, Remark
 from yarclang.runtime.outcome import Where
@@ -17,7 +18,7 @@ from yarclang.units import DEG, MM
 _UNITS = {"deg": DEG, "mm": MM}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class RecordedRobot:
     """What the log says of the robot, as it was then: `lower` and `upper` (n,) [rad or m] are the limits of its joints,
     infinite where there is none.
@@ -37,7 +38,7 @@ class RecordedRobot:
         return np.array([_UNITS[name] for name in self.axis_unit_names])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pass:
     """From `time` on, a job of a `duration` [s] was performed: the program or a part of it (`of_program`), or the way to its
     start.
@@ -49,7 +50,7 @@ class Pass:
     of_program: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Outcome:
     """How the run has ended, as `yarclang.runtime.performance.Ended` says it."""
 

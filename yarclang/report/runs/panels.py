@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.report.pictures.palette import MOST_BARS, Bar, joint_style
 from yarclang.report.pictures.panels import draw_ribbon, time_unit
 from yarclang.report.runs.course import Mark, Span
@@ -44,7 +44,7 @@ _NARROWEST = 0.003
 """The width of a shade, as a share of the axis: a hold takes no time of the program."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Shown:
     """All that the panels show of a run."""
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,13 +9,14 @@ from yarclang.certify.bounds import Cubics
 from yarclang.certify.read import read
 from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
 from yarclang.report.runs.log import RecordedRun
 from yarclang.robot.model import Array
 from yarclang.runtime.live import MADE_ON_THE_WAY
 from yarclang.units import MS
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Planned:
     """Where a program is to be at each of its times.
 

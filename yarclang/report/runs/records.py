@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import io
 import json
-from dataclasses import dataclass
 from typing import Any
 
 from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
 from mcap.stream_reader import StreamReader
 
+from yarclang.frozen import frozen
 from yarclang.report.runs.kind import MAGIC
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Records:
     """What a file has of each kind.
 

@@ -6,10 +6,11 @@ Live and recorded runs look the same: a `View` takes what is told and where the 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from heapq import merge
 from typing import Protocol
 
+from yarclang.frozen import frozen
 from yarclang.report.pictures.plot import printable
 from yarclang.report.runs.course import outcome_text
 from yarclang.report.runs.log import RecordedRun
@@ -34,7 +35,7 @@ class HasJoints(Protocol):
         """(n,) in SI."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class View:
     """What the line that changes shows: of a job of `duration` [s], its `state`, the last `progress`, and the actual
     joint positions `joints` (n,) [rad or m].
@@ -126,7 +127,7 @@ def head_text(run: RecordedRun) -> str:
     return printable(f"{run.program} on {run.robot.name} at {run.controller}, {started} UTC{pace}")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Moment:
     """A moment of a recorded run, at `time` [s]: the view behind it, and the line that was told in it, or nothing."""
 

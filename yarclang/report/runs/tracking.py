@@ -8,12 +8,12 @@ the curve turns back on itself, it is as near twice; there the samples before an
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.planned import Planned
 from yarclang.robot.model import Array
@@ -46,7 +46,7 @@ _DOUBT = 1e-4
 """A time at the end of the window is as bad as this distance [deg or mm]: a few counts decide where nothing moves, and only there."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Tracking:
     """The samples of a run against its plan; only those of the program itself, M of them.
 
@@ -107,7 +107,7 @@ def _never_falling(values: Array, weights: Array) -> Array:
     return result
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Nearest:
     """When a curve is nearest to points: `times` (M,) [s]; `weights` (M,), how much each of them says, the square of the speed there;
     `alone` (M,), whether the curve isn't as near at another time.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
+
+from yarclang.frozen import frozen
 
 Verdict = Literal["ok", "note", "to do"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Item:
     """One point: `subject` is what was looked at, `found` one sentence with figures, `remedy` what to do.
 

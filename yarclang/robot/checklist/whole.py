@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.frozen import frozen
 from yarclang.robot.checklist.drives import drive_items
 from yarclang.robot.checklist.geometry import geometry_items
 from yarclang.robot.checklist.item import Item
@@ -19,7 +19,7 @@ from yarclang.robot.new.writing import guesses
 from yarclang.toml.reading import read_text
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Checklist:
     """The points, and the robot, or None where its files can't be read."""
 

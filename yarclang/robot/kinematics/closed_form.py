@@ -8,11 +8,11 @@ that they stay accurate where a solution is about to vanish or two are about to 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.geometry import WristedArm
 from yarclang.robot.model import Array
 
@@ -33,7 +33,7 @@ FREE_JOINTS = (0, 3)
 """The joints that a singularity frees: q1 with the wrist centre over axis 1, q4 at a straight wrist."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Branches:
     """The closed form's answer, samples last.
 
@@ -120,7 +120,7 @@ def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
     return Branches(q, valid.reshape(8, count), free.reshape(2, 8, count))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Over:
     """Where the wrist centre stands against axis 1: can the shoulder reach it, is it over the axis (N,)."""
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain
 
@@ -14,7 +14,7 @@ LEAST = 0.01
 """An axis that is nearer to the shoulder or to the flange than this [m] is no elbow."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Elbow:
     """The elbow sits on the axis of joint number `joint`, counted from 0, at `point` (3,) [m] in {B} with all joints at zero.
 

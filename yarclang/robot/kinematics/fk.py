@@ -10,11 +10,11 @@ index: a step is a few operations on whole rows, in blocks that stay in the cach
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 BLOCK = 1024
@@ -145,7 +145,7 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
     return columns, frames[:, 2], frames[:, 3]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Links:
     """The constants of a chain for `walk`.
 

@@ -8,11 +8,11 @@ decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain
 
@@ -23,7 +23,7 @@ SMALL_ANGLE = 1e-3
 """Axes that are nearer to parallel than this [rad] don't turn a wrist or a shoulder usefully."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class WristedArm:
     """The constants of the closed form.
 

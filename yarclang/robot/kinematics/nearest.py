@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.closed_form import TURN, closed_form
 from yarclang.robot.kinematics.fk import walk, walk_with_jacobian
 from yarclang.robot.kinematics.geometry import wristed_arm
@@ -36,7 +36,7 @@ ORIENTATION = 30.0
 """What 1 rad counts against 1 m where the nearest miss with the orientation held is looked for."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Solutions:
     """Joint positions that reach a pose within limits: `q` (m, n) [rad or m], nearest to the reference first.
 
@@ -46,7 +46,7 @@ class Solutions:
     q: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Unreachable:
     """Why no joint position reaches a pose.
 

@@ -9,10 +9,10 @@ damping factor; a step that makes things worse is taken back. The samples are th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import walk_with_jacobian
 from yarclang.robot.model import Array, Chain
@@ -30,7 +30,7 @@ BLOCK = 2048
 """Samples that are iterated together."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Fit:
     """How near the arm comes to poses: `q` (N, n), and the misses (N,) [m] and [rad] that are left."""
 

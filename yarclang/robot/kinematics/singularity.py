@@ -8,10 +8,9 @@ and the smallest singular value is a pure number: 0 at a singularity, 0.1 or so 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain
@@ -21,7 +20,7 @@ VANISHED = 1e-12
 joint speed and not an undefined one."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Nearness:
     """How near joint positions are to a singularity.
 

@@ -19,6 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.closed_form import FREE_JOINTS, TURN, closed_form, next_to
 from yarclang.robot.kinematics.geometry import WristedArm
 from yarclang.robot.model import Array
@@ -44,7 +45,7 @@ ROUNDS = 40
 End = Literal["whole", "jump", "nothing"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Strand:
     """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, as far as they go on without a
     jump.
@@ -71,7 +72,7 @@ class _Samples:
     free: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class _Held:
     """A singularity that the strand is in: the sample `before` it, where the joints stand at `q` (6,), and the
     `joints` that it frees.

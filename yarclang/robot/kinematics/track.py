@@ -8,11 +8,12 @@ joint would have to jump.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import wristed_arm
 from yarclang.robot.kinematics.inverse import branches, follow, reached_within, restarts
@@ -45,7 +46,7 @@ EDGE = 1e-8
 """A joint that is beyond its limit by no more [rad or m] counts as on it."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Track:
     """Joint positions along a path.
 
@@ -75,7 +76,7 @@ class Track:
         return result
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Broken:
     """Where a path can't be followed any further.
 

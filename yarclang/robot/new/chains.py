@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.frozen import frozen
 from yarclang.robot.chain import find_links, joints_between
 from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
 
@@ -26,7 +26,7 @@ _FLANGE_NAMES = (r"flange", r"^tool0$", r"ee_link|link_ee|end_effector")
 _TCP_NAMES = (r"tcp|grasp|tool_tip",)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ArmChain:
     """The chain that is proposed.
 

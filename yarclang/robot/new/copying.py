@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from urllib.parse import urlparse
 
+from yarclang.frozen import frozen
 from yarclang.robot.new.meshes import LARGEST_TOGETHER, NoMeshError, Surroundings, read_mesh
 from yarclang.robot.urdf import Urdf
 from yarclang.robot.urdf_shapes import mesh_path, mesh_places
@@ -26,7 +26,7 @@ _SHOWN = 80
 """Characters of a file's name in a message."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class UrdfCopy:
     """The copy's text, the meshes that belong to it (name in the folder, content), and what isn't as it was.
 

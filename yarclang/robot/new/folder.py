@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.frozen import frozen
 from yarclang.robot.chain import screws
 from yarclang.robot.checks import MOST_JOINTS
 from yarclang.robot.new.chains import ArmChain, find_chain
@@ -19,7 +19,7 @@ from yarclang.robot.urdf import Urdf, read_urdf
 from yarclang.toml.reading import read_text
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Arm:
     """A URDF with the chain that is the robot."""
 
@@ -28,7 +28,7 @@ class Arm:
     chain: ArmChain
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NewRobot:
     """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the folder."""
 
@@ -37,7 +37,7 @@ class NewRobot:
     urdf: UrdfCopy
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Question:
     """What only its maker knows of a robot: the option that says it, the question, and what holds by rule."""
 

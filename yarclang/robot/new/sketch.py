@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
+from yarclang.frozen import frozen
 from yarclang.robot.new.chains import ArmChain
 from yarclang.robot.urdf import Joint, Urdf
 from yarclang.units import DEG, MM
@@ -40,7 +41,7 @@ AXES = "XYZABCUVW"
 Origin = Literal["urdf", "given", "guess"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Said:
     """A value, where it comes from, and why it is a guess or which unit it has."""
 
@@ -49,7 +50,7 @@ class Said:
     note: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Given:
     """What whoever makes the robot says.
 
@@ -67,7 +68,7 @@ class Given:
     motors: tuple[int, ...] | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class JointSketch:
     """A joint's table; `position` is None for a continuous joint. `unit` is deg or mm."""
 
@@ -81,7 +82,7 @@ class JointSketch:
     effort: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sketch:
     """All of a robot.toml but HOME, which the geometry decides."""
 

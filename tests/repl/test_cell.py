@@ -1,0 +1,85 @@
+"""The cell of a project at the prompt: no motion is planned through it, whoever asks."""
+
+import numpy as np
+import pytest
+from coordinator.virtual import codes, coordinating, run
+from repl.talking import talking
+
+from yarclang.coordinator.live.steering import JointVelocity
+
+TABLE = """\
+units = "mm,deg"
+[frames.TABLE]
+parent = "B"
+xyz = [0, 1174.4, 1300]
+rpy = [0, 0, 0]
+
+[[obstacles]]
+name = "TABLE"
+frame = "TABLE"
+shape = "box"
+size = [1200, 1200, 100]
+"""
+"""A table under {TCP}, which is at 0 1174.4 1764 mm in HOME: its top is at 1350 mm."""
+
+BELOW = "DMOVE {TCP} 0 0 -600 0 0 0 [5] (mm,deg,s) {B}"
+"""Below the table's top, by 186 mm."""
+
+
+@pytest.fixture
+def project(tmp_path):
+    (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
+    (tmp_path / "cell.toml").write_text(TABLE)
+    return tmp_path
+
+
+def test_without_a_cell_the_motion_is_possible(tmp_path):
+    async def session():
+        async with talking(tmp_path) as person:
+            assert "done" in await person.type(BELOW)
+            assert person.world.stands()[1] != 0.0
+
+    run(session())
+
+
+def test_a_motion_below_the_table_is_refused(project):
+    async def session():
+        async with talking(project) as person:
+            assert "error Y0901" in await person.type(BELOW)
+            assert person.world.stands() == pytest.approx([0] * 6, abs=1e-9)
+            assert "done" in await person.type("MOVEJ_RPY {TCP} 0 0 300 0 0 0 [5] (mm,deg,s) {TABLE}")
+            assert "done" in await person.type(".back")
+
+    run(session())
+
+
+def test_a_line_and_a_file_that_name_another_cell_are_refused(project):
+    (project / "other.toml").write_text(TABLE)
+    (project / "same.yarc").write_text('CELL "cell.toml"\nP0010 MOVEJ HOME [1] (s)\n')
+    (project / "other.yarc").write_text('CELL "other.toml"\nP0010 MOVEJ HOME [1] (s)\n')
+
+    async def session():
+        async with talking(project) as person:
+            assert "error Y1373" in await person.type('CELL "other.toml"')
+            assert "error" not in await person.type('CELL "cell.toml"')
+            assert "error Y1373" in await person.type(".load other.yarc")
+            assert "1 commands" in await person.type(".load same.yarc")
+            assert "error Y0901" in await person.type(BELOW)
+
+    run(session())
+
+
+@pytest.mark.parametrize("cell", ["cell = 5", 'cell = "nowhere.toml"', "cell = "])
+def test_nothing_moves_where_the_cell_is_not_known(project, cell):
+    (project / "yarc.toml").write_text(f"{cell}\n")
+
+    async def session():
+        async with coordinating(folder=project) as (world, _, client):
+            made = await client.motion.offer("MOVEJ 5 0 0 0 0 0 [1] (deg,s)")
+            assert made.value is None
+            assert codes(made)[0] in ("Y1302", "Y1393")
+            drive = await client.live.drive(JointVelocity(np.full(6, 0.1)))
+            assert drive.value is None
+            assert world.stands() == pytest.approx([0] * 6, abs=1e-9)
+
+    run(session())

@@ -1,0 +1,11 @@
+"""A cell as text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def cell_text(name: str) -> str:
+    """Return the line that names the cell.toml that a robot keeps to, as seen from the working folder: `cell: cell.toml`."""
+    path, here = Path(name), Path.cwd()
+    return f"cell: {path.relative_to(here) if path.is_relative_to(here) else path}"

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Generic, TypeVar
 
 from yarclang.findings import CATALOGUE, Severity
+from yarclang.progress import go_on
 from yarclang.source import SourceFile, Span
 
 T = TypeVar("T")
@@ -109,6 +110,7 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
     """
     groups: dict[tuple[str, str, Span | None], list[Diagnostic]] = {}
     for one in diagnostics:
+        go_on()
         # without a place nothing was unrolled: two findings are two
         name = one.source.name if one.source else ""
         key = (one.code, name, one.span) if one.place else (one.code + one.message, name, one.span)

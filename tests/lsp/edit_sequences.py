@@ -280,7 +280,15 @@ class Sequence:
             SourceFile(document.source.name, document.source.text), self.folder, Options(robot=ROBOT)
         )
         fresh = [TO_JSON.unstructure(diagnostic_of(document, one, "utf-16")) for one in checked.diagnostics]
-        assert said["result"]["items"] == fresh, (self.path.name, self.version)
+        found = said["result"]["items"]
+        if found != fresh:
+            more, less = (
+                [one for one in found if one not in fresh],
+                [one for one in fresh if one not in found],
+            )
+            raise AssertionError(
+                f"{self.path.name} {self.version}: only the server finds {more}, only a fresh check {less}\n{self.text!r}"
+            )
         self.done.count("comparison")
         self.done.count("comparison of a program that can be carried out", checked.compiled is not None)
         self.done.count("comparison of a program with errors", has_errors(checked.diagnostics))

@@ -1,6 +1,8 @@
 """REPEAT, IF and CALL carried out: which commands, in which order, at which place."""
 
+import re
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +11,10 @@ from hypothesis import strategies as st
 from programs import checked, codes, planned
 
 from yarclang.diagnostics import grouped
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.inputs import Options
 from yarclang.semantics import counting, repeats
+from yarclang.source import SourceFile
 
 DEFAULT = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
 
@@ -190,3 +195,58 @@ def test_a_least_count_is_no_more_than_the_count(body, monkeypatch):
     assert 0 < 7 * least.commands <= commands
     assert 0 < 7 * least.lines <= lines
     assert 0 < 7 * least.rounds <= rounds
+
+
+@pytest.mark.parametrize(
+    ("mistake", "least", "most"),
+    [
+        ("P0005 MOVEJ NOWHERE", 10_000, 10_100),  # a name without a meaning
+        ("P0005 MOVEJ (((", 1_000, 1_100),  # a line that can't be read
+    ],
+)
+def test_programs_with_errors_are_carried_out_in_part(mistake, least, most):
+    program = (
+        f"{mistake}\nREPEAT I 300\nREPEAT J 300\nP0010 MOVEJ $(I/9) 0 0 0 0 0\nEND\nEND\nP0020 MOVEJ HOME"
+    )
+    begin = time.process_time()
+    unrolled, found = checked(DEFAULT + program)
+    assert time.process_time() - begin < 3.0
+    assert unrolled.is_cut
+    assert least / 2 < len(unrolled.steps) < most
+    assert any(
+        getattr(step.origin, "index", "") == "P0020"
+        for step in unrolled.steps[-3:]
+        if hasattr(step, "origin")
+    )
+    assert "Y1004" not in codes(found)
+
+
+def test_what_is_found_in_a_part_of_a_loop_is_there_at_least_so_often():
+    found = planned(f"{DEFAULT}REPEAT I 50000\nP0010 MOVEJ NOWHERE\nEND")[1]
+    (one,) = grouped(found, at_least=True)
+    assert "at least" in one.message
+    whole = planned(f"{DEFAULT}REPEAT I 50\nP0010 MOVEJ NOWHERE\nEND")[1]
+    (one,) = grouped(whole)
+    assert "and 49 more times" in one.message
+
+
+def test_sub_that_call_others_twice_are_counted_once():
+    subs = "SUB S0\nP0010 MOVEJ HOME\nEND\n" + "".join(
+        f"SUB S{number}\nP0010 CALL S{number - 1}\nP0020 CALL S{number - 1}\nEND\n" for number in range(1, 41)
+    )
+    begin = time.process_time()
+    (one,) = [finding for finding in checked(f"{DEFAULT}{subs}P0030 CALL S40")[1] if finding.code == "Y1004"]
+    assert time.process_time() - begin < 1.0
+    assert "a program has at most 1,000,000 commands" in one.message
+
+
+def test_the_pallet_with_far_too_many_rows_is_refused_at_its_loop_at_once():
+    text = next((Path(__file__).resolve().parents[2] / "examples").glob("06*.yarc")).read_text()
+    text = re.sub(r"LET ROWS *= *\d+", "LET ROWS = 99999", text)
+    begin = time.process_time()
+    source = SourceFile("pallet.yarc", text)
+    diagnostics = check_text(source, Path(), Options()).diagnostics
+    assert time.process_time() - begin < 2.0
+    (one,) = [finding for finding in diagnostics if finding.code == "Y1004"]
+    assert source.line(one.span.line).split("!")[0].split()[0] in ("REPEAT", "CALL")
+    assert re.search(r"[0-9]+,[0-9]{3}", one.message)

@@ -23,7 +23,7 @@ _BEFORE, _BEHIND = r"(?<![A-Za-z0-9_.$])", r"(?![A-Za-z0-9_.])"
 _NOT_IN_CODE = r"[^\t -~]|[#&':?@\\^`{|}~]"
 """What is no part of any word or sign, but in comments and texts."""
 
-_NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_])"
+_NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_])"
 
 
 def grammar() -> dict[str, Any]:

@@ -1,9 +1,14 @@
 """Texts that are as deep, as long or as large as nobody writes them: a finding soon, at every door, and no failure."""
 
+import gc
 import time
 
 import pytest
 from mutated_texts import Laws
+
+from yarclang.pipeline.incremental import Analyst
+from yarclang.pipeline.inputs import Options
+from yarclang.source import SourceFile
 
 DEEP = 10_000
 LONG = 99_000
@@ -28,6 +33,8 @@ TEXTS = {
     "words of operators": "LET A = " + "NOT " * (LONG // 4) + "1",
     "functions": "LET A = " + "SIN(" * DEEP + "1" + ")" * DEEP,
     "arguments": "LET A = MAX(" + ",".join(["1"] * (LONG // 2)) + ")",
+    "digits": "1" * LONG,
+    "digits of names": "LET A = 1\n" + "P0010 MOVEJ " + "1" * 40_000 + "A",
     "a number of 10,000 digits": "P0010 MOVEJ " + "1" * DEEP + " 0 0 0 0 0 [5] (deg,s)\nLET A = " + "1" * DEEP,
     "a loop of 10,000 digits": "REPEAT " + "1" * DEEP + "\nP0010 STOP\nEND",
     "an index of 10,000 digits": "P" + "1" * DEEP + " STOP\nP" + "0" * DEEP + "1 STOP\n",
@@ -57,6 +64,8 @@ TEXTS = {
     "SUBs": "".join(f"SUB A{i}\nP0010 CALL A{i + 1}\nEND\n" for i in range(1_500)) + "P0020 CALL A0",
     "no-break spaces": "P0010 MOVEJ " + "\u00a0" * 90_000,
     "no-break spaces between": "P0010 MOVEJ " + "1\u00a0" * 45_000,
+    "line ends of other programs": "\u2028" * 90_000,
+    "line ends of other programs before words": "P0010 STOP" + "\u2028A" * 40_000,
     "marks of direction in comments": "! " + "\u202e" * 90_000,
     "marks in way-points": "P0010 MOVEJ_SPLINE 0;\n" + "0\u00a0;\n" * 20_000,
 }  # fmt: skip
@@ -70,3 +79,67 @@ def test_it_is_told_soon_and_nothing_fails(name, tmp_path):
     assert laws.broken(1, tmp_path, TEXTS[name]) == []
     assert laws.seconds < SECONDS
     assert time.process_time() - begin < 6 * SECONDS
+
+
+SHORT = 10_000
+"""Characters of a text that an editor's quick look is timed with."""
+
+QUICKLY = 0.6
+"""Of the processor, for a quick look [s]: 0.3 s is promised for a quiet machine."""
+
+
+def filled(line, head="DEFAULT {TCP} [5] (mm,deg,s) {B}\n", tail=""):
+    """Return a text of SHORT characters: `line` again and again, with its number for {k} and the one before for {j}."""
+    text, number = head, 1
+    while len(text) + len(tail) < SHORT:
+        text += line.replace("{k}", str(number)).replace("{j}", str(number - 1))
+        number += 1
+    return text + tail
+
+
+MANY = {
+    "motions": filled("P{k} MOVEL 0 1000 {k} -90 0 0\n"),
+    "poses out of reach": filled("P{k} MOVEL 90000 {k} 0 0 0 0\n"),
+    "one index": filled("P1 STOP\n"),
+    "words in lines": filled("a\n"),
+    "names without a meaning": filled("LET A{k} = B{k}\n"),
+    "names that are nearly right": filled("LET ABCDEFGHIJ{k} = ABCDEFGHIX{k}\n"),
+    "long names that are nearly right": filled("LET " + "AB" * 50 + "{k} = " + "BA" * 50 + "{j}\n"),
+    "frames without a meaning": filled("FRAME {F{k}} 1 2 3 0 0 0 {G{k}}\n"),
+    "frames on frames": filled("FRAME {F{k}} 1 2 3 0 0 0 {F{j}}\n", "FRAME {F0} 1 2 3 0 0 0 {B}\n"),
+    "SUBs that call twice": filled("SUB S{k}\nP1 CALL S{j}\nP2 CALL S{j}\nEND\n", "SUB S0\nP1 MOVEJ HOME\nEND\n", "P1 CALL S140\n"),
+    "SUBs that call what isn't there": filled("SUB S{k}\nP1 CALL R{k}\nEND\n"),
+    "modules": filled("USE M{k}\n"),
+    "cells": filled('CELL "c{k}.toml"\n'),
+    "ends": filled("END\n"),
+    "blocks": filled("REPEAT I{k} 2\n"),
+    "conditions in a loop": "REPEAT I 200\n" + "IF I > 5\n" * 98 + "P1 MOVEJ HOME\n" + "END\n" * 99,
+    "mistakes in a loop": filled("P{k} MOVEJ $(1/0) 0 0 0 0 0\n", "REPEAT I 3000\n", "END\n"),
+    "motions in a loop": filled("P{k} MOVEL $I 1000 1000 -90 0 0 [5] (mm,deg,s)\n", "REPEAT I 100\n", "END\n"),
+    "empty loops": filled("REPEAT 900\nEND\n"),
+    "loops in loops": "REPEAT I 440\nREPEAT J 440\n" + "IF I + J > 5\nEND\n" * 3 + "END\nEND\n",
+    "minus signs": filled("LET A{k} = " + "-" * 90 + "1\n"),
+    "suppressions": filled("! yarc: ignore[Y0601]\n"),
+    "suppressions of codes that aren't there": "! yarc: ignore[" + "Y0001," * 1_600 + "]",
+    "texts in no quotes": filled("P{k} HOLD A B C D\n"),
+    "digits": "1" * SHORT,
+    "braces": "P1 MOVEJ " + "{a} " * 2_495,
+    "line ends of other programs": "\u2028" * SHORT,
+    "a half of a character": "\ud800" * SHORT,
+    "an expression": "LET A = 1\nLET B = A" + "+A" * 4_985,
+    "arguments": "LET A = MAX(" + "1," * 4_980 + "1)",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MANY)
+def test_a_quick_look_is_quick(name, tmp_path):
+    analyst = Analyst(Options(robot="INDUSTRIAL6"))
+    analyst.analyse(SourceFile("warm.yarc", "P0010 STOP\n"), tmp_path, quick=True)
+    assert len(MANY[name]) < 1.05 * SHORT
+    gc.collect()
+    gc.freeze()  # what other tests have left is no matter of this text
+    begin = time.process_time()
+    analyst.analyse(SourceFile("test.yarc", MANY[name]), tmp_path, quick=True)
+    took = time.process_time() - begin
+    gc.unfreeze()
+    assert took < QUICKLY

@@ -32,13 +32,16 @@ FAILED_ONCE = (
     'P0010 HOLD "abc ! def',
     "\ufeffP0010 STOP\n\ufeffP0020 STOP",
     "P0010 MOVEJ " + "a " * 4_000,  # a finding for each word
+    "REPEAT 8881\n" + "REPEAT 1\n" * 99 + "END\n" * 100,  # 888,100 rounds around nothing, 7 s
 )
 """What broke a law before."""
 
 
 @pytest.mark.parametrize("text", FAILED_ONCE, ids=range(len(FAILED_ONCE)))
 def test_what_failed_once(text, tmp_path):
-    assert Laws().broken(1, tmp_path, text) == []
+    laws = Laws()
+    assert laws.broken(1, tmp_path, text) == []
+    assert laws.seconds < LONGEST_CHECK
 
 
 @pytest.mark.parametrize("block", range(COUNT // BLOCK))

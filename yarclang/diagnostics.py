@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 
 from yarclang.findings import CATALOGUE, Severity
 from yarclang.frozen import frozen
+from yarclang.progress import go_on
 from yarclang.source import SourceFile, Span
 
 T = TypeVar("T")
@@ -110,6 +111,7 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
     """
     groups: dict[tuple[str, str, Span | None], list[Diagnostic]] = {}
     for one in diagnostics:
+        go_on()
         # without a place nothing was unrolled: two findings are two
         name = one.source.name if one.source else ""
         key = (one.code, name, one.span) if one.place else (one.code + one.message, name, one.span)
@@ -139,6 +141,9 @@ def suggest(word: str, known: Iterable[str]) -> str:
 _NEAR = 0.6
 """How like a mistyped word what was meant is at least: difflib's ratio."""
 
+_MOST_LIKELY = 12
+"""Names that difflib compares with a mistyped word: those that may be the nearest."""
+
 
 @lru_cache(maxsize=256)
 def _suggestion(word: str, known: tuple[str, ...]) -> str:
@@ -147,21 +152,29 @@ def _suggestion(word: str, known: tuple[str, ...]) -> str:
     if len(word) > _LONGEST_NAME:
         return ""
     by_upper = {name.upper(): name for name in known}
-    likely = [name for name in by_upper if _may_be_near(word, name)]
-    near = get_close_matches(word, likely, n=5, cutoff=_NEAR)
+    near = get_close_matches(word, _likely(word, by_upper), n=5, cutoff=_NEAR)
     # of equally near names, the one with the same letters in another order was meant
     near.sort(key=lambda name: sorted(name) != sorted(word))
     return f"did you mean {by_upper[near[0]]}?" if near else ""
 
 
-def _may_be_near(one: str, other: str) -> bool:
-    """Return False if two words are surely no nearer than _NEAR: their lengths or their letters differ too much. It takes a tenth of difflib's time."""
-    mine, theirs = _letters(one), _letters(other)
-    common = min(
-        len(one) - (mine & ~theirs).bit_count(),
-        len(other) - (theirs & ~mine).bit_count(),
-    )
-    return 2.0 * common >= _NEAR * (len(one) + len(other))
+def _likely(word: str, names: Iterable[str]) -> list[str]:
+    """Return the names that may be near a word by their lengths and letters, at most _MOST_LIKELY of them.
+
+    An upper bound of difflib's ratio says which: it takes a twentieth of difflib's time.
+    """
+    from heapq import nlargest
+
+    mine, length, begin = _letters(word), len(word), word[: len(word) // 2]
+    found = []
+    for name in names:
+        theirs, other = _letters(name), len(name)
+        common = min(length - (mine & ~theirs).bit_count(), other - (theirs & ~mine).bit_count())
+        if 2.0 * common >= _NEAR * (length + other):
+            found.append((common / (length + other), name.startswith(begin), name))
+    if len(found) > _MOST_LIKELY:
+        found = nlargest(_MOST_LIKELY, found)
+    return [name for _, _, name in found]
 
 
 @lru_cache(maxsize=4096)

@@ -54,6 +54,18 @@ def told_to(listener: Listener | None) -> Iterator[None]:
         _TOLD.reset(token)
 
 
+@contextmanager
+def part(title: str) -> Iterator[None]:
+    """Report what is done in this block as a part of something: `title: what is done`."""
+    around = _TOLD.get()
+    if around is None:
+        yield
+        return
+    listener = around.listener
+    with told_to(lambda what, done, total: listener(f"{title}: {what}", done, total)):
+        yield
+
+
 def tell(what: str, done: int, total: int = 0) -> None:
     """Tell what is being done, and how much of it is done."""
     told = _TOLD.get()

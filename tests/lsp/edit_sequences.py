@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from floors import Tally
 from lsprotocol import converters
 
 from tests.lsp.wire import ROBOT, Wire
+from yarclang.diagnostics import has_errors
 from yarclang.lsp.documents import Document
 from yarclang.lsp.translation import diagnostic_of
 from yarclang.pipeline.checking import check_text
@@ -23,6 +25,9 @@ QUICK = [text for text in TEXTS if "PATTERN" not in text and "WEAVE" not in text
 
 EVERY = 25
 """Edits between two comparisons with a fresh check."""
+
+UNDONE = {10, EVERY - 1}
+"""Edits of somebody who types, between two comparisons, that mostly take all back; then a digit is changed. Else nearly all texts would have errors."""
 
 LONGEST = 120.0
 """A server that doesn't answer for so long [s] hangs."""
@@ -100,11 +105,14 @@ class Sequence:
     version: int = 1
     longest: float = 0.0
     """The longest time until a question was answered [s]."""
+    done: Tally = field(default_factory=Tally)
+    """Edits that left another text; questions by their names that got an answer; comparisons, and those of texts with errors or that were planned."""
     _pending: list[tuple[str, asyncio.Future[Any], float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.chance = random.Random(f"{self.seed}{self.is_heavy}")
         self.text = self.chance.choice(TEXTS if self.is_heavy else QUICK)
+        self.first = self.text
         self.before = [self.text]
         self.path = self.folder / f"{'heavy' if self.is_heavy else 'mild'}{self.seed}.yarc"
         self._typed: Iterator[tuple[int, int, str]] = iter(())
@@ -118,7 +126,7 @@ class Sequence:
         item = {"uri": self.uri, "languageId": "yarc", "version": 1, "text": self.text}
         wire.tell("textDocument/didOpen", {"textDocument": item})
         for number in range(1, edits + 1):
-            self._edit(wire)
+            self._edit(wire, is_undone=number % EVERY in UNDONE and self.chance.random() < 0.9)
             for _ in range(self.chance.choice((0, 0, 1, 3))):
                 self._ask(wire)
             if self.chance.random() < 0.3:
@@ -132,8 +140,12 @@ class Sequence:
 
     # edits
 
-    def _edit(self, wire: Wire) -> None:
-        if self.is_heavy and self.chance.random() < 0.08:
+    def _edit(self, wire: Wire, *, is_undone: bool) -> None:
+        if is_undone and not self.is_heavy:
+            self._typed = iter(())
+            self.text = self.first
+            changes = [{"text": self.text}]
+        elif self.is_heavy and self.chance.random() < 0.08:
             self.text = self.chance.choice([*TEXTS, *self.before[-3:]])
             changes = [{"text": self.text}]
         else:
@@ -142,6 +154,7 @@ class Sequence:
                 self._changed(*(self._heavy() if self.is_heavy else self._mild())) for _ in range(count)
             ]
         self.version += 1
+        self.done.count("edit", self.text != self.before[-1])
         self.before = [*self.before[-5:], self.text]
         document = {"uri": self.uri, "version": self.version}
         wire.tell("textDocument/didChange", {"textDocument": document, "contentChanges": changes})
@@ -155,7 +168,7 @@ class Sequence:
         lines = [at for at, letter in enumerate(text) if letter == "\n"] or [0]
         begin = chance.choice(lines) + 1
         end = text.find("\n", begin) + 1 or len(text)
-        kind = chance.random()
+        kind = 0.0 if text == self.first else chance.random()
         if kind < 0.35:  # a digit
             digits = [at for at, letter in enumerate(text) if letter.isdigit()] or [0]
             at = chance.choice(digits)
@@ -250,6 +263,8 @@ class Sequence:
             said = await asyncio.wait_for(answer, LONGEST)
             self.longest = max(self.longest, asyncio.get_running_loop().time() - asked)
             error = said.get("error")
+            self.done.count("question", error is None)
+            self.done.count(what, bool(said.get("result")))
             assert error is None or error["code"] in ALLOWED, (self.path.name, self.version, what, error)
         self._pending.clear()
 
@@ -265,7 +280,18 @@ class Sequence:
             SourceFile(document.source.name, document.source.text), self.folder, Options(robot=ROBOT)
         )
         fresh = [TO_JSON.unstructure(diagnostic_of(document, one, "utf-16")) for one in checked.diagnostics]
-        assert said["result"]["items"] == fresh, (self.path.name, self.version)
+        found = said["result"]["items"]
+        if found != fresh:
+            more, less = (
+                [one for one in found if one not in fresh],
+                [one for one in fresh if one not in found],
+            )
+            raise AssertionError(
+                f"{self.path.name} {self.version}: only the server finds {more}, only a fresh check {less}\n{self.text!r}"
+            )
+        self.done.count("comparison")
+        self.done.count("comparison of a program that can be carried out", checked.compiled is not None)
+        self.done.count("comparison of a program with errors", has_errors(checked.diagnostics))
 
 
 PULLS = {

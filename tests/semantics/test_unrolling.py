@@ -1,5 +1,9 @@
 """REPEAT, IF and CALL carried out: which commands, in which order, at which place."""
 
+import re
+import time
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +11,10 @@ from hypothesis import strategies as st
 from programs import checked, codes, planned
 
 from yarclang.diagnostics import grouped
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.inputs import Options
 from yarclang.semantics import counting, repeats
+from yarclang.source import SourceFile
 
 DEFAULT = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
 
@@ -126,3 +133,120 @@ def test_most_commands(monkeypatch):
     assert len(program.steps) < 3
     assert codes(checked(DEFAULT + empty)[1]) == ["Y1004"]
     assert codes(checked(f"{DEFAULT}REPEAT 101\nP0010 STOP\nEND")[1]) == ["Y1004"]
+
+
+ROUNDS_LIMIT = "; the loops of a program make at most 200,000 rounds"
+
+
+@pytest.mark.parametrize(
+    ("program", "line", "message"),
+    [
+        ("REPEAT 200001\nEND", 2, "REPEAT 200,001: the loops of a program make at most 200,000 rounds"),
+        ("REPEAT 8881\nREPEAT 99\nEND\nEND", 2, "8,881 rounds, each around 99 others, are 888,100 rounds" + ROUNDS_LIMIT),
+        ("REPEAT I 1000\nREPEAT J 1000\nIF I > J\nP0010 STOP\nEND\nEND\nEND", 2,
+         "1,000 rounds, each around at least 1,000 others, are at least 1,001,000 rounds" + ROUNDS_LIMIT),
+        ("REPEAT I 1000\nREPEAT $I\nEND\nEND", 2, "up to round 632 of 1,000 this loop comes to 200,028 rounds" + ROUNDS_LIMIT),
+        ("REPEAT I 100000\nEND\nREPEAT 99999\nEND\nREPEAT 2\nEND", 6, "with this REPEAT the program comes to 200,001 rounds" + ROUNDS_LIMIT),
+        ("SUB S\nREPEAT 1000\nEND\nEND\nREPEAT 200\nP0010 CALL S\nEND", 6,
+         "200 rounds, each around 1,000 others, are 200,200 rounds" + ROUNDS_LIMIT),
+    ],
+)  # fmt: skip
+def test_rounds_are_counted_before_any_is_carried_out(program, line, message):
+    begin = time.process_time()
+    unrolled, found = checked(DEFAULT + program)
+    assert time.process_time() - begin < 1.0
+    (one,) = [finding for finding in found if finding.code == "Y1004"]
+    assert (one.message, one.span.line) == (message, line)
+    assert len(unrolled.steps) < 20_000
+
+
+def test_as_many_rounds_as_are_allowed():
+    assert codes(checked(f"{DEFAULT}REPEAT 199\nREPEAT 999\nEND\nEND\nP0010 STOP")[1]) == []
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "IF I > 2\nP0010 MOVEJ 1 0 0 0 0 0\nEND",
+        "IF I > 2\nELSE\nREPEAT 3\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nEND",
+        "LET N = I % 3\nREPEAT $N\nP0010 CALL S $N\nEND",
+        "INPUT DOOR M11\nWHEN DOOR ON\nREPEAT $(I % 2)\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nELSE\nP0020 MOVEJ 2 0 0 0 0 0\nEND",
+        'REPEAT J 4\nREPEAT $(I * J)\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nIF J > 2\nP0020 HOLD "A"\nEND\nEND',
+    ],
+)
+def test_a_least_count_is_no_more_than_the_count(body, monkeypatch):
+    found = {}
+
+    def noted(name):
+        method = getattr(counting.Counter, name)
+
+        def note(counter, block, *others):
+            made = method(counter, block, *others)
+            if block.head.line == 7:
+                found[name] = made
+            return made
+
+        monkeypatch.setattr(counting.Counter, name, note)
+
+    noted("_repeat")
+    noted("_least_round")
+    checked(f"{DEFAULT}SUB S A\nIF A > 1\nP0030 MOVEJ 3 0 0 0 0 0\nEND\nEND\nREPEAT I 7\n{body}\nEND")
+    least, (commands, lines, rounds, _) = found["_least_round"], found["_repeat"]
+    assert 0 < 7 * least.commands <= commands
+    assert 0 < 7 * least.lines <= lines
+    assert 0 < 7 * least.rounds <= rounds
+
+
+@pytest.mark.parametrize(
+    ("mistake", "least", "most"),
+    [
+        ("P0005 MOVEJ NOWHERE", 10_000, 10_100),  # a name without a meaning
+        ("P0005 MOVEJ (((", 1_000, 1_100),  # a line that can't be read
+    ],
+)
+def test_programs_with_errors_are_carried_out_in_part(mistake, least, most):
+    program = (
+        f"{mistake}\nREPEAT I 300\nREPEAT J 300\nP0010 MOVEJ $(I/9) 0 0 0 0 0\nEND\nEND\nP0020 MOVEJ HOME"
+    )
+    begin = time.process_time()
+    unrolled, found = checked(DEFAULT + program)
+    assert time.process_time() - begin < 3.0
+    assert unrolled.is_cut
+    assert least / 2 < len(unrolled.steps) < most
+    assert any(
+        getattr(step.origin, "index", "") == "P0020"
+        for step in unrolled.steps[-3:]
+        if hasattr(step, "origin")
+    )
+    assert "Y1004" not in codes(found)
+
+
+def test_what_is_found_in_a_part_of_a_loop_is_there_at_least_so_often():
+    found = planned(f"{DEFAULT}REPEAT I 50000\nP0010 MOVEJ NOWHERE\nEND")[1]
+    (one,) = grouped(found, at_least=True)
+    assert "at least" in one.message
+    whole = planned(f"{DEFAULT}REPEAT I 50\nP0010 MOVEJ NOWHERE\nEND")[1]
+    (one,) = grouped(whole)
+    assert "and 49 more times" in one.message
+
+
+def test_sub_that_call_others_twice_are_counted_once():
+    subs = "SUB S0\nP0010 MOVEJ HOME\nEND\n" + "".join(
+        f"SUB S{number}\nP0010 CALL S{number - 1}\nP0020 CALL S{number - 1}\nEND\n" for number in range(1, 41)
+    )
+    begin = time.process_time()
+    (one,) = [finding for finding in checked(f"{DEFAULT}{subs}P0030 CALL S40")[1] if finding.code == "Y1004"]
+    assert time.process_time() - begin < 1.0
+    assert "a program has at most 1,000,000 commands" in one.message
+
+
+def test_the_pallet_with_far_too_many_rows_is_refused_at_its_loop_at_once():
+    text = next((Path(__file__).resolve().parents[2] / "examples").glob("06*.yarc")).read_text()
+    text = re.sub(r"LET ROWS *= *\d+", "LET ROWS = 99999", text)
+    begin = time.process_time()
+    source = SourceFile("pallet.yarc", text)
+    diagnostics = check_text(source, Path(), Options()).diagnostics
+    assert time.process_time() - begin < 2.0
+    (one,) = [finding for finding in diagnostics if finding.code == "Y1004"]
+    assert source.line(one.span.line).split("!")[0].split()[0] in ("REPEAT", "CALL")
+    assert re.search(r"[0-9]+,[0-9]{3}", one.message)

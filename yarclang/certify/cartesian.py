@@ -130,6 +130,7 @@ def _followed(
     claims: tuple[Array, int] | None,
 ) -> Followed:
     cut = Pieces.cut(stretch.cubics, arm.command, pieces)
+    go_on()
     motion = frame_motion(robot.chain, cut, paths.flange_from_moving[cut.owner])
     go_on()
     speeds = _speeds(stretch, arm, cut, motion)
@@ -155,6 +156,7 @@ def _followed(
 def _speeds(stretch: Stretch, arm: _Arm, cut: Pieces, motion: Motion) -> Speeds:
     wanted = stretch.speed
     low, high = speed_bounds(motion, cut.left, cut.d, arm.origin[cut.segment])
+    go_on()
     if wanted.turns.any():
         turns = wanted.turns[cut.command]
         low_turn, high_turn = turn_bounds(motion, cut.left, cut.d, arm.rotation[cut.segment])
@@ -197,7 +199,9 @@ def _bounds(
     left, right, d = cut.left, cut.left + 1, cut.d
     go_on()
     path = paths.at(cut.owner, s)
+    go_on()
     e, e_rate, turn, turn_rate = _errors(motion, path, s_rate)
+    go_on()
     bezier_s = np.stack(hermite_bezier(s[left], s_rate[left], s[right], s_rate[right], d), axis=1)
     begins = np.flatnonzero(np.diff(cut.command, prepend=-1))
     ends = np.append(begins[1:], len(d)) - 1
@@ -210,6 +214,7 @@ def _bounds(
 
     low, high = bezier_s.min(axis=1), bezier_s.max(axis=1)
     steep = paths.bounds(cut.command, low, high)
+    go_on()
     # between where the parameter is and where it was lifted to
     lifted = steep
     if not steep.everywhere:

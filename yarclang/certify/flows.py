@@ -13,6 +13,7 @@ from yarclang.certify.corner import Judged, Starts
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place
 from yarclang.frozen import frozen
+from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 SHORTEST = 1e-6
@@ -110,6 +111,7 @@ def _passed(
     judged: Judged, layout: Layout, starts: Starts, corner: Corner, earliest: int
 ) -> tuple[int, float]:
     """When a corner that may not be left is passed: the segment, from `earliest` on, and how long after its start [s]."""
+    go_on()
     one, other = layout.places[corner.first], layout.places[corner.second]
     reach = corner.segments // 2 + 1
     # nothing of what belongs to the other ends of both motions

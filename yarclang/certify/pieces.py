@@ -7,6 +7,7 @@ import numpy as np
 from yarclang.certify.bounds import Cubics, arm_fourth, reaches
 from yarclang.certify.programmed import Motion, Rows
 from yarclang.frozen import frozen
+from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Array, Chain, Robot
 
@@ -49,6 +50,7 @@ class Pieces:
 def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion:
     """Moving frames at the points between pieces, each on its `flange_from_moving` (N, 4, 4)."""
     flange, jacobian = poses_and_jacobians(chain, cut.q, np.eye(4))
+    go_on()
     twist = (jacobian @ cut.rate[:, :, None])[:, :, 0]
     arm = (flange[:, :3, :3] @ flange_from_moving[:, :3, 3:])[:, :, 0]
     angular = twist[:, 3:]

@@ -18,6 +18,7 @@ from yarclang.certify.programmed import Bounds, Motion, Poses, Rows
 from yarclang.certify.project import guess_by_length, project
 from yarclang.certify.spline import SAME, NaturalSpline
 from yarclang.frozen import frozen
+from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 CELLS = 16
@@ -72,6 +73,18 @@ class PoseSpline:
 
     def at(self, owner: Rows, s: Array) -> Poses:  # noqa: ARG002 - there is only one
         """The curve at `s` (N,)."""
+        parts = [self._at(s[begin : begin + _AT_ONCE]) for begin in range(0, len(s), _AT_ONCE)]
+        if len(parts) == 1:
+            return parts[0]
+        return Poses(
+            np.concatenate([part.p for part in parts] or [np.zeros((0, 3))]),
+            np.concatenate([part.along for part in parts] or [np.zeros((0, 3))]),
+            np.concatenate([part.rotation for part in parts] or [np.zeros((0, 3, 3))]),
+            np.concatenate([part.spin for part in parts] or [np.zeros((0, 3, 3))]),
+        )
+
+    def _at(self, s: Array) -> Poses:
+        go_on()
         y, slope = self.spline.at(s * self.total)
         q, rate = y[:, 3:], slope[:, 3:]
         n = np.einsum("ni,ni->n", q, q)[:, None, None]
@@ -116,6 +129,9 @@ class PoseSpline:
         guess, pace = guess_by_length(curve, y, 1.0, self.free)
         return project(curve, y, rate, guess, pace, motion.d)
 
+
+_AT_ONCE = 8_192
+"""Places of a curve that are computed between two looks at whether to go on: some 10 ms."""
 
 BEYOND = 1e-3
 """How far beyond its ends, as a share of the whole, a curve is bounded."""

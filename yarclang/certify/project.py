@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 _STIFFNESS = 1e-3
@@ -41,11 +42,13 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
     bands = _third_differences(len(guess)) * stiffness
     s = guess
     for _ in range(_ROUNDS):
+        go_on()
         at, slope = curve.at(s)
         system = bands.copy()
         system[0] += (slope**2).sum(axis=1) + 1e-9 * stiffness
         pull = ((y - at) * slope).sum(axis=1)
         s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
+    go_on()
     slope = curve.at(s)[1]
     about = np.gradient(s, np.concatenate([[0.0], np.cumsum(d)]))
     steep = (slope**2).sum(axis=1)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from yarclang.certify.bounds import HERMITE, JUMP, Cubics, catch_up, hermite_bezier
 from yarclang.certify.project import guess_by_length, project
 from yarclang.frozen import frozen
+from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
@@ -136,6 +137,7 @@ def _proved(
     """The bound with pieces so short that the remainder hardly counts."""
     pieces = 1 if len(cubics.h) >= 4 else 4  # third differences want four points
     while True:
+        go_on()
         bound = _bound(cubics, spline, weights, pieces, law, free)
         need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
         if not need > 1.0 or pieces == MOST_PIECES:
@@ -179,6 +181,7 @@ def _bound(
     else:
         s, s_rate = _claimed(law * end, float(cubics.h[0]), pieces)
 
+    go_on()
     y, slope = spline.at(s)
     e, e_rate = q - y, rate - slope * s_rate[:, None]
     hull = np.stack(hermite_bezier(e[:-1], e_rate[:-1], e[1:], e_rate[1:], d[:, None]))

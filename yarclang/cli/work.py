@@ -86,9 +86,11 @@ class Progress:
             from rich.console import Console
             from rich.progress import Progress as Bar
 
-            self._bar = Bar(console=Console(stderr=True), transient=True)
-            self._bar.start()
-            self._task = self._bar.add_task(what, total=None)
+            bar = Bar(console=Console(stderr=True), transient=True)
+            # Ctrl-C may come between any two lines: a bar that is kept has its task, and one that is started is kept
+            self._task = bar.add_task(what, total=None)
+            self._bar = bar
+            bar.start()
         self._bar.update(self._task, description=what, completed=done, total=total or None)
 
 

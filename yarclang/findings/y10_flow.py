@@ -36,9 +36,9 @@ FINDINGS = (
         "Y1004",
         "too-many-commands",
         "error",
-        "the program has more than a million commands when it is unrolled",
+        "the program has more than a million commands, or 200,000 rounds of loops, when it is unrolled",
         "Loops and calls are carried out before the robot moves, so that every motion is checked. They are counted before that: the finding is "
-        "at the loop, or the CALL, with which there are too many commands, or too many lines of declarations. A program that runs for ever "
+        "at the loop, or the CALL, with which there are too many commands, rounds, or lines of declarations. A program that runs for ever "
         "is run again and again: yarc run --loop.",
         "REPEAT 2000000\n  P0010 WAIT [1] (s)\nEND",
         "REPEAT 20\n  P0010 WAIT [1] (s)\nEND",

@@ -55,6 +55,7 @@ def told(said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic
     diagnostics: list[Diagnostic] = []
     for rule in rules():
         for one in said.get(rule, ()):
+            go_on()
             source = one.source or own
             if source.name != own.name:
                 continue  # each file is spoken of when it is checked itself

@@ -8,6 +8,7 @@ from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve
 from yarclang.motion.trials import Trial
+from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 
 KEPT = 4e-4
@@ -27,6 +28,7 @@ def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
 
 def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float | None:
     """A segment time [s] at which the cruise keeps its speed; None where it does with `segment`."""
+    go_on()
     times = np.arange(_PARTS * trial.segments + 1, dtype=float) * (segment / _PARTS)
     law = Curve(trial.control[:, None], segment, trial.control).sample(times)[1][:, 0]
     cruise = law > _CRUISE * law.max()

@@ -159,6 +159,7 @@ class Trials:
         """How many segments are needed to hold the path; None where the trial holds it."""
         if self.path.is_straight_in_joints:
             return None
+        go_on()
         position, angle = self.deviation(trial)
         excess = max(position / self.tolerance.position, angle / self.tolerance.angle) / _SHARE_OF_TOLERANCE
         if excess <= 1.0:

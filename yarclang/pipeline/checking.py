@@ -24,7 +24,7 @@ from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
-from yarclang.progress import tell
+from yarclang.progress import go_on, tell
 from yarclang.source import SourceFile
 
 
@@ -174,6 +174,7 @@ def _planned(begun: Begun) -> Checked:
                 products.append(compiled.certificate)
     tell("looking for what else is worth saying", 0)
     said = {**begun.said, **remarks(products, begun.around, _silent(project))}
+    go_on()
     found = (*found, *told_by_rules(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)
     diagnostics = settled(found, source, project, is_whole=is_whole)
@@ -203,8 +204,12 @@ def settled(
         is_whole: whether all was looked for: only then a comment that suppresses nothing is needless.
     """
     told: list[Diagnostic] = []
-    found = few_in_a_line(without_followers(diagnostics, source))
+    go_on()
+    found = without_followers(diagnostics, source)
+    go_on()
+    found = few_in_a_line(found)
     for one in suppress(source, found, is_whole=is_whole):
+        go_on()
         level = project.levels.get(one.code, "")
         if one.is_error or not level:
             told.append(one)

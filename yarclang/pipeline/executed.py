@@ -16,6 +16,7 @@ from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
+from yarclang.progress import tell
 from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MS
@@ -71,6 +72,7 @@ def executed(text: str, robot: Robot, name: str) -> Result[Executed]:
     Returns:
         None, with a finding, where it isn't what yarcc writes for this robot's controller.
     """
+    tell("reading the controller's text", 0)
     content = read(text, robot.controller)
     if isinstance(content, Unreadable):
         message = f"line {content.line} {content.reason}"

@@ -15,6 +15,7 @@ from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.checking import Checked
+from yarclang.progress import part
 from yarclang.source import SourceFile, Span
 
 MOST_ROUNDS = 20
@@ -60,13 +61,16 @@ def fixed(
             break
         # what can be read first: its other errors aren't seen until then
         chosen = apart([one for one in open_ if _uncovers(one)] or open_)
-        together = _tried(checked, chosen, check)
+        count = f"{len(chosen)} fixes" if len(chosen) > 1 else "a fix"
+        with part(f"trying {count}"):
+            together = _tried(checked, chosen, check)
         if together is not None:
             checked = together
             applied += [one.fix.title for one in chosen if one.fix]
             continue
-        for one in chosen:
-            alone = _tried(checked, [one], check) if len(chosen) > 1 else None
+        for number, one in enumerate(chosen, 1):
+            with part(f"trying fix {number} of {len(chosen)}"):
+                alone = _tried(checked, [one], check) if len(chosen) > 1 else None
             if alone is None:
                 refused.add(_key(one, source))
                 continue

@@ -1,7 +1,7 @@
-"""How many commands a loop or a call comes to, counted before it is carried out.
+"""How many commands and rounds a loop or a call comes to, counted before it is carried out.
 
 A loop whose rounds are all alike is counted once and multiplied, and a SUB is counted once for all calls that give it the same numbers. Rounds
-that differ are counted one after the other, up to the limit.
+that differ are counted one after the other, up to the limit, unless the least that each of them comes to is too much already.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from yarclang.semantics.arguments import names_in
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.files import File, Sub, values_of
 from yarclang.semantics.parameters import bind_some, names_of_parameters
-from yarclang.semantics.repeats import MOST_COMMANDS, counted, repeats
+from yarclang.semantics.repeats import AT_MOST, MOST_COMMANDS, MOST_ROUNDS, counted, repeats
 from yarclang.semantics.scope import Routine, Scope
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Block, Computed, Node, Statement, Word
 from yarclang.syntax.words import DECLARATIONS
 
-MOST_LINES = 5 * MOST_COMMANDS
+MOST_LINES = 2 * MOST_COMMANDS
 """Lines that a program carries out, declarations and heads of blocks among them; a long line counts as several."""
 
 LINE = 120
@@ -40,16 +40,28 @@ _FAULTS = 20
 
 @frozen
 class Count:
-    """What lines come to: `commands`, and `lines` that are carried out."""
+    """The commands, the lines that are carried out, and the rounds of loops that a part of a program comes to."""
 
     commands: int = 0
     lines: int = 0
+    rounds: int = 0
+
+    @property
+    def is_too_much(self) -> bool:
+        """True if a program must not have so many."""
+        return self.commands > MOST_COMMANDS or self.rounds > MOST_ROUNDS or self.lines > MOST_LINES
+
+    def __add__(self, other: Count) -> Count:
+        return Count(self.commands + other.commands, self.lines + other.lines, self.rounds + other.rounds)
+
+    def __rmul__(self, number: int) -> Count:
+        return Count(number * self.commands, number * self.lines, number * self.rounds)
 
 
-_Tally = tuple[int, int, int]
-"""Commands, lines, and how many blocks and calls are inside each other."""
+_Tally = tuple[int, int, int, int]
+"""Commands, lines, rounds, and how many blocks and calls are inside each other."""
 
-_NOTHING = (0, 0, 0)
+_NOTHING = (0, 0, 0, 0)
 
 
 class TooMuch(Exception):  # noqa: N818 - ends the counting, and becomes a finding
@@ -82,6 +94,8 @@ class Counter:
     def __init__(self, most: int | None = None) -> None:
         self._most = most
         self._one_by_one = 0
+        self._differing = 0
+        """Loops around the present line whose rounds differ."""
         self._sizes: dict[int, int] = {}
         self._read: dict[int, frozenset[str]] = {}
         self._subs: dict[tuple[Sub, tuple[object, ...]], _Tally] = {}
@@ -105,10 +119,10 @@ class Counter:
             TooMuch: it is more than a program may have.
             Uncounted: there are many mistakes, or more rounds that differ than are to be looked at.
         """
-        self._faults = 0
+        self._faults = self._differing = 0
         self._inside.clear()
-        commands, lines, _ = self._node(node, file, scope, depth, self._needed((node,), scope))
-        return Count(commands, lines)
+        commands, lines, rounds, _ = self._node(node, file, scope, depth, self._needed((node,), scope))
+        return Count(commands, lines, rounds)
 
     def size(self, statement: Statement, source: SourceFile) -> int:
         """How many lines a statement counts as."""
@@ -122,7 +136,7 @@ class Counter:
     def _nodes(
         self, nodes: tuple[Node, ...], file: File, scope: Scope, depth: int, needed: frozenset[str]
     ) -> _Tally:
-        commands, lines, deepest = 0, 0, 0
+        commands, lines, rounds, deepest = 0, 0, 0, 0
         source = file.findings.source
         for node in nodes:
             if isinstance(node, Statement):
@@ -134,10 +148,11 @@ class Counter:
                     commands, lines = commands + 1, lines + self.size(node, source)
                     continue
             more = self._node(node, file, scope, depth, needed)
-            commands, lines, deepest = commands + more[0], lines + more[1], max(deepest, more[2])
-            if commands > MOST_COMMANDS or lines > MOST_LINES:
-                raise _too_many_together(file, _head(node), commands, lines)
-        return commands, lines, deepest
+            commands, lines, rounds = commands + more[0], lines + more[1], rounds + more[2]
+            deepest = max(deepest, more[3])
+            if commands > MOST_COMMANDS or lines > MOST_LINES or rounds > MOST_ROUNDS:
+                raise _too_many_together(file, _head(node), Count(commands, lines, rounds))
+        return commands, lines, rounds, deepest
 
     def _node(self, node: Node, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
         """Count a block or a CALL, which is `depth` inside others."""
@@ -146,20 +161,20 @@ class Counter:
         head = _head(node)
         size = self.size(head, file.findings.source)
         if isinstance(node, Statement):
-            commands, lines, deepest = self._call(node, file, scope, depth)
-            return commands + 1, lines + size, deepest + 1
+            commands, lines, rounds, deepest = self._call(node, file, scope, depth)
+            return commands + 1, lines + size, rounds, deepest + 1
         match head.name.name:
             case "REPEAT":
-                commands, lines, deepest = self._repeat(node, file, scope, depth, needed)
+                commands, lines, rounds, deepest = self._repeat(node, file, scope, depth, needed)
             case "IF":
-                commands, lines, deepest = self._if(node, file, scope, depth, needed)
+                commands, lines, rounds, deepest = self._if(node, file, scope, depth, needed)
             case "WHEN":
                 both = (*node.body, *(node.otherwise or ()))
-                commands, lines, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
+                commands, lines, rounds, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
                 commands += 1
             case _:
                 return _NOTHING
-        return commands, lines + size, deepest + 1
+        return commands, lines + size, rounds, deepest + 1
 
     def _if(self, block: Block, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
         assert block.head.expression is not None
@@ -182,24 +197,57 @@ class Counter:
         if word is None or word.name not in self._needed(block.body, scope):
             if word is not None:
                 inner.declare(word.name, Amount(0.0))
-            commands, lines, deepest = self._nodes(block.body, file, inner, depth + 1, needed)
-            commands, lines = max(1, commands), lines + 1
-            if number * commands > MOST_COMMANDS or number * lines > MOST_LINES:
-                raise _too_many_alike(file, head, number, commands, lines)
-            return number * commands, number * lines, deepest
-        commands, lines, deepest = 0, 0, 0
+            commands, lines, rounds, deepest = self._nodes(block.body, file, inner, depth + 1, needed)
+            one = Count(max(1, commands), lines + 1, rounds + 1)
+            if (number * one).is_too_much:
+                raise _too_many_alike(file, head, number, one)
+            return number * one.commands, number * one.lines, number * one.rounds, deepest
+        if not self._differing and (number * (least := self._least_round(block, file, scope))).is_too_much:
+            raise _too_many_alike(file, head, number, least, "at least ")
+        self._differing += 1
+        commands, lines, rounds, deepest = 0, 0, 0, 0
         for done in range(number):
             inner = Scope(scope)
             inner.declare(word.name, Amount(float(done)))
             more = self._nodes(block.body, file, inner, depth + 1, needed)
-            commands, lines = commands + (more[0] or 1), lines + more[1] + 1
-            deepest = max(deepest, more[2])
-            if commands > MOST_COMMANDS or lines > MOST_LINES:
-                raise _too_many_rounds(file, head, done + 1, number, commands)
+            commands, lines, rounds = commands + (more[0] or 1), lines + more[1] + 1, rounds + more[2] + 1
+            deepest = max(deepest, more[3])
+            if commands > MOST_COMMANDS or lines > MOST_LINES or rounds > MOST_ROUNDS:
+                raise _too_many_rounds(file, head, done + 1, number, Count(commands, lines, rounds))
             self._one_by_one += 1
             if self._one_by_one % _EVERY == 0:
                 self._look()
-        return commands, lines, deepest
+        self._differing -= 1
+        return commands, lines, rounds, deepest
+
+    def _least_round(self, block: Block, file: File, scope: Scope) -> Count:
+        """Return a lower bound of what one round of a REPEAT comes to, with the names that are known outside."""
+        least = self._least(block.body, file, scope) + Count(lines=1, rounds=1)
+        return least if least.commands else least + Count(commands=1)
+
+    def _least(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> Count:
+        """Return a lower bound of what lines come to: SUBs, and loops whose number isn't known yet, count as one line."""
+        total, source = Count(), file.findings.source
+        for node in nodes:
+            head = _head(node)
+            word = head.name.name
+            is_command = isinstance(node, Statement) and (head.index is not None or word not in DECLARATIONS)
+            total += Count(int(is_command), self.size(head, source))
+            if not isinstance(node, Block):
+                continue
+            if word == "IF":
+                ways = [self._least(way, file, scope) for way in (node.body, node.otherwise or ())]
+                total += Count(
+                    min(way.commands for way in ways),
+                    min(way.lines for way in ways),
+                    min(way.rounds for way in ways),
+                )
+            elif word == "REPEAT":
+                number = repeats(head, counted(head)[1], scope, Collector(source))
+                total += (number or 0) * self._least_round(node, file, scope)
+            elif word == "WHEN":
+                total += Count(1) + self._least((*node.body, *(node.otherwise or ())), file, scope)
+        return total
 
     def _look(self) -> None:
         if self._most is not None and self._one_by_one > self._most:
@@ -225,7 +273,7 @@ class Counter:
             self._inside.pop()
             if self._faults == before:  # a mistake may be there because another SUB is being counted
                 self._subs[sub, given] = tally
-        if depth + tally[2] >= DEEPEST:
+        if depth + tally[3] >= DEEPEST:
             raise too_deep(file, statement)
         return tally
 
@@ -317,37 +365,41 @@ def _names_in(statement: Statement) -> Iterator[str]:
             yield from names_in(value.expression)
 
 
-def _too_many_together(file: File, statement: Statement, commands: int, lines: int) -> TooMuch:
+def _too_many_together(file: File, statement: Statement, count: Count) -> TooMuch:
     """Return what is wrong with the lines of a body up to a statement, if they come to too much together."""
-    what = _commands(commands) if commands > MOST_COMMANDS else _lines(lines)
-    message = f"with this {statement.name.name} the lines around it come to {what}{_at_most(commands)}"
+    what, most = _excess(count)
+    message = f"with this {statement.name.name} the lines around it come to {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
 
 
-def _too_many_alike(file: File, head: Statement, number: int, commands: int, lines: int) -> TooMuch:
-    """Return what is wrong with a REPEAT whose rounds are alike and come to too much."""
-    if number * commands > MOST_COMMANDS:
-        message = f"{number:,} rounds of {_commands(commands)} are {_commands(number * commands)}"
-    else:
-        message = f"{number:,} rounds of {_lines(lines)} are {_lines(number * lines)}"
-    fit = min(MOST_COMMANDS // commands, MOST_LINES // lines)
+def _too_many_alike(file: File, head: Statement, number: int, one: Count, about: str = "") -> TooMuch:
+    """Return what is wrong with a REPEAT of `number` rounds, each of which comes to `one`, or `about` so much."""
+    what, most = _excess(number * one)
+    fit = min(MOST_COMMANDS // one.commands, MOST_LINES // one.lines, MOST_ROUNDS // one.rounds)
     help_ = f"at most {fit:,} round{'s fit' if fit != 1 else ' fits'}: {SHORTER}"
-    return TooMuch(file, head, "Y1004", message + _at_most(number * commands), help_)
+    if (number * one).commands > MOST_COMMANDS:
+        each = f" of {about}{_number(one.commands, 'command')}"
+    elif (number * one).rounds > MOST_ROUNDS:
+        each = f", each around {about}{_number(one.rounds - 1, 'other')},"
+    else:
+        each = f" of {about}{_number(one.lines, 'line')}"
+    message = f"{number:,} rounds{each} are {about}{what}; {most}"
+    return TooMuch(file, head, "Y1004", message, help_)
 
 
-def _too_many_rounds(file: File, head: Statement, done: int, number: int, commands: int) -> TooMuch:
+def _too_many_rounds(file: File, head: Statement, done: int, number: int, count: Count) -> TooMuch:
     """Return what is wrong with a REPEAT that comes to too much in round `done` of `number`."""
-    most = f"{MOST_COMMANDS:,} commands" if commands > MOST_COMMANDS else f"{MOST_LINES:,} lines"
-    message = f"in round {done:,} of {number:,} this loop exceeds {most}{_at_most(commands)}"
+    what, most = _excess(count)
+    message = f"up to round {done:,} of {number:,} this loop comes to {what}; {most}"
     return TooMuch(file, head, "Y1004", message, SHORTER)
 
 
 def too_much_so_far(file: File, statement: Statement, count: Count) -> TooMuch | None:
     """Return what is wrong with a line up to which the program comes to `count`; None if that isn't too much."""
-    if count.commands <= MOST_COMMANDS and count.lines <= MOST_LINES:
+    if not count.is_too_much:
         return None
-    what = _commands(count.commands) if count.commands > MOST_COMMANDS else _lines(count.lines)
-    message = f"with this {statement.name.name} the program comes to {what}{_at_most(count.commands)}"
+    what, most = _excess(count)
+    message = f"with this {statement.name.name} the program comes to {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
 
 
@@ -357,19 +409,17 @@ def too_deep(file: File, statement: Statement) -> TooMuch:
     return TooMuch(file, statement, "Y0112", message, "let the program call the inner SUBs itself")
 
 
-def _commands(number: int) -> str:
-    return f"{number:,} command{'s' * (number != 1)}"
+def _excess(count: Count) -> tuple[str, str]:
+    """Return which number of a count is too large, and the limit that it exceeds."""
+    if count.commands > MOST_COMMANDS:
+        return _number(count.commands, "command"), f"a program has at most {MOST_COMMANDS:,} commands"
+    if count.rounds > MOST_ROUNDS:
+        return _number(count.rounds, "round"), f"{AT_MOST} {MOST_ROUNDS:,} rounds"
+    return _number(count.lines, "line"), f"a program carries out at most {MOST_LINES:,} lines"
 
 
-def _lines(number: int) -> str:
-    return f"{number:,} line{'s' * (number != 1)}"
-
-
-def _at_most(commands: int) -> str:
-    """The limit that is exceeded: that of commands, else that of lines."""
-    if commands > MOST_COMMANDS:
-        return f"; a program has at most {MOST_COMMANDS:,} commands"
-    return f"; a program carries out at most {MOST_LINES:,} lines"
+def _number(number: int, word: str) -> str:
+    return f"{number:,} {word}{'s' * (number != 1)}"
 
 
 SHORTER = "make the loops shorter, or several programs"

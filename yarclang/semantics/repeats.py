@@ -11,6 +11,12 @@ from yarclang.syntax.ast import Computed, Number, Statement, Value, Word
 MOST_COMMANDS = 1_000_000
 """Unrolled commands of a program."""
 
+MOST_ROUNDS = 200_000
+"""Rounds of all loops of a program together, also of those around no command."""
+
+AT_MOST = "the loops of a program make at most"
+"""Beginning of the sentence that names MOST_ROUNDS."""
+
 
 def counted(head: Statement) -> tuple[Word | None, list[Value]]:
     """Return the name that a REPEAT counts with, if it has one, and the values after the name."""
@@ -37,8 +43,8 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
         findings.add("Y0414", f"REPEAT {found}: a whole number, 0 or more, is wanted", span, example)
         return None
-    if whole > MOST_COMMANDS:
-        message = f"REPEAT {whole:,}: a program has at most {MOST_COMMANDS:,} commands"
+    if whole > MOST_ROUNDS:
+        message = f"REPEAT {whole:,}: {AT_MOST} {MOST_ROUNDS:,} rounds"
         findings.add("Y1004", message, span, "make the loop shorter")
         return None
     return whole

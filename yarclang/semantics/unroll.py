@@ -95,7 +95,7 @@ class _Unroller:
         """The SUBs that were called since the extent was reached."""
         self._commands = 0
         self._counted = Count()
-        """The commands and lines up to here, those of loops and calls as they were counted."""
+        """The commands, lines and rounds up to here, those of loops and calls as they were counted."""
         self._depth = 0
         """Blocks and calls that are being carried out."""
         self._whens = 0
@@ -214,8 +214,7 @@ class _Unroller:
 
     def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
         """Add what a line comes to that is in no loop and no SUB; a finding if the program then has too much."""
-        before = self._counted
-        self._counted = Count(before.commands + count.commands, before.lines + count.lines)
+        self._counted += count
         error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
         if error is not None:
             self._tell_too_much(error)

@@ -177,11 +177,20 @@ def _help(found: _Found) -> str:
     return "code has the letters A to Z, digits, and the signs of ASCII; other characters stand in comments and in texts"
 
 
-def _put(row: str, at: int) -> str:
-    """Return what to write instead of a character of a line. A line end that only some editors know becomes a real one if a statement follows."""
-    if row[at] in _BREAKS and opens_statement(row[at + 1 :]):
-        return "\n"
-    return instead_of(row[at]) or ""
+def _ends(row: str) -> frozenset[int]:
+    """Return the line ends of a line that only some editors know, as far as they become real ones: a statement follows."""
+    found: list[int] = []
+    opens: bool | None = None
+    word = len(row)
+    for at in range(len(row) - 1, -1, -1):
+        if not row[at].isspace():
+            opens, word = None, at
+        elif row[at] in _BREAKS:
+            if opens is None:
+                opens = opens_statement(row[word:])
+            if opens:
+                found.append(at)
+    return frozenset(found)
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
@@ -198,8 +207,9 @@ def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, 
     for number, here in pieces.items():
         foreign = {one.column - 1 for one in here}
         begin, end = min(foreign), max(foreign) + 1
+        ends = _ends(rows[number])
         put = "".join(
-            _put(rows[number], at) if at in foreign else character
+            "\n" if at in ends else (instead_of(character) or "") if at in foreign else character
             for at, character in enumerate(rows[number][begin:end], begin)
         )
         edits.append((Place(number, begin + 1, end + 1), put))

@@ -131,6 +131,8 @@ def _checked(
 
     found: list[Diagnostic] = []
     fixes = changed = shown = 0
+    if len(files) > 1:
+        progress("checking", 0, len(files))
     for number, done in enumerate(check_all(files, task), 1):
         progress.pause()
         said = list(done.found)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from yarclang.cli.options import Numbers, cell_option, file_argument, format_option
 
 if TYPE_CHECKING:
+    from yarclang.cli.work import Progress
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.executed import Executed
+    from yarclang.report.comparison.compared import Comparison
     from yarclang.robot.model import Tolerance
 
 _HEADER = 4096
@@ -51,17 +53,36 @@ def command(
     """
     if first == second == "-":
         raise click.UsageError("only one of them can be standard input")
+    from yarclang.cli.work import Progress
+
+    with Progress() as progress:
+        comparison = _compared((first, second), robot, cell, tolerance, progress)
+    _show(comparison, all_commands, format_)
+
+
+def _compared(
+    files: tuple[str, str],
+    robot: str | None,
+    cell: str | None,
+    tolerance: tuple[float, ...] | None,
+    progress: Progress,
+) -> Comparison:
+    """Read and compare two programs; end with status 1 if they can't be compared."""
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
+    from yarclang.progress import part
 
     programs: list[Executed] = []
-    for file in (first, second):
-        found, diagnostics = _read(file, robot, cell)
+    for file in files:
+        with part(file):
+            found, diagnostics = _read(file, robot, cell)
+        progress.pause()
         show_findings(diagnostics)
         if found is None:
             click.echo(f"{file}: nothing was compared", err=True)
             raise SystemExit(1)
         programs.append(found)
+    first, second = files
     one, other = programs
     if (one.robot.name, one.robot.joint_names) != (other.robot.name, other.robot.joint_names):
         message = (
@@ -71,10 +92,10 @@ def command(
         raise SystemExit(1)
     from yarclang.report.comparison.compared import compare
 
-    _show(compare(one, other, _tolerance(tolerance, other.robot.tolerance)), all_commands, format_)
+    return compare(one, other, _tolerance(tolerance, other.robot.tolerance))
 
 
-def _show(comparison: Any, all_commands: bool, format_: str) -> None:
+def _show(comparison: Comparison, all_commands: bool, format_: str) -> None:
     from yarclang.report.comparison.text import compared_json, compared_lines
 
     if format_ == "json":
@@ -102,7 +123,7 @@ def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
 def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
     """A program as it is executed, and what is wrong with it."""
     from yarclang.cli.loading import is_compiled
-    from yarclang.cli.work import Progress, options_from
+    from yarclang.cli.work import options_from
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.checking import check_program_file
     from yarclang.pipeline.controller_text import read_controller_text, robot_of_text
@@ -125,8 +146,7 @@ def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | No
             )
         made = executed(read.value.text, found.value, file)
         return made.value, (*found.diagnostics, *made.diagnostics)
-    with Progress():
-        checked = check_program_file(file, options_from({"robot": robot, "cell": cell}))
+    checked = check_program_file(file, options_from({"robot": robot, "cell": cell}))
     compiled = checked.compiled
     if compiled is None:
         # warnings are for who compiles it

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.pipeline.executed import Act, Executed
+from yarclang.progress import tell
 from yarclang.report.comparison.paired import pairs_of
 from yarclang.report.comparison.path_difference import PathDifference, path_difference
 from yarclang.robot.kinematics.fk import tool_poses
@@ -94,10 +95,13 @@ def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparis
     """
     robot = second.robot
     frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
-    commands = tuple(
-        _compared(robot, frame, tolerance, one, other) for one, other in pairs_of(first.acts, second.acts)
-    )
-    return Comparison(first, second, frame, tolerance, second.start - first.start, commands)
+    tell("looking for the commands that belong together", 0)
+    pairs = pairs_of(first.acts, second.acts)
+    commands = []
+    for number, (one, other) in enumerate(pairs):
+        tell("comparing", number, len(pairs))
+        commands.append(_compared(robot, frame, tolerance, one, other))
+    return Comparison(first, second, frame, tolerance, second.start - first.start, tuple(commands))
 
 
 def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, other: Act | None) -> Compared:

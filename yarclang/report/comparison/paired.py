@@ -11,6 +11,7 @@ from difflib import SequenceMatcher
 import numpy as np
 
 from yarclang.pipeline.executed import Act
+from yarclang.progress import go_on
 
 Pair = tuple[Act | None, Act | None]
 
@@ -77,8 +78,12 @@ def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
     cost = np.full((n + 1, m + 1), np.inf)
     cost[:, m] = np.arange(n, -1, -1) * _ALONE
     cost[n, :] = np.arange(m, -1, -1) * _ALONE
-    pair = [[_cost(one, other) for other in second] for one in first]
+    pair: list[list[float]] = []
+    for one in first:
+        go_on()
+        pair.append([_cost(one, other) for other in second])
     for i in range(n - 1, -1, -1):
+        go_on()
         for k in range(m - 1, -1, -1):
             cost[i, k] = min(pair[i][k] + cost[i + 1, k + 1], _ALONE + min(cost[i + 1, k], cost[i, k + 1]))
     pairs: list[Pair] = []

@@ -1,8 +1,10 @@
 """The server in a process of its own, as editors talk to it."""
 
 import asyncio
+import json
 import socket
 import subprocess
+import time
 from pathlib import Path
 from shutil import copytree
 
@@ -190,6 +192,39 @@ def test_over_a_port(tmp_path: Path):
                 server.kill()
 
     asyncio.run(work())
+
+
+def test_a_web_page_is_sent_away_from_the_port(tmp_path: Path):
+    """Its body would be a message of the protocol; the editor that comes behind it is served."""
+    asked = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"capabilities": {}}})
+    body = f"Content-Length: {len(asked)}\r\n\r\n{asked}"
+    page = f"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: {len(body)}\r\n\r\n{body}"
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    server = subprocess.Popen([*COMMAND, "--tcp", str(port)], stderr=subprocess.DEVNULL)
+    try:
+        for said, answered in ((page, False), (body, True)):
+            with connected(port) as wire:
+                wire.sendall(said.encode())
+                wire.settimeout(LONGEST)
+                try:
+                    answer = wire.recv(100)
+                except ConnectionError:
+                    answer = b""
+                assert answer.startswith(b"Content-Length") == answered
+    finally:
+        server.kill()
+        server.wait()
+
+
+def connected(port: int) -> socket.socket:
+    until = time.monotonic() + LONGEST
+    while True:
+        try:
+            return socket.create_connection(("127.0.0.1", port))
+        except OSError:
+            assert time.monotonic() < until
+            time.sleep(0.05)
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import gc
 import logging
+import socket
 import sys
+from typing import BinaryIO, cast
 
 from yarclang.lsp.refusal import keep_quiet_about_refusals
 from yarclang.lsp.server import Server
 from yarclang.pipeline.inputs import Options
+
+_BEGIN = b"content-"
+"""Each message of the protocol begins with Content-Length or Content-Type, in any case."""
+
+_PATIENCE = 5.0
+"""Who says nothing for longer is no editor [s]."""
 
 SELDOM = (50_000, 20, 20)
 """How many more objects, and how many rounds, Python waits before it looks through them for garbage."""
@@ -29,5 +37,28 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
     server = Server(Options(robot=robot))
     if address is None:
         server.start_io()
-    else:
-        server.start_tcp(*address)
+        return
+    with _editor(*address) as wire, wire.makefile("rb") as said, wire.makefile("wb") as answered:
+        server.start_io(cast("BinaryIO", said), cast("BinaryIO", answered))
+
+
+def _editor(host: str, port: int) -> socket.socket:
+    """Wait for an editor that connects. Every page of a browser reaches a port of this computer: who doesn't begin as the protocol does is sent away."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.create_server((host, port), family=family) as listener:
+        while True:
+            wire, _ = listener.accept()
+            if _begins_as_an_editor(wire):
+                return wire
+            logging.warning("somebody who isn't an editor has called, and was sent away")
+            wire.close()
+
+
+def _begins_as_an_editor(wire: socket.socket) -> bool:
+    wire.settimeout(_PATIENCE)
+    try:
+        begin = wire.recv(len(_BEGIN), socket.MSG_PEEK | socket.MSG_WAITALL)
+    except OSError:
+        return False
+    wire.settimeout(None)
+    return begin.lower() == _BEGIN

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 from conftest import EXAMPLES, HERE
 
-from yarclang.cli.loading import load
+from yarclang.cli.loading import load, source_of
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
 from yarclang.pipeline.controller_text import robot_of_text
@@ -106,7 +106,7 @@ def by_diff(program):
 
 
 def by_run(program):
-    loaded, found = load(program, None, {"robot": None, "step": False})
+    loaded, found = load(source_of(program, None, {"robot": None, "step": False}))
     return loaded is not None, [(one.code, one.severity) for one in found]
 
 

@@ -25,6 +25,11 @@ def served(workshop, simulator):
     return serve(workshop, "--to", simulator.address)
 
 
+@pytest.fixture
+def home(workshop, monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", workshop.environment["XDG_RUNTIME_DIR"])
+
+
 def serve(workshop, *options):
     process = workshop.start("serve", "--robot", "INDUSTRIAL6", *options)
     process.wait_for("is served: ")
@@ -224,12 +229,36 @@ def test_a_server_that_hangs_is_given_up(workshop, simulator, served):
         served.signal(signal.SIGCONT)
 
 
+def test_a_terminal_that_is_not_read_delays_nobody(workshop, simulator, home):
+    """The pipe of what it tells is full soon; orders are carried out all the same."""
+    import fcntl
+
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, 4096)
+    process = subprocess.Popen(
+        [*YARC, "serve", "--robot", "INDUSTRIAL6", "--no-log", *to(simulator)],
+        cwd=workshop.folder,
+        env=workshop.environment,
+        stdout=subprocess.PIPE,
+        stderr=writing,
+        text=True,
+    )
+    try:
+        path = process.stdout.readline().split("is served: ")[1].strip()
+        with Robot(path, name="somebody with a long name") as robot:
+            for _ in range(150):
+                robot.own()
+                robot.release()
+            assert robot.status()["owner"] is None
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+        os.close(reading)
+        os.close(writing)
+
+
 # the client of one file
-
-
-@pytest.fixture
-def home(workshop, monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", workshop.environment["XDG_RUNTIME_DIR"])
 
 
 def test_the_client_finds_and_moves_a_robot(workshop, simulator, served, home):

@@ -13,6 +13,7 @@ import click
 
 from yarclang.cli.address import Address
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
+from yarclang.cli.screen import Screen
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.messages import events
 from yarclang.coordinator.opened import Ground, opened
@@ -55,18 +56,22 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
         simulated=own,
         serves=True,
     )
-    with _terminations() as ends:
-        async with opened(robot, ground) as coordinator:
-            if coordinator.cell is not None:
-                click.echo(cell_text(coordinator.cell), err=True)
-            with coordinator.subscribe(positions=False) as stream:
-                telling = asyncio.create_task(_tell(stream))
-                where = folder() / f"{own_name(robot.name)}.sock"
-                click.echo(f"{robot.name} at {address} is served: {where}")
-                await ends.wait()
-                if coordinator.under_way:
-                    click.echo(f"{coordinator.under_way} is stopped on its path", err=True)
-            telling.cancel()
+    screen = Screen()  # a terminal that is stopped, or gone, delays no robot
+    try:
+        with _terminations() as ends:
+            async with opened(robot, ground) as coordinator:
+                if coordinator.cell is not None:
+                    screen.say(cell_text(coordinator.cell))
+                with coordinator.subscribe(positions=False) as stream:
+                    telling = asyncio.create_task(_tell(stream, screen))
+                    where = folder() / f"{own_name(robot.name)}.sock"
+                    click.echo(f"{robot.name} at {address} is served: {where}")
+                    await ends.wait()
+                    if coordinator.under_way:
+                        screen.say(f"{coordinator.under_way} is stopped on its path")
+                telling.cancel()
+    finally:
+        screen.close()
     return 0
 
 
@@ -84,11 +89,11 @@ def _terminations() -> Iterator[asyncio.Event]:
             loop.remove_signal_handler(number)
 
 
-async def _tell(stream: Subscription) -> None:
+async def _tell(stream: Subscription, screen: Screen) -> None:
     """Say who moves the robot, what begins and ends, and what is wrong."""
     async for event in stream:
         if text := _text(event):
-            click.echo(text, err=True)
+            screen.say(text)
 
 
 def _text(event: events.BaseEvent) -> str:

@@ -177,7 +177,7 @@ def _likely(word: str, names: Iterable[str]) -> list[str]:
     return [name for _, _, name in found]
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)
 def _letters(word: str) -> int:
     """Return a bit for each letter of a word; letters may share one."""
     bits = 0

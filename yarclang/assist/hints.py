@@ -12,7 +12,7 @@ from yarclang.hir import Motion, Origin
 from yarclang.identity import fingerprint
 from yarclang.source import SourceFile, Span
 
-_KEPT = 4096
+_KEPT = 1024
 """Shortest times that are kept, of motions that were looked at last."""
 
 _SHORTER = 0.02

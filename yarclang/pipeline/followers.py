@@ -170,7 +170,7 @@ def _words(line: str) -> set[str]:
     return {word.upper() for word in _WORD.findall(code_of(line))} - DECLARATIONS
 
 
-@lru_cache(maxsize=1 << 14)
+@lru_cache(maxsize=1 << 12)
 def _is_like(word: str, meant: str) -> bool:
     return word == meant or bool(get_close_matches(word, [meant], n=1, cutoff=0.7))
 

@@ -98,7 +98,7 @@ def _fix(line: int, fault: Fault) -> Fix | None:
     return Fix(fault.title, edits, uncovers=True) if edits else None
 
 
-_KEPT = 4096
+_KEPT = 1024
 """Statements that are kept at least; of longer texts all."""
 
 _placed = Lately(_read_in_place, _KEPT)

@@ -64,6 +64,7 @@ class Coordinator:
         history: what it has done.
         names: what names mean behind them.
         stops: how often somebody wanted a stop or an abort: what was asked for before doesn't begin any more.
+        rests: how often somebody wanted a stop, an abort or a hold: who steers doesn't begin anew by going on.
         inspection: what was looked at on the controller at first.
         why: the reason of the robot's last state.
         progress: what was told last of how far a program is.
@@ -98,6 +99,7 @@ class Coordinator:
         self.numbers = count(1)
         self.position: Array | None = None
         self.stops = 0
+        self.rests = 0
         self.inspection: Inspection | None = None
         self.why = ""
         self.progress: events.ProgressMade | None = None
@@ -324,6 +326,7 @@ class Coordinator:
         self._order(Hold())
 
     def _order(self, order: Stop | Abort | Hold) -> None:
+        self.rests += 1
         if self.under_way or self._session.paused:
             self._session.order(order)
 

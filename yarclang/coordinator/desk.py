@@ -62,7 +62,7 @@ class Desk:
         self._coordinator = coordinator
         self._offers: OrderedDict[int, Offer] = OrderedDict()
         self._programs: OrderedDict[int, Loaded] = OrderedDict()
-        self._steered = Steered(client, coordinator.engine.session.now)
+        self._steered = Steered(client, coordinator.engine.session.now, lambda: coordinator.rests)
         self._stops: int | None = None
         self._handlers: dict[type[Order[Any]], Callable[[Any], Any]] = {
             orders.AskStatus: lambda _: status_of(coordinator),

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from coordinator.virtual import World, codes, coordinating, done, run
 
+from yarclang.coordinator.attached import Here
 from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
+from yarclang.coordinator.messages import orders, wants
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.state import State
 
@@ -363,5 +365,36 @@ def test_what_cannot_be_driven():
 def test_worlds_are_quiet():
     async def session():
         assert not World(joints=READY).moving
+
+    run(session())
+
+
+@pytest.mark.parametrize("order", [orders.Stop(), orders.Hold(), orders.Abort()], ids=lambda one: one.order)
+def test_a_master_that_goes_on_speaking_does_not_undo_a_stop(order):
+    async def session():
+        async with coordinating(joints=READY) as (world, coordinator, client):
+            client.session.leave()
+            master, other = Here(coordinator, "master"), Here(coordinator, "other")
+            await master.ask(orders.Own())
+            want = wants.MoveJoints(velocity={"J1": 5.0})
+
+            async def goes_on(times):
+                """Whether it was denied, and whether anything moved."""
+                denied = moved = False
+                for _ in range(times):
+                    try:
+                        await master.ask(want)
+                    except Trouble as trouble:
+                        denied = denied or "stopped or held" in trouble.what
+                    await asyncio.sleep(0.02)
+                    moved = moved or world.moving
+                return denied, moved
+
+            assert await goes_on(40) == (False, True)
+            other.send(order)
+            await world.until(lambda: not coordinator.under_way)
+            assert await goes_on(100) == (True, False)
+            await master.ask(wants.Finish())  # it knows now
+            assert await goes_on(20) == (False, True)
 
     run(session())

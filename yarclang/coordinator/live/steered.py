@@ -126,11 +126,14 @@ class Steered:
     Args:
         client: moves the robot.
         now: the session's clock [s].
+        rests: how often somebody has wanted a stop, an abort or a hold.
     """
 
-    def __init__(self, client: Client, now: Callable[[], float]) -> None:
+    def __init__(self, client: Client, now: Callable[[], float], rests: Callable[[], int]) -> None:
         self._client = client
         self._now = now
+        self._rests = rests
+        self._begun_at: int | None = None
         self._moving = "{TCP}"
         self._settings = Settings()
         self._title = "master"
@@ -145,7 +148,7 @@ class Steered:
         self._moving = f"{{{name}}}"
         self._settings = Settings(speed=None if order.speed is None else order.speed * MM)
         self._title, self._again, self._over = order.title, order.again, False
-        self._reader = None
+        self._reader = self._begun_at = None
 
     async def take(self, want: wants.Want) -> replies.Wanted:
         """Do what is wanted; the first target begins a motion.
@@ -159,6 +162,7 @@ class Steered:
         if target is None:
             if self._drive is not None and self._drive.alive:
                 self._drive.finish()
+            self._begun_at = None
             return replies.Wanted(lag_s=0.0, behind=None, why="")
         drive = await self._driven(target)
         behind = None
@@ -185,14 +189,18 @@ class Steered:
         if self._drive is not None and self._drive.alive:
             self._drive.want(target)
             return self._drive
+        if self._begun_at not in (None, self._rests()):
+            # a master that goes on speaking doesn't know of it: a stop would last until its next line
+            remedy = 'say {"finish": true} first, or connect anew'
+            raise Trouble("somebody has stopped or held the robot", remedy, UNDER_WAY)
         if self._over:
             what = "the live motion has ended: nobody said for long what is wanted, or somebody stopped it"
             raise Trouble(what, "begin another", UNDER_WAY)
-        live = self._client.live
+        live, rests = self._client.live, self._rests()
         made = await live.drive(target, moving=self._moving, settings=self._settings, name=self._title)
         if made.value is None:
             raise Trouble(made.diagnostics[0].message, made.diagnostics[0].help, made.diagnostics[0].code)
-        self._drive = made.value
+        self._drive, self._begun_at = made.value, rests
         self._over = not self._again
         return self._drive
 

@@ -235,7 +235,8 @@ class Desk:
             order.approach,
         )
         made = await self.client.files.load(source, here=order.here)
-        found = finding_messages(made.diagnostics)
+        # thousands of them would keep a live motion waiting here
+        found = await self._coordinator.plan(finding_messages, made.diagnostics)
         program = None if made.value is None else self.keep(made.value)
         return replies.Loaded(program=program, findings=found)
 

@@ -71,7 +71,8 @@ def assert_inverse(robot):
         variables = {f"I{motor}08": scale for motor in robot.controller.motors}
         for motor, count in zip(robot.controller.motors, counts, strict=True):
             variables[f"M{motor}62"] = count * scale * 32
-        for line in plc:
+        assert plc[-1] == "P8105=P8103"  # the guard's heartbeat
+        for line in plc[:-1]:
             name, _, expression = line.partition("=")
             variables[name] = eval(expression, {}, variables)
         assert [variables[name] for name in robot.controller.feedback] == pytest.approx(q, abs=1e-6)
@@ -182,7 +183,11 @@ def test_the_guard_holds_when_the_rotary_is_low_and_a_program_is_armed(industria
     text = settings_text(industrial6)
     assert "M8116->Y:$00203F,16,1" in text
     guard = text.split("OPEN PLC 29 CLEAR\n")[1].split("CLOSE")[0].split()
-    assert guard == ["IF(P8100=1)", "IF(M8116=0)", "P8100=2", 'CMD"&1H"', "ENDIF", "ENDIF"]
+    assert guard == [
+        "P8103=P8103+1",
+        *("IF(P8100=1)", "IF(M8116=0)", "P8100=2", 'CMD"&1H"', "ENDIF", "ENDIF"),
+        *("IF(P8104=1)", "IF(I5112<0)", "P8104=2", 'CMD"&1H"', "ENDIF", "ENDIF"),
+    ]
     assert "ENABLE PLC 29" in text
 
 

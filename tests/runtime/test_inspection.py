@@ -132,9 +132,9 @@ def test_each_wrong_plc_is_one_row(number, change):
     world = connected()
     lines = list(world.say(f"LIST PLC {number}"))[:-1]
     if change == "another line":
-        lines[0] = lines[0].replace("P", "P1", 1)
+        lines[1] = lines[1].replace("P", "P1", 1)
     elif change == "a line less":
-        del lines[1 if number == 0 else 2]
+        del lines[1 if number == 0 else 3]
     else:
         lines = []
     for line in (f"OPEN PLC {number} CLEAR", *lines, "CLOSE", f"ENABLE PLC {number}"):
@@ -258,8 +258,8 @@ def test_a_program_that_the_guard_holds_is_one_row_until_it_is_ended():
         world.perform(script)
     world.machine.advance(5.0)
     world.now = world.machine.now
-    assert world.say("P8100") == ("2",)
-    # another process, and the rotary is still open on the port
+    assert world.say("P8104") == ("2",)
+    # another process
     again = World(world.machine)
     again.robot = job.robot
     ahead = again.say("PR")
@@ -427,10 +427,11 @@ def test_nothing_is_asked_that_moves():
     asked = [
         line
         for line in world.asked
-        if not re.fullmatch(r"(I\d+)+|[M#]\d+->|LIST PLC \d+|(M\d61)+(I\d+)+|\??", line)
+        if not re.fullmatch(r"(I\d+)+|([M#]\d+->)+|LIST PLC \d+|(M\d61)+(I\d+)+|\??", line)
     ]
     assert set(asked) <= {
         "I6=1 I3=2", "CLOSE", "CID", "TYPE", "&1??", "CLOSE ALL", "M8116", "P8100=1", "P8100", "P8100=0", "&1A",
+        "P8103", "I5112=136P8104=1", "I5112=136P8104", "P8104", "P8103P8105", "P8104=0",
     }  # fmt: skip
     assert {sent.request.character for sent in world.sent if isinstance(sent.request, Control)} == {"\x0c"}
 

@@ -260,7 +260,7 @@ class World:
 
     def _note(self, request):
         harmless = isinstance(request, Write) or (
-            request in (Ask("PR"), AskControl("\x02"), AskControl("\x10"), AskControl("\x06"))
+            request in (AskControl("\x02"), AskControl("\x10"), AskControl("\x06")) or asks_flow(request)
         )
         self.sent.append(
             Sent(
@@ -394,9 +394,9 @@ def well_behaved(world):
         match sent.request:
             case Ask(line=line):
                 assert not re.fullmatch(r"(&\d+)?[QK/]|#\d+K", line), sent
-                asks_while_storing = line in ("PR", "R", "CLOSE", "CLOSE ALL", "CLEAR") or _is_harmless(line)
+                asks_while_storing = line in ("R", "CLOSE", "CLOSE ALL", "CLEAR") or _is_harmless(line)
                 assert not sent.stores or asks_while_storing, sent
-                assert not sent.moving or line in ("PR", GREETING) or _is_harmless(line), sent
+                assert not sent.moving or line == GREETING or _is_harmless(line) or _only_asks(line), sent
             case Control(character=character):
                 assert character in "\x01\x0f\x0c", sent
             case AskControl(character=character):
@@ -409,6 +409,34 @@ def _is_harmless(line):
     """Status, H, %, and which motors are reported."""
     system = line.lstrip("&0123456789")
     return system in ("??", "H") or line.startswith(("%", "##"))
+
+
+def asks_flow(request):
+    """Whether a request is the question of the flow."""
+    return isinstance(request, Ask) and request.line.startswith("PR%")
+
+
+def ahead_in(reply):
+    """How many lines lie ahead, in the reply to the question of the flow."""
+    return int(reply.partition(b"\r")[0])
+
+
+def with_ahead(reply, ahead):
+    """The reply to the question of the flow with something else for the lines ahead."""
+    return ahead + reply[reply.index(b"\r") :]
+
+
+def lines_of(request):
+    """The lines of a packet that go into the rotary."""
+    first, *lines, last = request.lines
+    assert (first, last) == ("OPEN ROT", "CLOSE")
+    return lines
+
+
+def _only_asks(line):
+    """Values, definitions and listings; the flow's question winds the watchdog up as well."""
+    asked = re.sub(r"I5\d12=\d+$", "", line) if line.startswith("PR%") else line
+    return bool(re.fullmatch(r"(PR%)?([PIM]\d+(->)?|#\d+->)+|LIST PLC \d+", asked))
 
 
 def stopped_at_once(world):

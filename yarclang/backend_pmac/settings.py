@@ -12,14 +12,18 @@ from yarclang.hir import Array
 from yarclang.pmac.settings import AxisDefinition, ControllerSettings, IVariable, MDefinition, Plc
 from yarclang.pmac.variables import (
     ARMED,
+    ECHO,
     FEEDBACK_PLC,
     GUARD_PLC,
+    HEARTBEAT,
     ROTARY_FULL,
+    WATCHED,
     actual_position,
     commanded_position,
     motor_variable,
     rotary_full,
     system_variable,
+    watchdog,
 )
 from yarclang.robot.actuation import counts_per_joint, joints_per_count, to_counts
 from yarclang.robot.model import Robot
@@ -196,7 +200,7 @@ def _system_settings(robot: Robot) -> Iterator[IVariable]:
 
 
 def _feedback(robot: Robot) -> Iterator[str]:
-    """PLC 0: joint positions from actual motor positions."""
+    """PLC 0: joint positions from actual motor positions, and the guard's heartbeat, which shows that PLC 0 runs."""
     actuation, controller = robot.actuation, robot.controller
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
     for variable, row in zip(controller.feedback, inverse, strict=True):
@@ -214,6 +218,7 @@ def _feedback(robot: Robot) -> Iterator[str]:
             sign = "-" if share / gear < 0 else "+"
             terms += f"{sign}{factor}{counts}/{_number(abs(gear))}"
         yield f"{variable}={terms.removeprefix('+')}"
+    yield f"{ECHO}={HEARTBEAT}"
 
 
 def _offset(counts: float) -> str:
@@ -224,9 +229,8 @@ def _offset(counts: float) -> str:
 
 
 def _guard(robot: Robot) -> Iterator[str]:
-    yield f"IF({ARMED}=1)"
-    yield f"IF({ROTARY_FULL}=0)"
-    yield f"{ARMED}=2"
-    yield f'CMD"&{robot.controller.coordinate_system}H"'
-    yield "ENDIF"
-    yield "ENDIF"
+    """PLC 29: holds once when the rotary isn't full any more, and once when the computer that streams has let the watchdog run down."""
+    system = robot.controller.coordinate_system
+    yield f"{HEARTBEAT}={HEARTBEAT}+1"
+    for flag, condition in ((ARMED, f"{ROTARY_FULL}=0"), (WATCHED, f"{watchdog(system)}<0")):
+        yield from (f"IF({flag}=1)", f"IF({condition})", f"{flag}=2", f'CMD"&{system}H"', "ENDIF", "ENDIF")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from yarclang.frozen import frozen
-from yarclang.pmac.variables import ARMED
+from yarclang.pmac.variables import ARMED, WATCHED
 
 
 @frozen
@@ -67,7 +67,7 @@ class ControllerSettings:
 
     `robot`, `title` and `fingerprint` say whose settings these are; `system` is the coordinate system. `motors` are the I-variables of the motors,
     `globals` those of the coordinate system and the controller. `feedback` computes the joint positions, `guard` holds the motion when the rotary
-    buffer runs low, and `plcs` (I5) lets both run.
+    buffer runs low or the computer that streams falls silent, and `plcs` (I5) lets both run.
     """
 
     robot: str
@@ -102,9 +102,11 @@ class ControllerSettings:
         yield from (one.line for one in self.globals)
         yield from ("", "; feedback: joint positions in axis units, the inverse of the same matrix")
         yield from self.feedback.lines
-        yield from ("", "; guard: holds the motion when the rotary buffer runs low while a program is armed")
-        yield f"; to go on after it has held ({ARMED} is 2 then): refill the buffer, {ARMED}=1, then R"
+        yield from ("", "; guard: holds the motion when the rotary buffer runs low while a program is armed,")
+        yield "; and when the computer that streams says nothing for as long as it has promised to"
+        yield f"; to go on after it has held ({ARMED} or {WATCHED} is 2 then): refill the buffer, {ARMED}=1, then R"
         yield f"{ARMED}=0"
+        yield f"{WATCHED}=0"
         yield from self.guard.lines
         yield self.plcs.line
         yield from (f"ENABLE PLC {plc.number}" for plc in (self.feedback, self.guard))

@@ -16,6 +16,15 @@ ASTRAY = "P8101"
 WAITING = "P8102"
 """1 while a program waits for an input."""
 
+HEARTBEAT = "P8103"
+"""Counts the scans of the guard PLC."""
+
+WATCHED = "P8104"
+"""1 while the controller waits for words of the computer that streams, 2 after it has held since none came, else 0."""
+
+ECHO = "P8105"
+"""The heartbeat as the feedback PLC has seen it last."""
+
 FEEDBACK_PLC = 0
 """The foreground PLC that computes the joint positions from those of the motors."""
 
@@ -23,7 +32,7 @@ OUTPUTS_PLC = 28
 """The background PLC of a program that gives its outputs their safe values when the guard has held the motion."""
 
 GUARD_PLC = 29
-"""The background PLC that holds the motion when the rotary buffer runs low."""
+"""The background PLC that holds the motion when the rotary buffer runs low, or when the computer that streams falls silent."""
 
 ROTARY_FULL = "M8116"
 """Coordinate system status word 2 bit 16: 1 from I17 program lines ahead on, 0 below I16."""
@@ -37,6 +46,11 @@ def motor_variable(motor: int, number: int) -> str:
 def system_variable(system: int, number: int) -> str:
     """I-variable Isx`number` of a coordinate system: I5195 is Isx95 of coordinate system 1."""
     return f"I{5000 + 100 * system + number}"
+
+
+def watchdog(system: int) -> str:
+    """I-variable of the timer that the computer that streams winds up with each word: Isx12, in servo cycles (TSRM 176)."""
+    return system_variable(system, 12)
 
 
 def commanded_position(motor: int) -> tuple[str, str]:

@@ -15,6 +15,9 @@ IntArray: TypeAlias = npt.NDArray[np.intp]
 AHEAD = 2
 """Moves that are calculated before they are executed (TUM 339)."""
 
+AROUND = ("OPEN ROT", "CLOSE")
+"""What stands around the lines of a packet: a rotary is open only for them, so that variables can be asked at any other time (facts 3)."""
+
 _LATE = 0.1
 """What the host may be late before the guard PLC holds [s]."""
 
@@ -96,7 +99,7 @@ class Feed:
         most = min(self.room, self.left)
         if most <= 0:
             return ()
-        count = min(most, fitting(self.job.lines, self.sent))
+        count = min(most, fitting(self.job.lines, self.sent, AROUND))
         return self.job.lines[self.sent : self.sent + count]
 
     def written(self, count: int) -> None:

@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from yarclang.pmac.variables import ARMED, GUARD_PLC, ROTARY_FULL
+from yarclang.pmac.variables import ARMED, ECHO, FEEDBACK_PLC, GUARD_PLC, HEARTBEAT, ROTARY_FULL, WATCHED
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Script, Wait
 from yarclang.runtime.feedback import MotorStatus
 from yarclang.runtime.operation import Operation, Refused, number_in
 from yarclang.runtime.rest import motor_statuses, stands_at, system_words
+from yarclang.runtime.supervision import AT_REST_WITHIN, patience_for, remember, wound_up
 
 Kind = Literal["number", "bits", "definition", "address", "listing"]
 Verdict = Literal["ok", "warning", "error"]
@@ -23,6 +24,8 @@ TURBO = ("602404", "602413", "603382")
 
 _LONGEST_QUESTION = 200
 _GUARD_TIME = 0.5
+_TRIAL = 0.06
+"""For how long the watchdog is wound up to be tried [s]."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
 """Of the counts a unit: over a whole turn it is less than a count."""
@@ -77,6 +80,7 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
     Nothing moves. The guard is tried only where all motors are closed-loop and at rest, and no program runs.
     """
+    operation.slowest = 0.0
     with contextlib.suppress(Refused):
         # a buffer that somebody left open on this port would store the questions
         yield from operation.ask("CLOSE")
@@ -91,6 +95,11 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
     if not any(one.verdict == "error" for one in checked):
         joints = yield from stands_at(operation, robot)
         checked.append((yield from guard_works(operation, robot)))
+        if checked[-1].verdict == "ok":
+            checked += yield from _watchdog_works(operation, robot)
+        kinds = {"number": "number", "bits": "number", "listing": "listing"}
+        looked = [(item.subject, item.question, kinds.get(item.kind, "definition")) for item in items]
+        operation.memory = yield from remember(operation, robot, looked)
     return Inspection(tuple(checked), joints)
 
 
@@ -301,3 +310,72 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
             subject, f"it held within {max(operation.now - since, 1e-3) * 1e3:.0f} ms", wanted, "ok"
         )
     return Checked(subject, "armed, it does nothing", wanted, "error", remedy)
+
+
+def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
+    """Let the guard PLC watch this computer: it must hold when the timer has run down, not before, and its heartbeat must be heard by PLC 0.
+
+    Then the time is chosen that this computer may be silent: from the slowest reply of the look, unless a person has said it.
+    """
+    controller = robot.controller
+    remedy = f"download `yarc settings {robot.name}` and SAVE"
+    wound = wound_up(controller, _TRIAL)
+    begun = operation.now
+    (first,) = yield from operation.numbers(HEARTBEAT, 1)
+    yield from operation.ask(f"{wound}{WATCHED}=1")
+    yield Wait(operation.now + _TRIAL / 2.0)
+    since = operation.now
+    # as each question of a run does: it begins anew
+    (flag,) = yield from operation.numbers(f"{wound}{WATCHED}", 1)
+    while flag == 1.0 and operation.now - since < _GUARD_TIME:
+        yield Wait(operation.now + 0.01)
+        (flag,) = yield from operation.numbers(WATCHED, 1)
+    lasted = operation.now - since
+    beat, echo = yield from operation.numbers(f"{HEARTBEAT}{ECHO}", 2)
+    spent = operation.now - begun
+    yield from operation.ask(f"{WATCHED}=0")
+    yield from operation.ask(f"&{controller.coordinate_system}A")
+    return [
+        _biting(operation, robot, flag, lasted, remedy),
+        _beating(operation, beat - first, spent, remedy),
+        _heard(beat - echo, remedy),
+    ]
+
+
+def _biting(operation: Operation, robot: Robot, flag: float, lasted: float, remedy: str) -> Checked:
+    hold_time = robot.controller.hold_time
+    operation.silence = operation.wanted_silence or patience_for(operation.slowest, hold_time)
+    rest = operation.silence + hold_time
+    wanted = "holds when this computer falls silent"
+    if flag != 2.0:
+        return Checked("watchdog", "wound up, it does nothing", wanted, "error", remedy)
+    if lasted < _TRIAL and operation.slowest < _TRIAL / 4.0:
+        return Checked(
+            "watchdog",
+            f"it held {lasted * 1e3:.0f} ms after it was wound up for {_TRIAL * 1e3:.0f} ms",
+            wanted,
+            "error",
+            remedy,
+        )
+    found = f"holds after {operation.silence:.2g} s of silence: at rest within {rest:.2g} s"
+    if rest <= AT_REST_WITHIN + 0.05 or operation.wanted_silence:
+        return Checked("watchdog", found, wanted, "ok")
+    slow = f"a reply has taken {operation.slowest * 1e3:.0f} ms: find out what slows the link"
+    return Checked("watchdog", found, "at rest within 1 s", "warning", slow)
+
+
+def _beating(operation: Operation, beats: float, spent: float, remedy: str) -> Checked:
+    subject, wanted = "heartbeat of the guard PLC", "beats"
+    if beats <= 0.0:
+        return Checked(subject, f"stands still for {spent * 1e3:.0f} ms", wanted, "error", remedy)
+    operation.beat = spent / beats
+    return Checked(subject, f"each {operation.beat * 1e3:.1f} ms", wanted, "ok")
+
+
+def _heard(behind: float, remedy: str) -> Checked:
+    subject, wanted = f"PLC {FEEDBACK_PLC}, running", "it hears the guard PLC's heartbeat"
+    if behind > 3.0:
+        return Checked(
+            subject, "it doesn't run", wanted, "error", f"`I5=3`, `ENABLE PLC {FEEDBACK_PLC}`; or {remedy}"
+        )
+    return Checked(subject, "it runs", wanted, "ok")

@@ -16,7 +16,7 @@ from typing import Protocol
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
-from yarclang.runtime.feed import AHEAD
+from yarclang.runtime.feed import AHEAD, AROUND
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Override
 from yarclang.runtime.operation import URGENT, Interrupted, Operation
@@ -24,6 +24,7 @@ from yarclang.runtime.packets import fitting
 from yarclang.runtime.rest import away_from_start, come_to_rest, leave
 from yarclang.runtime.state import Event
 from yarclang.runtime.streaming import STATUS_EACH
+from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow, Supervision
 from yarclang.runtime.watching import look_at_motors, sample
 
 MADE_ON_THE_WAY = "live motion: its lines were made on the way"
@@ -88,7 +89,8 @@ class LiveStream:
         self._moves = 0
         self._ahead = 0
         self._look = min(max(_SHORTEST, _SEGMENTS * self.job.segment), _LONGEST)
-        self._lines_due = self._status_due = self._positions_due = 0.0
+        self._lines_due = self._status_due = self._positions_due = self._settings_due = 0.0
+        self.supervision = Supervision(operation, live.job.robot)
 
     @property
     def done(self) -> float:
@@ -118,8 +120,8 @@ class LiveStream:
         for line in job.setup:
             yield from operation.ask(line)
         yield from operation.ask(f"%{100.0 * operation.override:g}")
-        yield from operation.ask("OPEN ROT")
-        yield from operation.ask("CLEAR")
+        for line in ("OPEN ROT", "CLEAR", "CLOSE"):
+            yield from operation.ask(line)
         self._obey_at_rest()
         yield from self._write(self._live.opening)
         yield from self._fill(self._live.lead)
@@ -130,7 +132,6 @@ class LiveStream:
                 yield from self._obey()
                 ended = yield from (self._step() if self.begun else self._begin())
         operation.watch = ()
-        yield from operation.ask("CLOSE")
         yield from come_to_rest(operation, job.robot)
         yield from leave(operation, job.robot)
         self.job = replace(job, end=self._source.end, duration=self._moves * job.segment)
@@ -138,13 +139,12 @@ class LiveStream:
 
     def _begin(self) -> Script[bool]:
         operation = self.operation
-        yield from operation.ask("CLOSE")  # an open rotary would store the question
+        yield from self.supervision.begin()
         yield from away_from_start(operation, self.job, "begin again")
         yield from operation.ask("R")
         self.begun = True
         operation.slept = 0.0
         operation.go(Event.BEGIN)
-        yield from operation.ask("OPEN ROT")
         return False
 
     def _step(self) -> Script[bool]:
@@ -152,7 +152,7 @@ class LiveStream:
         operation, now = self.operation, self.operation.now
         if now >= self._lines_due:
             self._lines_due = now + self._look
-            yield from self._ask_lines()
+            yield from self._look_at((yield from self._ask_lines()))
             if self._source.ended:
                 return self._ahead == 0
             if self._source.expired(now):
@@ -170,8 +170,11 @@ class LiveStream:
         elif now >= self._positions_due - self._look / 2.0:
             self._positions_due = max(self._positions_due + operation.positions_each, now)
             operation.notices.append((yield from sample(operation, self.job.robot, self.done)))
+        elif now >= self._settings_due:
+            self._settings_due = now + SETTINGS_EACH
+            yield from self._stop_for_others((yield from self.supervision.compare()))
         else:
-            yield Wait(min(self._lines_due, self._status_due, self._positions_due))
+            yield Wait(min(self._lines_due, self._status_due, self._positions_due, self._settings_due))
         return False
 
     def _fill(self, lead: int) -> Script[None]:
@@ -192,8 +195,9 @@ class LiveStream:
     def _write(self, lines: tuple[str, ...]) -> Script[None]:
         first = 0
         while first < len(lines):
-            count = fitting(lines, first)
-            written = yield from self.operation.write(lines[first : first + count])
+            count = fitting(lines, first, AROUND)
+            packet = lines[first : first + count]
+            written = yield from self.operation.write((AROUND[0], *packet, AROUND[1]))
             if written.error is not None:
                 yield from look_at_motors(self.operation, self.job.robot)
                 raise Trouble(
@@ -201,15 +205,38 @@ class LiveStream:
                     "run `yarc doctor`",
                     "Y1603",
                 )
+            self.supervision.lines_sent(packet)
             first += count
             self._sent += count
             self._ahead += count
 
-    def _ask_lines(self) -> Script[None]:
-        text = yield from self.operation.one("PR")
-        if not text.isdigit():
-            raise Trouble(f"the controller answers PR with {text!r}", "run `yarc doctor`")
-        self._ahead = int(text)
+    def _ask_lines(self) -> Script[Flow]:
+        flow = yield from self.supervision.ask()
+        self._ahead = flow.ahead
+        return flow
+
+    def _look_at(self, flow: Flow) -> Script[None]:
+        """Whether all is as it was left; a live motion that the controller holds isn't gone on with.
+
+        Raises:
+            Stopped: the guard or the watchdog has held it.
+            Trouble: somebody else has changed what was proved.
+        """
+        if HELD in (flow.armed, flow.watched):
+            silence = f"the controller has heard nothing of this computer for {self.operation.silence:.2g} s, and holds"
+            why = silence if flow.watched == HELD else "the guard PLC holds: the buffer ran low"
+            yield from self._hold(why)
+            self.operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
+            raise Stopped(abort=False)
+        yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
+
+    def _stop_for_others(self, told: str) -> Script[None]:
+        """Hold where something was changed."""
+        if told:
+            yield from self._hold(told)
+            raise Trouble(
+                f"somebody else uses this controller: {told}", "find out who, and put it back", "Y1605"
+            )
 
     # orders
 
@@ -235,8 +262,9 @@ class LiveStream:
                     raise Trouble(order.what, order.remedy, code="")
                 raise Stopped(abort=False)
             if isinstance(order, Override):
+                before, operation.override = 100.0 * operation.override, order.percent / 100.0
                 yield from operation.ask(f"%{order.percent:g}")
-                operation.override = order.percent / 100.0
+                self.supervision.slews(before)
 
     def _hold(self, why: str) -> Script[None]:
         controller = self.job.robot.controller

@@ -11,6 +11,7 @@ from collections import deque
 
 from yarclang.pmac.errors import ERRORS
 from yarclang.runtime.actions import Lost, Script, TooLate, Trouble, Wait
+from yarclang.runtime.memory import Memory
 from yarclang.runtime.messages import (
     Answer,
     Ask,
@@ -29,6 +30,9 @@ from yarclang.runtime.state import Event, State, after
 
 PATIENCE = 2.0
 """How long a controller may be busy with something else [s]."""
+
+SILENCE = 0.4
+"""For how long this computer may be silent, before its controller holds [s], until a look has found what the link allows."""
 
 URGENT = (Hold, Stop, Abort, Fail)
 """Orders that don't wait for anything but the reply that is on its way."""
@@ -77,6 +81,11 @@ class Operation:
         longest_sleep: when the clock jumps by more [s], this process stood still.
         slept: by how much it has jumped then [s]; 0 once that was looked at.
         positions_each: time between two looks at the positions [s], if the link allows.
+        memory: what the controller answered when it was looked at.
+        silence: for how long this computer may be silent, before its controller holds [s].
+        wanted_silence: that time, if a person has chosen it [s].
+        slowest: the slowest reply since the last look began [s].
+        beat: time between two beats of the guard PLC [s].
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -91,6 +100,11 @@ class Operation:
         self.override = 1.0
         self.settled = -math.inf
         self.positions_each = POSITIONS_EACH
+        self.memory = Memory()
+        self.silence = SILENCE
+        self.wanted_silence: float | None = None
+        self.slowest = 0.0
+        self.beat = 0.0
 
     @property
     def now(self) -> float:
@@ -126,7 +140,9 @@ class Operation:
         since = self.now
         while True:
             self._give_way()
+            asked = self.now
             event = yield Ask(line)
+            self.slowest = max(self.slowest, self.now - asked)
             match event:
                 case Answer(items=items, error=None):
                     return items

@@ -74,9 +74,9 @@ def encode(request: Request) -> bytes:
             return _header(pmac.DOWN, Code.SETMEM, offset, 0, len(data)) + data
 
 
-def fitting(lines: Sequence[str], first: int = 0) -> int:
-    """How many of the lines from `first` on one `Write` can carry."""
-    size = 0
+def fitting(lines: Sequence[str], first: int = 0, beside: Sequence[str] = ()) -> int:
+    """How many of the lines from `first` on one `Write` can carry, with others beside them."""
+    size = sum(len(line) + 1 for line in beside)
     for count, line in enumerate(lines[first : first + pmac.MOST_LINES // 2]):
         size += len(line) + 1
         if size > pmac.MOST_LINES:

@@ -231,12 +231,8 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
                 return _ended(stream, what, remedy, joints)
         if operation.now >= until:
             operation.go(Event.FAULT, what)
-            guard = (
-                "its guard PLC holds the motion on the path when the buffer runs low"
-                if stream.job.guarded and stream.left
-                else "the lines that it has run to their end, at rest"
-            )
-            remedy = f"{guard}; look at the robot, then run `yarc doctor`"
+            silence = f"when it has heard nothing of this computer for {operation.silence:.2g} s"
+            remedy = f"its guard PLC holds the motion on the path {silence}; look at the robot, then run `yarc doctor`"
             return _ended(
                 stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None
             )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from yarclang.pmac.variables import ARMED, commanded_position, motor_variable
+from yarclang.pmac.variables import ARMED, WATCHED, commanded_position, motor_variable
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Lost, Script, Trouble, Wait
@@ -90,14 +90,14 @@ def come_to_rest(
 
 
 def leave(operation: Operation, robot: Robot) -> Script[None]:
-    """At rest: close all buffers, disarm the guard, end what runs (a starved or held rotary does) and lift a hold, forget the
+    """At rest: close all buffers, disarm the guard and the watchdog, end what runs (a starved or held rotary does) and lift a hold, forget the
     lines that are left, 100 % again.
 
     A ends and lifts. It would close the loops of motors that were killed, so that it is left out where one is open and nothing runs.
     """
     system = robot.controller.coordinate_system
     yield from operation.ask("CLOSE ALL")
-    yield from operation.ask(f"{ARMED}=0")
+    yield from operation.ask(f"{ARMED}=0{WATCHED}=0")
     motors = yield from motor_statuses(operation, robot)
     words = yield from system_words(operation, robot)
     if words.running or not any(motor.has("open loop") for motor in motors):

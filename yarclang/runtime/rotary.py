@@ -1,17 +1,17 @@
-"""The controller's rotary buffer as a run uses it: opened, fed, asked how full it is, and whether it is large enough. No I/O.
+"""The rotary buffer and what is asked about it: fed, asked how full it is, and whether it is large enough. No I/O.
 
-It is open on our port as long as it is fed, so that only what is never stored may be asked: PR, status, control characters, H, R,
-%. Variables are asked while it is closed (facts 3).
+It is open on our port only within the packet that feeds it: an open one stores what it can, variables among it (facts 3).
 """
 
 from __future__ import annotations
 
 from yarclang.pmac.errors import ERRORS, NO_ROOM
 from yarclang.runtime.actions import Lost, Script, Trouble
-from yarclang.runtime.feed import Feed
+from yarclang.runtime.feed import AROUND, Feed
 from yarclang.runtime.job import Job
 from yarclang.runtime.messages import Written
 from yarclang.runtime.operation import Operation
+from yarclang.runtime.supervision import Flow, Supervision
 from yarclang.runtime.watching import look_at_motors
 from yarclang.units import MS
 
@@ -30,13 +30,14 @@ class Rotary:
 
     Attributes:
         feed: how far the job's lines are.
+        supervision: of the controller that it is in.
     """
 
     def __init__(self, operation: Operation, job: Job) -> None:
         self.operation = operation
         self.job = job
         self.feed = Feed(job)
-        self._open = False
+        self.supervision = Supervision(operation, job.robot)
 
     def define(self) -> Script[None]:
         """The paper's Listing 3, line by line; the buffer isn't open yet.
@@ -55,50 +56,39 @@ class Rotary:
         for line in job.setup:
             yield from self.operation.ask(line)
 
-    def open(self) -> Script[None]:
-        """Lines are stored from now on."""
-        if not self._open:
-            yield from self.operation.ask("OPEN ROT")
-            self._open = True
-
-    def close(self) -> Script[None]:
-        """Variables can be asked; what is executed isn't disturbed."""
-        if self._open:
-            yield from self.operation.ask("CLOSE")
-            self._open = False
-
     def write(self) -> Script[None]:
         """The lines that fit into the buffer and into a packet.
 
         Raises:
             Trouble: the controller refuses one.
         """
-        yield from self.open()
         packet = self.feed.packet()
-        written = yield from self.operation.write(packet)
+        written = yield from self.operation.write((AROUND[0], *packet, AROUND[1]))
         if written.error is None:
             self.feed.written(len(packet))
+            self.supervision.lines_sent(packet)
             return
         yield from look_at_motors(self.operation, self.job.robot)
         raise Trouble(
             _refusal(written, self.feed.sent),
             "the robot ends at rest; run `yarc doctor`, then the program again",
             "Y1603",
-            self.feed.sent + max((written.line or 1) - 1, 0),
+            self.feed.sent + max((written.line or 2) - 2, 0),
         )
 
-    def ask(self) -> Script[None]:
-        """How many lines lie ahead.
+    def ask(self) -> Script[Flow]:
+        """How many lines lie ahead, and what goes with that question.
 
         Raises:
-            Lost: more than can be.
+            Lost: more lines than can be.
         """
         operation, feed = self.operation, self.feed
         asked = operation.now
-        text = yield from operation.one("PR")
-        if not text.isdigit() or int(text) > feed.at_most:
-            raise Lost(f"{text!r} in reply to PR, with at most {feed.at_most} lines in the buffer")
-        feed.heard(int(text), asked, operation.now)
+        flow = yield from self.supervision.ask()
+        if flow.ahead > feed.at_most:
+            raise Lost(f"{flow.ahead} in reply to PR, with at most {feed.at_most} lines in the buffer")
+        feed.heard(flow.ahead, asked, operation.now)
+        return flow
 
     def check_prefilled(self, spent: float, packets: int) -> None:
         """Whoever can't fill it fast enough can't keep it filled either.
@@ -137,9 +127,11 @@ class Rotary:
 def _refusal(written: Written, sent: int) -> str:
     error = written.error or 0
     lines = written.request.lines
-    at = written.line or 0
-    text = lines[at - 1] if 0 < at <= len(lines) else lines[0]
+    at = max(written.line or 0, 1)
     meaning = ERRORS.get(error, "an error that isn't documented")
     if error == NO_ROOM:
         meaning += ", though there should be"
-    return f"the controller refuses line {sent + at} of the motion, {text!r}: ERR{error:03d}, {meaning}"
+    text = lines[at - 1]
+    if text in AROUND:
+        return f"the controller refuses {text!r}: ERR{error:03d}, {meaning}"
+    return f"the controller refuses line {sent + at - 1} of the motion, {text!r}: ERR{error:03d}, {meaning}"

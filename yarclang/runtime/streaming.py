@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
@@ -18,6 +17,7 @@ from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.rest import away_from_start, come_to_rest, described, leave, stands_at
 from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
+from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow
 from yarclang.runtime.watching import look_at_motors, look_at_program, raise_trouble, sample
 
 STATUS_EACH = 0.1
@@ -36,9 +36,8 @@ _STILL = 0.5
 
 _LOOK = 0.01
 
-
-_HELD = 2.0
-"""What the guard PLC puts into its flag when it has held."""
+_DOUBT = 0.02
+"""When the flow is asked for again, if the guard's heartbeat hasn't changed [s]."""
 
 _END = 1.0
 """How far from its end a program may end [counts]."""
@@ -52,6 +51,7 @@ class _Due:
     lines: float = 0.0
     status: float = 0.0
     progress: float = 0.0
+    settings: float = 0.0
 
 
 class Stream:
@@ -71,8 +71,10 @@ class Stream:
         self.rotary = Rotary(operation, job)
         self.outputs = Outputs(job)
         self.feed = self.rotary.feed
+        self.supervision = self.rotary.supervision
         self.begun = False
         self._refilling = False
+        self._changed = ""
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
         self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
@@ -127,8 +129,8 @@ class Stream:
         yield from operation.ask(f"%{percent:g}")
         if percent != 100.0:
             operation.remark(f"override {percent:g} %")
-        yield from rotary.open()
-        yield from operation.ask("CLEAR")
+        for line in ("OPEN ROT", "CLEAR", "CLOSE"):
+            yield from operation.ask(line)
         begun, packets = operation.now, 0
         while self.feed.packet():
             yield from self._obey()
@@ -139,6 +141,7 @@ class Stream:
         rotary.check_prefilled(spent, packets)
 
     def _begin(self) -> Script[bool]:
+        yield from self.supervision.begin()
         self.begun = True
         try:
             yield from self.operation.ask("R")
@@ -166,6 +169,8 @@ class Stream:
             yield from self._wake_up()
         elif self._refilling:
             yield from self._go_on()
+        elif self.supervision.overdue:
+            yield from self._ask_lines()
         elif moving and feed.runs_low(now):
             if feed.heard_at < now:
                 # what was heard last is old
@@ -182,6 +187,7 @@ class Stream:
                 (due.lines, self._ask_lines),
                 (due.status, self._ask_status),
                 (due.positions, self._ask_positions),
+                (due.settings, self._ask_settings),
                 key=lambda each: each[0],
             )
             if now < when:
@@ -192,8 +198,9 @@ class Stream:
 
     def _ask_lines(self) -> Script[None]:
         operation, feed, due = self.operation, self.feed, self._due
-        yield from self.rotary.ask()
-        due.lines = operation.now + min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
+        flow = yield from self.rotary.ask()
+        each = min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
+        due.lines = operation.now + (min(each, _DOUBT) if self.supervision.doubtful else each)
         if operation.now >= due.progress:
             due.progress = operation.now + _PROGRESS_EACH
             self._tell_progress()
@@ -204,6 +211,22 @@ class Stream:
                 "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
                 "Y1607",
             )
+        if self.begun and not self._refilling:
+            yield from self._look_at(flow)
+
+    def _look_at(self, flow: Flow) -> Script[None]:
+        """Whether all is as this run has left it: if the guard or the watchdog has held, refill and go on; else somebody else must say."""
+        moving = self.operation.state is State.MOVE
+        if moving and HELD in (flow.armed, flow.watched):
+            yield from self._held_by_guard(flow)
+        elif told := self.supervision.changed(flow, moving=moving):
+            yield from self._hold_for_others(told)
+
+    def _ask_settings(self) -> Script[None]:
+        """Whether the controller still has the settings that it was looked at with."""
+        self._due.settings = self.operation.now + SETTINGS_EACH
+        if told := (yield from self.supervision.compare()):
+            yield from self._hold_for_others(told)
 
     def _tell_progress(self) -> None:
         command, done = self.command, self.done
@@ -222,7 +245,10 @@ class Stream:
         operation, feed = self.operation, self.feed
         self._due.status = operation.now + STATUS_EACH
         motors = yield from look_at_motors(operation, self.job.robot)
-        if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
+        rests = all(motor.at_rest for motor in motors)
+        if operation.state is State.HOLD:
+            yield from self._look_at_held(rests)
+        if operation.state is not State.MOVE or not rests:
             self._stands = None
             return
         yield from look_at_program(operation, self.job.robot)
@@ -232,7 +258,7 @@ class Stream:
         if self._stands is None or self._stands[1] != feed.executed:
             self._stands = operation.now, feed.executed
         elif operation.now - self._stands[0] > self._patience:
-            yield from self._held_by_others()
+            self._held_by_others()
 
     @property
     def _patience(self) -> float:
@@ -270,8 +296,9 @@ class Stream:
                     operation.slept = 0.0
                     yield from self._go_on()
                 case Override(percent=percent):
+                    before, operation.override = 100.0 * operation.override, percent / 100.0
                     yield from operation.ask(f"%{percent:g}")
-                    operation.override = percent / 100.0
+                    self.supervision.slews(before)
                     operation.remark(f"override {percent:g} %")
                 case _:
                     pass
@@ -282,7 +309,6 @@ class Stream:
         yield from self.operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, why)
         if self.job.outputs:
-            yield from self.rotary.close()
             yield from self.outputs.secure(self.operation)
 
     def _hold_for_person(self) -> Script[None]:
@@ -324,44 +350,84 @@ class Stream:
             warning=True,
         )
 
-    def _held_by_others(self) -> Script[None]:
-        """Nothing moves though lines are ahead. If it was the guard PLC, refill and go on; else somebody else must say."""
+    def _look_at_held(self, rests: bool) -> Script[None]:
+        """In a hold, long after it: whoever moves the robot now isn't this run."""
+        operation = self.operation
+        if rests or self._refilling or operation.now < operation.settled + _STILL:
+            return
+        controller = self.job.robot.controller
+        yield from operation.hold(controller.coordinate_system, controller.hold_time)
+        operation.remark(
+            "somebody else uses this controller: the robot moves, though it is held; it is held again",
+            warning=True,
+        )
+
+    def _hold_for_others(self, told: str) -> Script[None]:
+        """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on."""
+        if told == self._changed:
+            return
+        self._changed = told
+        if self.operation.state is State.MOVE:
+            yield from self._hold(told)
+        self.operation.remark(
+            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
+            warning=True,
+        )
+
+    def _held_by_guard(self, flow: Flow) -> Script[None]:
+        """The controller's own guard has held, on the path: refill and go on."""
+        operation = self.operation
+        if flow.watched == HELD:
+            silence = (
+                f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"
+            )
+            operation.go(Event.HOLD, silence)
+            operation.remark(
+                "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more",
+                warning=True,
+            )
+        else:
+            operation.go(Event.HOLD, "the guard PLC has held the motion: too few lines lay ahead")
+        yield from come_to_rest(operation, self.job.robot)
+        self._refilling = True
+
+    def _held_by_others(self) -> None:
+        """Nothing moves though lines are ahead, and nobody knows why: somebody must say."""
         operation = self.operation
         self._stands = None
         operation.go(Event.HOLD, "the motion is held, and not by this run")
-        yield from come_to_rest(operation, self.job.robot)
-        yield from self.rotary.close()
-        (armed,) = yield from operation.numbers(ARMED, 1)
-        if armed == _HELD:
-            self._refilling = True
-        else:
-            operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
+        operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
 
     def _go_on(self) -> Script[None]:
-        """At rest: refill, look after the guard, R."""
-        operation, feed = self.operation, self.feed
+        """At rest: look whether all is as it was, refill, look after the guard, R."""
+        operation, feed, supervision = self.operation, self.feed, self.supervision
         motors = yield from come_to_rest(operation, self.job.robot)
         raise_trouble(self.job.robot, motors)
+        if told := (yield from supervision.compare(all_=True)):
+            self._refilling, self._changed = False, ""
+            yield from self._hold_for_others(told)
+            return
         yield from self._ask_lines()
         while feed.packet():
             yield from self.rotary.write()
-        yield from self.rotary.close()
-        (armed,) = yield from operation.numbers(ARMED, 1)
-        if armed == _HELD:
+        flow = yield from self.rotary.ask()
+        if told := supervision.stands_still(flow):
+            self._refilling, self._changed = False, ""
+            yield from self._hold_for_others(told)
+            return
+        if flow.armed == HELD and not self._refilling:
             operation.remark("the guard PLC has held the motion as well", warning=True)
-        if feed.left == 0 and armed:
-            # all lines are in: fewer than the guard wants, and no more to come
-            yield from operation.ask(f"{ARMED}=0")
-        elif armed == _HELD:
-            yield from operation.ask(f"{ARMED}=1")
+        if wanted := supervision.rearmed(flow, feed.left == 0):
+            yield from operation.ask(wanted)
         yield from self.outputs.restore(operation, feed.sent - feed.at_most)
-        if feed.left:
-            yield from self.rotary.open()
         if operation.slept:
             return  # on the way here
+        if self._changed:
+            yield from operation.ask(f"%{100.0 * operation.override:g}")
+        yield from supervision.begin()
         yield from operation.ask("R")
         operation.settled = -math.inf
-        self._refilling = False
+        self._refilling, self._changed = False, ""
         self._stands = None
         operation.go(Event.RESUME)
 
@@ -370,9 +436,14 @@ class Stream:
     def _end(self) -> Script[bool]:
         """One step; whether the motion has really ended: no motor has a desired velocity, and all stand where the program ends."""
         operation, job = self.operation, self.job
+        if self._refilling:
+            yield from self._go_on()
+            return False
         motors = yield from look_at_motors(operation, self.job.robot)
-        if operation.now >= self._due.positions:
+        if operation.now >= self._due.positions and not self.supervision.overdue:
             yield from self._ask_positions()
+        if operation.now >= self._due.lines:
+            yield from self._ask_lines()
         if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
             self._stands = None
             yield Wait(operation.now + _LOOK)
@@ -380,7 +451,6 @@ class Stream:
         if self._stands is None:
             self._stands = operation.now, 0
         yield from come_to_rest(operation, job.robot)
-        yield from self.rotary.close()
         joints = yield from stands_at(operation, job.robot)
         off = np.abs(to_counts(job.robot, joints) - to_counts(job.robot, job.end))
         if off.max() <= _END:

@@ -43,6 +43,10 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
         if what := motor.trouble:
             remedy = f"find out why, then close its loop: `#{number}J/`"
             raise Trouble(f"motor {number}: {what}", remedy, "Y1602")
+    for number, motor in pairs:
+        if not motor.has("home complete"):
+            what = f"motor {number}: it isn't homed any more: its position means nothing"
+            raise Trouble(what, "find out who has used this controller, and home it", "Y1602")
 
 
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:

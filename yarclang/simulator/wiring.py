@@ -31,10 +31,11 @@ if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine
 
 LONGEST_TIMER = 8_388_607.0
+LEAST_TIMER = -8_388_608.0
 
 
 class Timers:
-    """Isx11 and Isx12 count down, one each servo cycle (TSRM 177): what is kept is when they get to 0."""
+    """Isx11 and Isx12 count down, one each servo cycle, through 0 to the least of 24 bits (TSRM 176): what is kept is when they get to 0."""
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
@@ -44,7 +45,8 @@ class Timers:
         """What is left, in servo cycles."""
         if (end := self.ends.get(index)) is None:
             return 0.0
-        return float(max(math.ceil((end - self.machine.now) / self.machine.servo_period - 1e-9), 0))
+        left = math.ceil((end - self.machine.now) / self.machine.servo_period - 1e-9)
+        return float(max(left, LEAST_TIMER))
 
     def start(self, index: int, value: float) -> None:
         """Count down from `value`."""

@@ -97,7 +97,8 @@ def check_feedback(
     meaning |= {actual_position(motor)[0]: variable(actual_position(motor)[0]) for motor in controller.motors}
     errors: Row = []
     feedback = content.feedback
-    for joint, (statement, line) in enumerate(zip(feedback.statements, feedback.places, strict=True)):
+    joints = list(zip(feedback.statements, feedback.places, strict=True))[: robot.size]
+    for joint, (statement, line) in enumerate(joints):
         name, _, expression = statement.partition("=")
         wanted, owner = controller.feedback[joint], robot.joint_names[joint]
         unit = robot.axis_unit_names[joint]
@@ -115,7 +116,7 @@ def check_feedback(
             message = f"{name} differs from {owner} by up to {float(error):.3g} {unit} within the joints' limits; {float(allowed):.2g} {unit} are allowed"
             say("Y1173", line, message)
         errors.append(error)
-    return errors if len(errors) == len(feedback.statements) else None
+    return errors if len(errors) == len(joints) else None
 
 
 def _feedback_error(

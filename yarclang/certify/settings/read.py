@@ -15,9 +15,12 @@ from yarclang.certify.text import Unreadable
 from yarclang.pmac.requests import MOST_LINE
 from yarclang.pmac.variables import (
     ARMED,
+    ECHO,
     FEEDBACK_PLC,
     GUARD_PLC,
+    HEARTBEAT,
     ROTARY_FULL,
+    WATCHED,
     actual_position,
     commanded_position,
     motor_variable,
@@ -76,7 +79,7 @@ def _read(lines: _Lines, robot: Robot) -> SettingsText:
     pointers = tuple(_pointers(lines, controller))
     settings = {name: _setting(lines, name) for name in _names(controller)}
     feedback = _feedback(lines, len(controller.feedback))
-    lines.expect(f"{ARMED}=0", code="Y1175")
+    lines.expect(f"{ARMED}=0", f"{WATCHED}=0", code="Y1175")
     guard = _guard(lines, controller.coordinate_system)
     settings["I5"] = _setting(lines, "I5")
     lines.expect(f"ENABLE PLC {FEEDBACK_PLC}", f"ENABLE PLC {GUARD_PLC}", code="Y1175")
@@ -150,18 +153,31 @@ def _feedback(lines: _Lines, size: int) -> Listing:
             lines.misplaced("a feedback variable, P and its number,")
         statements.append(content)
         places.append(lines.last)
+    lines.expect(f"{ECHO}={HEARTBEAT}", code="Y1175")
+    statements.append(f"{ECHO}={HEARTBEAT}")
+    places.append(lines.last)
     lines.expect("CLOSE")
     return Listing(FEEDBACK_PLC, tuple(statements), tuple(places))
 
 
 def _guard(lines: _Lines, system: int) -> Listing:
-    """Read the PLC that holds once when a program is armed and the rotary isn't full any more."""
+    """Read the PLC that counts its scans, and holds once when a program is armed and the rotary isn't full any more, and once when the
+    computer that streams is watched and its timer, Isx12, has run down.
+    """
     lines.expect(f"OPEN PLC {GUARD_PLC} CLEAR", code="Y1175")
+    hold = f'CMD"&{system}H"'
     statements = (
+        f"{HEARTBEAT}={HEARTBEAT}+1",
         f"IF({ARMED}=1)",
         f"IF({ROTARY_FULL}=0)",
         f"{ARMED}=2",
-        f'CMD"&{system}H"',
+        hold,
+        "ENDIF",
+        "ENDIF",
+        f"IF({WATCHED}=1)",
+        f"IF(I{5012 + 100 * system}<0)",
+        f"{WATCHED}=2",
+        hold,
         "ENDIF",
         "ENDIF",
     )

@@ -1,0 +1,49 @@
+"""What a controller answered when it was looked at, to be compared with what it answers later. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What can be asked in one line: of each part, what it is called and how it is asked."""
+
+    subjects: tuple[str, ...]
+    parts: tuple[str, ...]
+
+    @property
+    def line(self) -> str:
+        """The line."""
+        return "".join(self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Remembered:
+    """A question, and what was answered when the controller was looked at."""
+
+    question: Question
+    reply: tuple[str, ...]
+
+    def compared(self, reply: tuple[str, ...]) -> str:
+        """Return what is otherwise now, with the old and the new value; empty where nothing is."""
+        if reply == self.reply:
+            return ""
+        if len(self.question.parts) == 1:
+            return f"{self.question.subjects[0]} is another one than before"
+        if len(reply) != len(self.reply):
+            return f"{len(reply)} values answer {self.question.line!r} instead of {len(self.reply)}"
+        told = [
+            f"{subject} was {old}, and is {new}"
+            for subject, old, new in zip(self.question.subjects, self.reply, reply, strict=True)
+            if old != new
+        ]
+        return ", ".join(told)
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What a controller answered when it was looked at: `often` is asked each second, of `seldom` one each second."""
+
+    often: tuple[Remembered, ...] = ()
+    seldom: tuple[Remembered, ...] = ()

@@ -32,7 +32,9 @@ def test_all_is_well(workshop, simulator, industrial6):
     text = examine(workshop, "--to", simulator.address)
     lines = text.splitlines()
     assert lines[0] == "ok       controller: TURBO2, X4 (CID 602413)"
-    count = len(items_of(industrial6)) + 2 + 6 + 1  # the controller, what runs, the motors, the guard
+    count = (
+        len(items_of(industrial6)) + 2 + 6 + 1 + 3
+    )  # the controller, what runs, motors, guard, watchdog and PLCs
     assert sum(line.startswith("ok ") for line in lines) == count
     assert lines[-1] == f"all {count} things are as a program needs them"
     assert "INDUSTRIAL6 is commanded to J1 0.000 deg, J2 0.000 deg, " in text

@@ -109,7 +109,7 @@ def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -
         Trouble: it serves another robot.
         click.UsageError: an option is for a coordinator of its own.
     """
-    for name in ("log", "no_log", "rate"):
+    for name in ("log", "no_log", "rate", "patience"):
         if options.get(name):
             option = name.replace("_", "-")
             raise click.UsageError(
@@ -180,6 +180,7 @@ async def attached(
         log=NO_LOG if options["no_log"] else options["log"],
         reply_time=SIMULATED_REPLY_TIME if place.own else REPLY_TIME,
         pace=options.get("rate") or 1.0,
+        patience=options.get("patience"),
         simulated=place.own,
     )
     async with opened(robot, ground) as coordinator:

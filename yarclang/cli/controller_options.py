@@ -25,14 +25,25 @@ def controller_option(function: F) -> F:
     )(function)
 
 
-def log_options(function: F) -> F:
-    """--log, --no-log and --rate."""
+def patience_option(function: F) -> F:
+    """--patience S."""
+    return click.option(
+        "--patience",
+        type=PositiveNumber("S"),
+        help="How long this computer and the link may be silent before the controller holds, s (default: 0.4, or what the "
+        "link needs). The robot of a dead computer moves on for so long.",
+    )(function)
+
+
+def motion_options(function: F) -> F:
+    """--log, --no-log, --patience and --rate."""
     for option in (
         click.option(
             "--rate",
             type=PositiveNumber("N"),
             help="How fast the simulator's time passes (default: real time).",
         ),
+        patience_option,
         click.option("--no-log", is_flag=True, help="Run without a log."),
         click.option(
             "--log",

@@ -53,6 +53,7 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
         log=NO_LOG if options["no_log"] else options["log"],
         reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
         pace=options["rate"] or 1.0,
+        patience=options["patience"],
         simulated=own,
         serves=True,
     )

@@ -29,6 +29,7 @@ class Ground:
         log: where motions are logged (`Engine`).
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
+        patience: for how long this computer may be silent before its controller holds [s]; None: what the link allows.
         simulated: whether the controller is a simulator of our own.
         serves: whether the coordinator is there to serve other processes.
     """
@@ -41,6 +42,7 @@ class Ground:
     log: Path | None = None
     reply_time: float = REPLY_TIME
     pace: float = 1.0
+    patience: float | None = None
     simulated: bool = False
     serves: bool = False
     cell: str | None = None
@@ -59,7 +61,10 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
         Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
     with controller_lock(ground.host, ground.port):
-        session = OrderedSession(ground.host, ground.port, reply_time=ground.reply_time, pace=ground.pace)
+        reply_time = max(ground.reply_time, ground.patience or 0.0)
+        session = OrderedSession(ground.host, ground.port, reply_time=reply_time, pace=ground.pace)
+        if ground.patience is not None:
+            session.operation.wanted_silence = ground.patience * ground.pace
         coordinator = Coordinator(
             robot,
             session,

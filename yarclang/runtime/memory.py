@@ -34,7 +34,7 @@ class Remembered:
         if len(reply) != len(self.reply):
             return f"{len(reply)} values answer {self.question.line!r} instead of {len(self.reply)}"
         told = [
-            f"{subject} was {old}, and is {new}"
+            f"{_named(subject)} was {old}, and is {new}"
             for subject, old, new in zip(self.question.subjects, self.reply, reply, strict=True)
             if old != new
         ]
@@ -47,3 +47,9 @@ class Memory:
 
     often: tuple[Remembered, ...] = ()
     seldom: tuple[Remembered, ...] = ()
+
+
+def _named(subject: str) -> str:
+    """A name with what it is in brackets, so that a sentence goes on behind it."""
+    name, comma, what = subject.partition(", ")
+    return f"{name} ({what})" if comma else name

@@ -74,7 +74,7 @@ class Stream:
         self.supervision = self.rotary.supervision
         self.begun = False
         self._refilling = False
-        self._changed = ""
+        self._told: set[str] = set()
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
         self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
@@ -364,11 +364,14 @@ class Stream:
 
     def _hold_for_others(self, told: str) -> Script[None]:
         """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on."""
-        if told == self._changed:
+        if told in self._told:
             return
-        self._changed = told
         if self.operation.state is State.MOVE:
             yield from self._hold(told)
+            also = yield from self.supervision.compare(all_=True)
+            self._told |= {told, also}
+            told = ", ".join(dict.fromkeys(one for one in (told, also) if one))
+        self._told.add(told)
         self.operation.remark(
             f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
             warning=True,
@@ -404,7 +407,8 @@ class Stream:
         motors = yield from come_to_rest(operation, self.job.robot)
         raise_trouble(self.job.robot, motors)
         if told := (yield from supervision.compare(all_=True)):
-            self._refilling, self._changed = False, ""
+            self._refilling = False
+            self._told.clear()
             yield from self._hold_for_others(told)
             return
         yield from self._ask_lines()
@@ -412,7 +416,8 @@ class Stream:
             yield from self.rotary.write()
         flow = yield from self.rotary.ask()
         if told := supervision.stands_still(flow):
-            self._refilling, self._changed = False, ""
+            self._refilling = False
+            self._told.clear()
             yield from self._hold_for_others(told)
             return
         if flow.armed == HELD and not self._refilling:
@@ -422,12 +427,13 @@ class Stream:
         yield from self.outputs.restore(operation, feed.sent - feed.at_most)
         if operation.slept:
             return  # on the way here
-        if self._changed:
+        if self._told:
             yield from operation.ask(f"%{100.0 * operation.override:g}")
         yield from supervision.begin()
         yield from operation.ask("R")
         operation.settled = -math.inf
-        self._refilling, self._changed = False, ""
+        self._refilling = False
+        self._told.clear()
         self._stands = None
         operation.go(Event.RESUME)
 

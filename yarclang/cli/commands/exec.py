@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.address import Address
-from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
+from yarclang.cli.controller_options import check_controller_usage, motion_options, run_options
 from yarclang.cli.options import planning_options, tm_option
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     help="So many times, where the program ends where it starts.",
 )
 @click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
-@log_options
+@motion_options
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from yarclang.cli.address import SIM, Address, AddressType
+from yarclang.cli.controller_options import patience_option
 from yarclang.cli.options import PositiveNumber, cell_option, robot_option
 
 
@@ -51,6 +52,7 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
     help="Where to write the run log (default: a new file in yarc-runs/).",
 )
 @click.option("--no-log", is_flag=True, help="Run without a log.")
+@patience_option
 @robot_option
 def command(to: Address | None, robot: str | None, **options: Any) -> None:
     """Let another process steer the robot: joints, poses or velocities, a JSON object a line.

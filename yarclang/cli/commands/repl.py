@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.address import Address, trouble_is_said
-from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
+from yarclang.cli.controller_options import check_controller_usage, controller_option, motion_options
 from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
 )
 @click.option("--go", is_flag=True, help="Move without asking, as .go does.")
-@log_options
+@motion_options
 @tm_option
 def command(to: Address | None, **options: Any) -> None:
     """Work with a robot live: each line is planned from where it stands, certified, shown, and carried out.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.address import Address, trouble_is_said
-from yarclang.cli.controller_options import check_controller_usage, log_options, run_options
+from yarclang.cli.controller_options import check_controller_usage, motion_options, run_options
 from yarclang.cli.options import planning_options, tm_option
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("--times", type=click.IntRange(1), help="As --loop, so many times.")
 @click.option("--dry-run", is_flag=True, help="Look at everything, move nothing.")
 @click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach.")
-@log_options
+@motion_options
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from yarclang.cli.address import Address, trouble_is_said
-from yarclang.cli.controller_options import check_controller_usage, controller_option, log_options
+from yarclang.cli.controller_options import check_controller_usage, controller_option, motion_options
 from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
 
 
@@ -22,7 +22,7 @@ from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
     help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
 )
 @cell_option
-@log_options
+@motion_options
 @tm_option
 def command(to: Address | None, **options: Any) -> None:
     """Own a robot for others: run, exec, repl and follow work with it, one at a time, while others watch; everybody may stop it.

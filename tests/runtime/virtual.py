@@ -436,7 +436,8 @@ def lines_of(request):
 def _only_asks(line):
     """Values, definitions and listings; the flow's question winds the watchdog up as well."""
     asked = re.sub(r"I5\d12=\d+$", "", line) if line.startswith("PR%") else line
-    return bool(re.fullmatch(r"(PR%)?([PIM]\d+(->)?|#\d+->)+|LIST PLC \d+", asked))
+    puts_back = r"I5\d95=\d+"  # without which no hold comes to rest
+    return bool(re.fullmatch(rf"(PR%)?([PIM]\d+(->)?|#\d+->)+|LIST PLC \d+|{puts_back}", asked))
 
 
 def stopped_at_once(world):

@@ -39,8 +39,8 @@ FINDINGS: tuple[Finding, ...] = (
         "program-not-executed",
         "error",
         "the controller doesn't execute the program",
-        "The controller couldn't calculate a move in time, or somebody else has stopped the program, or it has ended at another place than "
-        "it should.",
+        "The controller couldn't calculate a move in time, or somebody else has stopped the program or changed what was proved, or it commands the motors "
+        "off the path of its lines, or it has ended at another place than it should.",
     ),
     Finding(
         "Y1606",

@@ -18,6 +18,9 @@ AHEAD = 2
 AROUND = ("OPEN ROT", "CLOSE")
 """What stands around the lines of a packet: a rotary is open only for them, so that variables can be asked at any other time (facts 3)."""
 
+FASTEST = 2.5
+"""Of its own pace, at which a controller can execute a program: its largest override is below (TSRM 276)."""
+
 _LATE = 0.1
 """What the host may be late before the guard PLC holds [s]."""
 
@@ -88,6 +91,11 @@ class Feed:
     def executed(self) -> int:
         """Lines that were executed when `PR` was answered last; the two that are calculated ahead aren't."""
         return max(0, self._sent_then - self._ahead - AHEAD)
+
+    def executed_within(self, now: float) -> tuple[int, int]:
+        """Lines that have been executed by now, at least and at most, however fast somebody lets the time pass."""
+        taken = int(FASTEST * (now - self._asked_then) / self.job.segment) + 1 + AHEAD
+        return self.executed, self.executed + AHEAD + taken
 
     def heard(self, ahead: int, asked: float, now: float) -> None:
         """The controller says how many lines lie ahead, to a question asked at `asked` [s] and answered `now`."""

@@ -16,7 +16,8 @@ from typing import Protocol
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
-from yarclang.runtime.feed import AHEAD, AROUND
+from yarclang.runtime.course import Course
+from yarclang.runtime.feed import AHEAD, AROUND, FASTEST
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Override
 from yarclang.runtime.operation import URGENT, Interrupted, Operation
@@ -25,7 +26,7 @@ from yarclang.runtime.rest import away_from_start, come_to_rest, leave
 from yarclang.runtime.state import Event
 from yarclang.runtime.streaming import STATUS_EACH
 from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow, Supervision
-from yarclang.runtime.watching import look_at_motors, sample
+from yarclang.runtime.watching import look_at_motors, raise_if_astray, sample
 
 MADE_ON_THE_WAY = "live motion: its lines were made on the way"
 """The first comment of a live motion's text, which has no lines."""
@@ -91,6 +92,8 @@ class LiveStream:
         self._look = min(max(_SHORTEST, _SEGMENTS * self.job.segment), _LONGEST)
         self._lines_due = self._status_due = self._positions_due = self._settings_due = 0.0
         self.supervision = Supervision(operation, live.job.robot)
+        self._course = Course(live.job.robot, live.job.start, live.job.slack)
+        self._asked = 0.0
 
     @property
     def done(self) -> float:
@@ -169,13 +172,23 @@ class LiveStream:
             yield from look_at_motors(operation, self.job.robot)
         elif now >= self._positions_due - self._look / 2.0:
             self._positions_due = max(self._positions_due + operation.positions_each, now)
-            operation.notices.append((yield from sample(operation, self.job.robot, self.done)))
+            yield from self._ask_positions()
         elif now >= self._settings_due:
             self._settings_due = now + SETTINGS_EACH
             yield from self._stop_for_others((yield from self.supervision.compare()))
         else:
             yield Wait(min(self._lines_due, self._status_due, self._positions_due, self._settings_due))
         return False
+
+    def _ask_positions(self) -> Script[None]:
+        operation, job = self.operation, self.job
+        found = yield from sample(operation, job.robot, self.done)
+        operation.notices.append(found)
+        executed = max(0, self._sent - self._ahead - AHEAD)
+        self._course.forget(executed)
+        since = operation.now - self._asked
+        most = executed + 2 * AHEAD + 1 + int(FASTEST * since / job.segment)
+        raise_if_astray(job.robot, self._course.off(found.commanded, found.following, (executed, most)))
 
     def _fill(self, lead: int) -> Script[None]:
         """As many lines ahead as wanted; where the text ends, so many behind it that the guard can be disarmed before."""
@@ -206,13 +219,15 @@ class LiveStream:
                     "Y1603",
                 )
             self.supervision.lines_sent(packet)
+            self._course.append(packet)
             first += count
             self._sent += count
             self._ahead += count
 
     def _ask_lines(self) -> Script[Flow]:
+        asked = self.operation.now
         flow = yield from self.supervision.ask()
-        self._ahead = flow.ahead
+        self._ahead, self._asked = flow.ahead, asked
         return flow
 
     def _look_at(self, flow: Flow) -> Script[None]:
@@ -233,6 +248,8 @@ class LiveStream:
     def _stop_for_others(self, told: str) -> Script[None]:
         """Hold where something was changed."""
         if told:
+            if slew := self.supervision.hold_again(told):
+                yield from self.operation.ask(slew)
             yield from self._hold(told)
             raise Trouble(
                 f"somebody else uses this controller: {told}", "find out who, and put it back", "Y1605"

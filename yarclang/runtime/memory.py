@@ -48,6 +48,13 @@ class Memory:
     often: tuple[Remembered, ...] = ()
     seldom: tuple[Remembered, ...] = ()
 
+    def value(self, variable: str) -> str:
+        """Return what a variable was, as it was printed; empty if nobody has asked."""
+        for one in self.often:
+            if variable in one.question.parts:
+                return one.reply[one.question.parts.index(variable)]
+        return ""
+
 
 def _named(subject: str) -> str:
     """A name with what it is in brackets, so that a sentence goes on behind it."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from yarclang.pmac.errors import ERRORS, NO_ROOM
 from yarclang.runtime.actions import Lost, Script, Trouble
+from yarclang.runtime.course import Course
 from yarclang.runtime.feed import AROUND, Feed
 from yarclang.runtime.job import Job
 from yarclang.runtime.messages import Written
@@ -31,6 +32,7 @@ class Rotary:
     Attributes:
         feed: how far the job's lines are.
         supervision: of the controller that it is in.
+        course: the way that its lines lead.
     """
 
     def __init__(self, operation: Operation, job: Job) -> None:
@@ -38,6 +40,7 @@ class Rotary:
         self.job = job
         self.feed = Feed(job)
         self.supervision = Supervision(operation, job.robot)
+        self.course = Course(job.robot, job.start, job.slack)
 
     def define(self) -> Script[None]:
         """The paper's Listing 3, line by line; the buffer isn't open yet.
@@ -67,6 +70,7 @@ class Rotary:
         if written.error is None:
             self.feed.written(len(packet))
             self.supervision.lines_sent(packet)
+            self.course.append(packet)
             return
         yield from look_at_motors(self.operation, self.job.robot)
         raise Trouble(

@@ -18,7 +18,13 @@ from yarclang.runtime.rest import away_from_start, come_to_rest, described, leav
 from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow
-from yarclang.runtime.watching import look_at_motors, look_at_program, raise_trouble, sample
+from yarclang.runtime.watching import (
+    look_at_motors,
+    look_at_program,
+    raise_if_astray,
+    raise_trouble,
+    sample,
+)
 
 STATUS_EACH = 0.1
 """Time between two looks at the status words [s]."""
@@ -239,6 +245,9 @@ class Stream:
         self._due.positions = operation.now + operation.positions_each
         found = yield from sample(operation, job.robot, job.offset + self.done)
         operation.notices.append(found)
+        executed = self.feed.executed_within(operation.now)
+        self.rotary.course.forget(executed[0])
+        raise_if_astray(job.robot, self.rotary.course.off(found.commanded, found.following, executed))
 
     def _ask_status(self) -> Script[None]:
         """Faults, and a program that doesn't go on though it should."""
@@ -366,7 +375,11 @@ class Stream:
         """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on."""
         if told in self._told:
             return
-        if self.operation.state is State.MOVE:
+        slew = self.supervision.hold_again(told)
+        if slew:
+            yield from self.operation.ask(slew)
+            told += f" (put back: {slew})"
+        if self.operation.state is State.MOVE or slew:
             yield from self._hold(told)
             also = yield from self.supervision.compare(all_=True)
             self._told |= {told, also}

@@ -40,6 +40,8 @@ _MOTOR_VARIABLES = {
     24: "flags and limit switches",
 }
 """Variables of each motor that no robot says, and that no other client may change while it moves: Ixx00, Ixx11, Ixx24."""
+_HOLD_SLEW = 95
+"""Isx95: how fast a hold changes the time base."""
 _TIME_BASE = 93
 """Isx93: where the coordinate system takes its time base from."""
 _STANDS_STILL = 0.045
@@ -316,6 +318,16 @@ class Supervision:
         return flag
 
     # settings
+
+    def hold_again(self, told: str) -> str:
+        """Return the assignment without which no hold comes to rest as it was proved; empty if nobody has changed that.
+
+        Args:
+            told: what somebody else has changed.
+        """
+        slew = system_variable(self._robot.controller.coordinate_system, _HOLD_SLEW)
+        was = self.operation.memory.value(slew)
+        return f"{slew}={was}" if was and slew in told else ""
 
     def compare(self, *, all_: bool = False) -> Script[str]:
         """Ask what the controller was told, and return what is otherwise than when it was looked at; empty where nothing is.

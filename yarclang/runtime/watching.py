@@ -49,6 +49,25 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
             raise Trouble(what, "find out who has used this controller, and home it", "Y1602")
 
 
+def raise_if_astray(robot: Robot, off: tuple[float, int]) -> None:
+    """Raise if the controller commands the motors off the way of its lines.
+
+    Args:
+        robot: whose motors.
+        off: how far [counts], and the row of the motor that is furthest.
+
+    Raises:
+        Trouble: it does.
+    """
+    counts, row = off
+    if counts:
+        raise Trouble(
+            f"the controller commands motor {robot.controller.motors[row]} {counts:.0f} counts off the path that was proved",
+            "a line has been changed on its way, or somebody else uses this controller: run `yarc doctor`",
+            "Y1605",
+        )
+
+
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
     """Where nothing moves: does it run?
 

@@ -396,11 +396,14 @@ def test_a_host_that_slept_for_long_waits_for_a_person(asleep):
 
 
 def test_a_host_that_slept_through_the_end():
-    """All lines were in: there is nothing to resume."""
+    """All lines were in; the watchdog has held, and who looks first says that it goes on."""
     job, _ = prepared(tm=50)
     world = world_of(job)
-    world.stall_at = [(world.now + 4.2, 60.0)]
+    since = world.now
+    world.stall_at = [(since + 3.8, 60.0)]
+    world.order(Resume(), 90.0)
     assert run(world, job).well
+    assert world.now - since > 90.0
     assert at_its_end(world, job)
 
 

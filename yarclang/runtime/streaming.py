@@ -349,7 +349,7 @@ class Stream:
         if feed.heard_at < operation.now:
             yield from self._ask_lines()
         slept, operation.slept = operation.slept, 0.0
-        if feed.left == 0 and feed.at_most == 0:
+        if feed.left == 0 and feed.at_most == 0 and not self._refilling:
             return
         self._refilling = False
         if operation.state is State.MOVE:
@@ -455,6 +455,9 @@ class Stream:
     def _end(self) -> Script[bool]:
         """One step; whether the motion has really ended: no motor has a desired velocity, and all stand where the program ends."""
         operation, job = self.operation, self.job
+        if operation.slept:
+            yield from self._wake_up()
+            return False
         if self._refilling:
             yield from self._go_on()
             return False

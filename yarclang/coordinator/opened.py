@@ -13,6 +13,7 @@ from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.model import Robot
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.transports.lock import controller_lock
+from yarclang.simulator.leash import leash
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class Ground:
         log: where motions are logged (`Engine`).
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
-        simulated: whether the controller is a simulator of our own.
+        simulated: whether the controller is a simulator of our own, in this process: it doesn't go on while this process is kept from its work.
         serves: whether the coordinator is there to serve other processes.
     """
 
@@ -59,7 +60,13 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
         Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
     with controller_lock(ground.host, ground.port):
-        session = OrderedSession(ground.host, ground.port, reply_time=ground.reply_time, pace=ground.pace)
+        session = OrderedSession(
+            ground.host,
+            ground.port,
+            reply_time=ground.reply_time,
+            pace=ground.pace,
+            leash=leash(ground.pace) if ground.simulated else None,
+        )
         coordinator = Coordinator(
             robot,
             session,

@@ -32,6 +32,7 @@ from yarclang.runtime.performance import connect, end_what_runs, look, perform, 
 from yarclang.runtime.rest import described
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import Event, State
+from yarclang.runtime.transports.promptness import plans, prompt_while_moving
 
 T = TypeVar("T")
 
@@ -220,7 +221,12 @@ class Engine:
 
     async def beside(self, function: Callable[..., T], *arguments: Any) -> T:
         """Call a function that takes long in a thread, so that nobody is kept from stopping the robot."""
-        return await asyncio.to_thread(function, *arguments)
+
+        def called() -> T:
+            with plans():
+                return function(*arguments)
+
+        return await asyncio.to_thread(called)
 
     async def perform(self, job: Job, program: Job | None = None) -> Ended:
         """Carry a job out; for work of `move`. `program` is the whole that it is a part of: the log is named after it."""
@@ -284,7 +290,9 @@ class Engine:
         while not (self._closing and not self._work):
             try:
                 if self._work:
-                    await self._carry_out(self._work.popleft())
+                    work = self._work.popleft()
+                    with prompt_while_moving() if work.moves else contextlib.nullcontext():
+                        await self._carry_out(work)
                 else:
                     await self.session.perform(idle(self.operation, self.robot, self._wanted))
             except Lost as lost:

@@ -13,6 +13,7 @@ from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.model import Robot
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.transports.lock import controller_lock
+from yarclang.runtime.transports.promptness import prompt_thread
 from yarclang.simulator.leash import leash
 
 
@@ -59,7 +60,7 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
         ControlError: another process of this computer drives the controller.
         Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
-    with controller_lock(ground.host, ground.port):
+    with controller_lock(ground.host, ground.port), prompt_thread():
         session = OrderedSession(
             ground.host,
             ground.port,

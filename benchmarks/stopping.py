@@ -1,8 +1,9 @@
 """How long a stop takes from the order to the wire, under load: `python benchmarks/stopping.py [--rounds N] [--busy N ...]`.
 
 `yarc serve` and `yarc sim` run as processes of their own, the first with a log. Orders come over the control socket, by turns from a client that is
-connected and as `yarc hold` gives them, with a new connection; half of those to a program are stops of a live motion's kind. The clock begins before the order is given, and ends when the
-bytes of the hold are on the controller's wire; both are read from the system's monotonic clock. There are four phases of work, each with and without `--busy` processes that do nothing but compute:
+connected, and on a new connection as those of `yarc hold`. The clock begins before the order is written, and ends when the bytes of the hold are on the controller's wire; both are read from the
+system's monotonic clock. Who orders, and the simulator, stand for a person and a controller: they go before other processes, if this user may do that. The serving process is an ordinary one without `--priority`.
+There are four phases of work, each with so many `--busy` processes beside that do nothing but compute:
 
 - a program is streamed;
 - it is streamed while another client has long programs planned, in the same process;
@@ -229,11 +230,12 @@ def wait_for(robot: Robot, state: str, patience: float = PATIENCE) -> bool:
 def ordered(order: str, path: str, robot: Robot, number: int, pipe: Pipe) -> Stop | None:
     """Give an order, and return how long it took; None if the robot was at rest by then."""
     pipe.drain()
-    begun = time.monotonic_ns()
     if number % 2:
+        begun = time.monotonic_ns()
         robot.ask(order)
     else:
         with Robot(path, name=None) as other:
+            begun = time.monotonic_ns()
             other.ask(order)
     said = pipe.line(1.0)
     if said is None:
@@ -285,9 +287,8 @@ def live(path: str, count: int, pipe: Pipe) -> list[Stop]:
     return found
 
 
-def measure(count: int, load: int, *, ordinary: bool) -> dict[str, list[Stop]]:
-    """Times of each phase [s]."""
-    found: dict[str, list[Stop]] = {}
+def measure(count: int, load: int, *, ordinary: bool) -> Iterator[tuple[str, list[Stop]]]:
+    """The phases, and the times of each [s]."""
     with (
         tempfile.TemporaryDirectory() as folder,
         served(Path(folder), ordinary=ordinary) as (path, pipe),
@@ -301,8 +302,7 @@ def measure(count: int, load: int, *, ordinary: bool) -> dict[str, list[Stop]]:
         )
         for name, role, work in works:
             with company(role, path) if role else contextlib.nullcontext():
-                found[name] = work(path, count, pipe)
-    return found
+                yield name, work(path, count, pipe)
 
 
 def row(what: str, load: int, found: list[Stop], goal: str = "") -> str:
@@ -329,18 +329,22 @@ def main() -> None:
     )
     parser.add_argument("--json", action="store_true", help="print all times instead")
     options = parser.parse_args()
+    with contextlib.suppress(PermissionError):  # who orders is a person, or another computer
+        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(1))
     kept: dict[str, Any] = {}
     if not options.json:
         print(
             "| a stop while there is | busy processes | stops | median | p99 | most | of it once read, median | p99 | goal |\n|---|---|---|---|---|---|---|---|---|"
         )
     for load in options.busy:
-        found = measure(options.rounds, load, ordinary=not options.priority)
+        found: dict[str, list[Stop]] = {}
+        for name, times in measure(options.rounds, load, ordinary=not options.priority):
+            found[name] = times
+            if not options.json:
+                print(row(name, load, times), flush=True)
         kept[str(load)] = found
         if options.json:
             continue
-        for name, times in found.items():
-            print(row(name, load, times), flush=True)
         everything = [one for times in found.values() for one in times]
         print(row("**all of these**", load, everything, GOAL), flush=True)
     if options.json:

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from yarclang.runtime.transports import promptness
-from yarclang.runtime.transports.promptness import plans, prompt_thread, prompt_while_moving
+from yarclang.runtime.transports.promptness import prompt_thread, prompt_while_moving, shares_the_interpreter
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_an_error_changes_it_back_too():
 def test_who_may_not_go_first_goes_on_without(refused, monkeypatch):
     asked = []
     monkeypatch.setattr(promptness, "_ask_for_slices", asked.append)
-    with prompt_thread(), prompt_while_moving(), plans():
+    with prompt_thread(), prompt_while_moving(), shares_the_interpreter():
         pass
     assert len(asked) == 2
     assert asked[1] == 0, "the system's own slices"
@@ -65,7 +65,7 @@ def test_a_system_that_knows_nothing_of_it_is_left_alone(refused, monkeypatch):
     with prompt_thread():
         pass
     monkeypatch.delattr(os, "sched_setscheduler")
-    with prompt_thread(), prompt_while_moving(), plans():
+    with prompt_thread(), prompt_while_moving(), shares_the_interpreter():
         pass
 
 
@@ -73,19 +73,19 @@ def test_who_plans_is_not_kept_from_giving_way(given):
     """A thread that plans goes before others as long as something moves, and behind the one that streams."""
     number = threading.get_native_id()
     with prompt_thread():
-        with plans():
+        with shares_the_interpreter():
             assert given == [(0, 2)]
             with prompt_while_moving():
                 assert given.pop() == (number, 1)
             assert given.pop() == (number, 0)
-        with prompt_while_moving(), plans():
+        with prompt_while_moving(), shares_the_interpreter():
             assert given.pop() == (number, 1)
         assert given.pop() == (number, 0)
     assert given[-1] == (0, 0)
 
 
 def test_without_a_thread_that_streams_nobody_goes_first(given):
-    with prompt_while_moving(), plans():
+    with prompt_while_moving(), shares_the_interpreter():
         pass
     assert not given
 

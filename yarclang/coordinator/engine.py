@@ -32,7 +32,7 @@ from yarclang.runtime.performance import connect, end_what_runs, look, perform, 
 from yarclang.runtime.rest import described
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import Event, State
-from yarclang.runtime.transports.promptness import plans, prompt_while_moving
+from yarclang.runtime.transports.promptness import prompt_while_moving, shares_the_interpreter
 
 T = TypeVar("T")
 
@@ -223,7 +223,7 @@ class Engine:
         """Call a function that takes long in a thread, so that nobody is kept from stopping the robot."""
 
         def called() -> T:
-            with plans():
+            with shares_the_interpreter():
                 return function(*arguments)
 
         return await asyncio.to_thread(called)

@@ -25,6 +25,7 @@ from yarclang.runtime.job import Job
 from yarclang.runtime.log_record import Anchor, Begun, Item, Ordered, Record
 from yarclang.runtime.notices import Changed, Notice, Order
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.transports.promptness import shares_the_interpreter
 
 FOLDER = Path("yarc-runs")
 """Where logs go if nobody says where."""
@@ -197,7 +198,8 @@ class RunLog:
     def _work(self) -> None:
         """Write until the log is closed or can't be written."""
         try:
-            self._write_all()
+            with shares_the_interpreter():
+                self._write_all()
             self._writer.finish()  # type: ignore[no-untyped-call]  # the library's
             self._stream.flush()
             # as long as it is open, no other file can have its number

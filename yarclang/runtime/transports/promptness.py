@@ -32,8 +32,8 @@ _SET_ATTRIBUTES = {"x86_64": 314, "aarch64": 274}
 _NOT_FOR_OTHERS = 1
 """SCHED_FLAG_RESET_ON_FORK: threads and processes that are begun later are ordinary ones."""
 
-_STREAMS, _PLANS = 2, 1
-"""Priorities of the threads: who plans holds the interpreter, and must not be kept from giving it back by ordinary processes."""
+_STREAMS, _WORKS = 2, 1
+"""Priorities of the thread that streams, and of those that plan or log: these hold the interpreter, and must not be kept from giving it back by ordinary processes."""
 
 
 @dataclass(slots=True)
@@ -42,12 +42,12 @@ class _Process:
 
     Attributes:
         moving: robots that move.
-        planning: threads that plan.
+        beside: threads that plan or log.
         first: whether the thread that streams goes before ordinary ones.
     """
 
     moving: int = 0
-    planning: set[int] = field(default_factory=set)
+    beside: set[int] = field(default_factory=set)
     first: bool = False
 
 
@@ -78,16 +78,16 @@ def prompt_thread() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def plans() -> Iterator[None]:
-    """Say that the calling thread computes for long: while something moves, it mustn't be kept from giving the interpreter back."""
+def shares_the_interpreter() -> Iterator[None]:
+    """Say that the calling thread works beside the one that streams: while something moves, it mustn't be kept from giving the interpreter back."""
     number = threading.get_native_id()
-    _PROCESS.planning.add(number)
+    _PROCESS.beside.add(number)
     if _PROCESS.first and _PROCESS.moving:
-        _goes_first(number, _PLANS)
+        _goes_first(number, _WORKS)
     try:
         yield
     finally:
-        _PROCESS.planning.discard(number)
+        _PROCESS.beside.discard(number)
         if _PROCESS.first:
             _goes_first(number, 0)
 
@@ -122,8 +122,8 @@ def prompt_while_moving() -> Iterator[None]:
         finally:
             _PROCESS.moving -= 1
         return
-    for number in tuple(_PROCESS.planning) if _PROCESS.first else ():
-        _goes_first(number, _PLANS)
+    for number in tuple(_PROCESS.beside) if _PROCESS.first else ():
+        _goes_first(number, _WORKS)
     switch, garbage, frozen = sys.getswitchinterval(), gc.get_threshold(), gc.get_freeze_count()
     sys.setswitchinterval(min(switch, _SWITCH))
     if not frozen:  # who froze objects before wants just these to stay so
@@ -137,5 +137,5 @@ def prompt_while_moving() -> Iterator[None]:
         if not frozen:
             gc.unfreeze()
         sys.setswitchinterval(switch)
-        for number in tuple(_PROCESS.planning) if _PROCESS.first else ():
+        for number in tuple(_PROCESS.beside) if _PROCESS.first else ():
             _goes_first(number, 0)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import dataclass
@@ -24,7 +23,6 @@ from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
 from yarclang.runtime.log import FOLDER, RunLog
-from yarclang.runtime.log_record import Anchor
 from yarclang.runtime.notices import Fail, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Ended
@@ -393,7 +391,8 @@ class Engine:
                 f"{self.session.host}:{self.session.port}",
                 version=__version__,
                 on_failure=failed,
-                anchor=Anchor(self.session.now(), time.time_ns(), self.session.pace),
+                pace=self.session.pace,
+                clock=self.session.now(),
             )
             self.session.listen(self.run_log.take)
             self.session.log = self.run_log

@@ -93,6 +93,7 @@ class RunLog:
         version: str,
         on_failure: Callable[[str], object] | None = None,
         pace: float = 1.0,
+        clock: float | None = None,
         anchor: Anchor | None = None,
     ) -> RunLog:
         """Make a log and write what doesn't change into it.
@@ -105,12 +106,14 @@ class RunLog:
             version: of yarclang.
             on_failure: called once, from another thread, with the reason, when nothing can be written any more.
             pace: of the session.
-            anchor: when the run starts; now, if it isn't given. Its pace goes before `pace`.
+            clock: the time of the session [s]; None: that of the host, at its pace.
+            anchor: when the run starts; now, if it isn't given. It goes before `pace` and `clock`.
 
         Raises:
             OSError: the file can't be made or written; none is left behind.
         """
-        anchor = anchor or Anchor(time.monotonic() * pace, time.time_ns(), pace)
+        now = time.monotonic() * pace if clock is None else clock
+        anchor = anchor or Anchor(now, time.time_ns(), pace)
         path, stream = _create(place, job.name, anchor.wall)
         try:
             return cls(stream, path, job, address, version=version, on_failure=on_failure, anchor=anchor)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import statistics
 import sys
@@ -161,11 +162,23 @@ def cost(options: argparse.Namespace) -> Iterator[Row]:
             yield Row(what, found[str(count)], "ms", 1e3 / count, note, "flat")
 
 
+def stopping(options: argparse.Namespace) -> Iterator[Row]:
+    """Stops from the order to the wire, with eight busy processes beside."""
+    command = (sys.executable, str(HERE / "stopping.py"), "--rounds", str(10 * options.rounds), "--busy", "8")
+    found = json.loads(process(*command, "--priority", "--json").output.splitlines()[-1])
+    for phase, times in found["8"].items():
+        ranked = sorted(whole for whole, _ in times)
+        runs: list[Run] = [{"seconds": whole, "cpu": inside} for whole, inside in times]
+        note = f"p99 {1e3 * ranked[math.ceil(0.99 * len(ranked)) - 1]:.1f} ms; in place of a core: once read"
+        yield Row(f"a stop to the wire, {phase}", runs, "ms", 1e3, note, "p99 20 ms")
+
+
 PARTS: dict[str, Callable[[argparse.Namespace], Iterator[Row]]] = {
     "startup": startup,
     "thousand": thousand,
     "planning": planning,
     "cost": cost,
+    "stopping": stopping,
 }
 
 

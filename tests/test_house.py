@@ -25,6 +25,7 @@ SOCKETS = {
     "runtime/session.py": {"asyncio"},
     "runtime/transports/lock.py": {"datetime", "selectors", "socket", "threading", "time"},
     "runtime/transports/private.py": {"socket", "tempfile"},
+    "runtime/transports/promptness.py": {"threading"},
     "runtime/transports/tcp.py": {"asyncio"},
     "simulator/embedded.py": {"asyncio", "concurrent", "threading"},
     "simulator/server.py": {"asyncio", "socket", "time"},

@@ -12,7 +12,9 @@ from yarclang.simulator.faults import parse_fault
 @contextlib.contextmanager
 def served(machine, *faults, **options):
     """The port of a server that runs in a thread of its own."""
-    with EmbeddedSimulator(machine, faults=[parse_fault(text) for text in faults], **options) as simulator:
+    with EmbeddedSimulator(
+        machine, faults=[parse_fault(text) for text in faults], leashed=False, **options
+    ) as simulator:
         yield simulator.port
 
 

@@ -114,8 +114,9 @@ def _moves(program: PmacProgram, values: NDArray[np.float64]) -> str:
     pieces = []
     for start in range(0, len(values), _ROWS_AT_ONCE):
         block = values[start : start + _ROWS_AT_ONCE]
-        pieces.append((row * len(block)) % tuple(block.ravel().tolist()))
-    return _POINT.sub("", _ZEROS.sub("", "".join(pieces)))
+        text = (row * len(block)) % tuple(block.ravel().tolist())
+        pieces.append(_POINT.sub("", _ZEROS.sub("", text)))
+    return "".join(pieces)
 
 
 def _opening(program: PmacProgram) -> Iterator[str]:

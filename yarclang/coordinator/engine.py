@@ -30,6 +30,7 @@ from yarclang.runtime.performance import connect, end_what_runs, look, perform, 
 from yarclang.runtime.rest import described
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import Event, State
+from yarclang.runtime.transports.promptness import prompt_while_moving, shares_the_interpreter
 
 T = TypeVar("T")
 
@@ -218,7 +219,12 @@ class Engine:
 
     async def beside(self, function: Callable[..., T], *arguments: Any) -> T:
         """Call a function that takes long in a thread, so that nobody is kept from stopping the robot."""
-        return await asyncio.to_thread(function, *arguments)
+
+        def called() -> T:
+            with shares_the_interpreter():
+                return function(*arguments)
+
+        return await asyncio.to_thread(called)
 
     async def perform(self, job: Job, program: Job | None = None) -> Ended:
         """Carry a job out; for work of `move`. `program` is the whole that it is a part of: the log is named after it."""
@@ -282,7 +288,9 @@ class Engine:
         while not (self._closing and not self._work):
             try:
                 if self._work:
-                    await self._carry_out(self._work.popleft())
+                    work = self._work.popleft()
+                    with prompt_while_moving() if work.moves else contextlib.nullcontext():
+                        await self._carry_out(work)
                 else:
                     await self.session.perform(idle(self.operation, self.robot, self._wanted))
             except Lost as lost:
@@ -384,6 +392,7 @@ class Engine:
                 version=__version__,
                 on_failure=failed,
                 pace=self.session.pace,
+                clock=self.session.now(),
             )
             self.session.listen(self.run_log.take)
             self.session.log = self.run_log

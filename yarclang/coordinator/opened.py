@@ -13,6 +13,8 @@ from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.model import Robot
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.transports.lock import controller_lock
+from yarclang.runtime.transports.promptness import prompt_thread
+from yarclang.simulator.leash import leash
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +32,7 @@ class Ground:
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
         patience: for how long this computer may be silent before its controller holds [s]; None: what the link allows.
-        simulated: whether the controller is a simulator of our own.
+        simulated: whether the controller is a simulator of our own, in this process: it doesn't go on while this process is kept from its work.
         serves: whether the coordinator is there to serve other processes.
     """
 
@@ -60,9 +62,14 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
         ControlError: another process of this computer drives the controller.
         Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
-    with controller_lock(ground.host, ground.port):
-        reply_time = max(ground.reply_time, ground.patience or 0.0)
-        session = OrderedSession(ground.host, ground.port, reply_time=reply_time, pace=ground.pace)
+    with controller_lock(ground.host, ground.port), prompt_thread():
+        session = OrderedSession(
+            ground.host,
+            ground.port,
+            reply_time=max(ground.reply_time, ground.patience or 0.0),
+            pace=ground.pace,
+            leash=leash(ground.pace) if ground.simulated else None,
+        )
         if ground.patience is not None:
             session.operation.wanted_silence = ground.patience * ground.pace
         coordinator = Coordinator(

@@ -7,7 +7,7 @@ waiting: stops are carried out as they are read, and who doesn't read what it is
 from __future__ import annotations
 
 import asyncio
-from collections import deque
+from collections import OrderedDict, deque
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -17,6 +17,7 @@ from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.desk import Desk, welcome
 from yarclang.coordinator.mailbox import CAPACITY
 from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.events import BaseEvent
 from yarclang.coordinator.messages.lines import (
     MOST_LINE,
     Asked,
@@ -38,6 +39,9 @@ _LAST = 0.01
 
 _MOST_UNREAD = 1024
 """Answers and events that wait for a caller that doesn't read; one more ends the connection."""
+
+_LINES = 32
+"""Lines of the newest events that are kept for the next client."""
 
 _MOST_WAITING = 16
 """Orders of one caller that are being carried out."""
@@ -71,6 +75,7 @@ class ControlSocket:
         self._coordinator = coordinator
         self._server: asyncio.Server | None = None
         self._visitors: dict[asyncio.Task[None], asyncio.StreamWriter] = {}
+        self._written = Written()
 
     async def __aenter__(self) -> ControlSocket:
         """Listen.
@@ -100,21 +105,44 @@ class ControlSocket:
         await asyncio.sleep(0)  # connections are closed one turn later
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        visitor = _Visitor(self._coordinator, reader, writer)
+        visitor = _Visitor(self._coordinator, reader, writer, self._written)
         task = asyncio.get_running_loop().create_task(visitor.serve())
         self._visitors[task] = writer
         task.add_done_callback(self._visitors.pop)
+
+
+class Written:
+    """Events as lines: each is written once, however many clients are told of it."""
+
+    def __init__(self) -> None:
+        self._lines: OrderedDict[int, tuple[BaseEvent, bytes]] = OrderedDict()
+
+    def line(self, event: BaseEvent) -> bytes:
+        """Return the line of an event."""
+        known = self._lines.get(id(event))
+        if known is not None:  # it is kept, so that no other event has its place in the memory
+            return known[1]
+        line = write_event(event)
+        self._lines[id(event)] = event, line
+        if len(self._lines) > _LINES:
+            self._lines.popitem(last=False)
+        return line
 
 
 class _Visitor:
     """One connection, to its end."""
 
     def __init__(
-        self, coordinator: Coordinator, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+        self,
+        coordinator: Coordinator,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        written: Written,
     ) -> None:
         self._coordinator = coordinator
         self._reader = reader
         self._writer = writer
+        self._written = written
         self._client: Client | None = None
         self._desk = Desk(coordinator, Client(coordinator, _NAMELESS))
         self._events: Subscription | None = None
@@ -213,7 +241,7 @@ class _Visitor:
     def _say(self, answer: Reply | Denied, id_: Id) -> None:
         """Answer, behind all that has happened before."""
         if self._events is not None:
-            self._outgoing.extend(map(write_event, self._events.waiting()))
+            self._outgoing.extend(map(self._written.line, self._events.waiting()))
         self._outgoing.append(write_answer(answer, id_))
         if len(self._outgoing) > _MOST_UNREAD:
             self._writer.transport.abort()
@@ -228,7 +256,7 @@ class _Visitor:
                 if self._outgoing:
                     writer.write(self._outgoing.popleft())
                 elif self._events is not None and (waiting := self._events.take()) is not None:
-                    writer.write(write_event(waiting))
+                    writer.write(self._written.line(waiting))
                 else:
                     await self._wanted.wait()
                     continue

@@ -25,6 +25,7 @@ from yarclang.runtime.job import Job
 from yarclang.runtime.log_record import Anchor, Begun, Item, Ordered, Record
 from yarclang.runtime.notices import Changed, Notice, Order
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.transports.promptness import shares_the_interpreter
 
 FOLDER = Path("yarc-runs")
 """Where logs go if nobody says where."""
@@ -92,6 +93,7 @@ class RunLog:
         version: str,
         on_failure: Callable[[str], object] | None = None,
         pace: float = 1.0,
+        clock: float | None = None,
         anchor: Anchor | None = None,
     ) -> RunLog:
         """Make a log and write what doesn't change into it.
@@ -104,12 +106,14 @@ class RunLog:
             version: of yarclang.
             on_failure: called once, from another thread, with the reason, when nothing can be written any more.
             pace: of the session.
-            anchor: when the run starts; now, if it isn't given. Its pace goes before `pace`.
+            clock: the time of the session [s]; None: that of the host, at its pace.
+            anchor: when the run starts; now, if it isn't given. It goes before `pace` and `clock`.
 
         Raises:
             OSError: the file can't be made or written; none is left behind.
         """
-        anchor = anchor or Anchor(time.monotonic() * pace, time.time_ns(), pace)
+        now = time.monotonic() * pace if clock is None else clock
+        anchor = anchor or Anchor(now, time.time_ns(), pace)
         path, stream = _create(place, job.name, anchor.wall)
         try:
             return cls(stream, path, job, address, version=version, on_failure=on_failure, anchor=anchor)
@@ -197,7 +201,8 @@ class RunLog:
     def _work(self) -> None:
         """Write until the log is closed or can't be written."""
         try:
-            self._write_all()
+            with shares_the_interpreter():
+                self._write_all()
             self._writer.finish()  # type: ignore[no-untyped-call]  # the library's
             self._stream.flush()
             # as long as it is open, no other file can have its number

@@ -6,6 +6,7 @@ The only module of the runtime, with `transports/`, that knows time and the netw
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 from collections.abc import Awaitable, Callable
 from typing import TypeVar
@@ -41,6 +42,8 @@ class Session:
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
         connector: makes connections; TCP, but where a controller lives in this very process.
+        leash: how far the controller's time goes at most while nothing is asked [s], of a simulator that waits for this process
+            (`yarclang.simulator.leash`); None: it waits for nobody.
     """
 
     def __init__(
@@ -51,12 +54,16 @@ class Session:
         reply_time: float = REPLY_TIME,
         pace: float = 1.0,
         connector: Connector = connect,
+        leash: float | None = None,
     ) -> None:
         self.host = host
         self.port = port
         self.pace = pace
         self.operation = Operation()
         self.operation.longest_sleep = max(LONGEST_SLEEP, reply_time + 1.0) * pace
+        self._leash = math.inf if leash is None else leash
+        self._most = math.inf
+        self._left_out = 0.0
         self._reply_time = reply_time
         self.connector = connector
         self._listeners: list[Listener] = []
@@ -93,23 +100,26 @@ class Session:
         """
         operation = self.operation
         outcome: Outcome = None
-        while True:
-            operation.now = self.now()
-            try:
-                action = script.send(outcome)
-            except StopIteration as end:
-                result: T = end.value
-                return result
-            finally:
-                self._tell()
-            match action:
-                case Wait(until=until):
-                    await self._wait(until)
-                    outcome = None
-                case Connect():
-                    outcome = await self._connect()
-                case _:
-                    outcome = await self._exchange(action)
+        try:
+            while True:
+                operation.now = self._step()
+                try:
+                    action = script.send(outcome)
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+                finally:
+                    self._tell()
+                match action:
+                    case Wait(until=until):
+                        await self._wait(until)
+                        outcome = None
+                    case Connect():
+                        outcome = await self._connect()
+                    case _:
+                        outcome = await self._exchange(action)
+        finally:
+            self._most = math.inf
 
     async def order_given(self, kind: type[Order]) -> None:
         """Wait, with nothing moving, until an order of a kind is given; a stop or an abort ends the wait, too, and stays."""
@@ -128,13 +138,23 @@ class Session:
             self._wire = None
 
     def now(self) -> float:
-        """The host's clock, at the controller's pace [s]."""
+        """Return the host's clock, at the controller's pace [s]. On a leash, the time is left out in which this process was kept from its work."""
+        return min(self._passed() - self._left_out, self._most)
+
+    def _passed(self) -> float:
+        """Return the host's clock with nothing left out [s]."""
         return asyncio.get_running_loop().time() * self.pace
 
-    def _later(self, until: float, event: asyncio.Event) -> asyncio.TimerHandle:
-        """Set an event at a time of that clock."""
-        delay = max(0.0, until - self.now()) / self.pace
-        return asyncio.get_running_loop().call_later(delay, event.set)
+    def _step(self) -> float:
+        """Return the time of a script's next step [s]; until the one after it no more than the leash passes."""
+        now = self.now()
+        self._left_out = self._passed() - now
+        self._most = now + self._leash
+        return now
+
+    def _later(self, delay: float, event: asyncio.Event) -> asyncio.TimerHandle:
+        """Set an event after a time of that clock [s]."""
+        return asyncio.get_running_loop().call_later(max(0.0, delay) / self.pace, event.set)
 
     def _tell(self) -> None:
         notices = self.operation.notices
@@ -153,10 +173,12 @@ class Session:
     async def _wait(self, until: float) -> None:
         """Until a time, or until somebody orders something."""
         self._woken.clear()
-        if until <= self.now():
+        now = self.now()
+        if until <= now:
             await asyncio.sleep(0)
             return
-        timer = self._later(until, self._woken)
+        self._most = until + self._leash  # who waits isn't kept from anything
+        timer = self._later(until - now, self._woken)
         await self._woken.wait()
         timer.cancel()
 
@@ -176,20 +198,21 @@ class Session:
         if wire is None or connection.lost:
             self._last_words()
             return Violation(request, "there is no connection")
-        wire.send(connection.send(request, self.now(), self._reply_time * self.pace))
+        wire.send(connection.send(request, self._passed(), self._reply_time * self.pace))
         while True:
-            timer = self._later(connection.deadline or 0.0, wire.arrived)
+            timer = self._later((connection.deadline or 0.0) - self._passed(), wire.arrived)
             await wire.arrived.wait()
             timer.cancel()
             data = wire.take()
-            events = connection.receive(data, self.now()) if data else ()
+            events = connection.receive(data, self._passed()) if data else ()
             if not events and wire.closed:
                 events = connection.close()
             if not events and not data:
                 # a process that has slept past the deadline finds its reply only in the next turn of the loop
                 await asyncio.sleep(_TURN)
                 data = wire.take()
-                events = connection.receive(data, self.now()) if data else connection.check(self.now())
+                now = self._passed()
+                events = connection.receive(data, now) if data else connection.check(now)
             if more := connection.outgoing():
                 wire.send(more)
             if events:

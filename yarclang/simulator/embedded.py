@@ -10,6 +10,7 @@ from concurrent.futures import Future
 from types import TracebackType
 
 from yarclang.simulator.faults import Fault
+from yarclang.simulator.leash import leash
 from yarclang.simulator.machine import Machine
 from yarclang.simulator.server import SimulatorServer
 
@@ -26,6 +27,7 @@ class EmbeddedSimulator:
         faults: what shall go wrong.
         seed: of the faults.
         tell: gets a line for a person whenever something is odd; called in the simulator's thread.
+        leashed: whether the machine's time waits for its client where the computer has too much else to do (`leash.py`).
     """
 
     def __init__(
@@ -36,9 +38,13 @@ class EmbeddedSimulator:
         faults: Iterable[Fault] = (),
         seed: int = 0,
         tell: Callable[[str], None] | None = None,
+        leashed: bool = True,
     ) -> None:
         self.port = 0
-        self._server = SimulatorServer(machine, port=0, rate=rate, faults=faults, seed=seed, tell=tell)
+        most = leash(rate) if leashed and rate is not None else None
+        self._server = SimulatorServer(
+            machine, port=0, rate=rate, faults=faults, seed=seed, tell=tell, leash=most
+        )
         self._thread = threading.Thread(target=self._run, name="yarc simulator", daemon=True)
         self._listens: Future[int] = Future()
         self._error: Exception | None = None

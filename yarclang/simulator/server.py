@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
+import math
 import socket
 import time
 from collections import deque
@@ -58,6 +59,8 @@ class SimulatorServer:
         faults: what shall go wrong.
         seed: of the faults.
         tell: gets a line for a person whenever something happens that isn't a client's doing, or odd.
+        leash: how far the machine's time may go ahead of what was asked last, while a client is connected [s of its time]; the time for which
+            it waits is left out. None: it keeps up with the wall clock. Means nothing to a machine that is as fast as it goes.
     """
 
     def __init__(
@@ -70,6 +73,7 @@ class SimulatorServer:
         faults: Iterable[Fault] = (),
         seed: int = 0,
         tell: Callable[[str], None] | None = None,
+        leash: float | None = None,
     ) -> None:
         self.machine = machine
         self.host = host
@@ -82,6 +86,8 @@ class SimulatorServer:
         self._server: asyncio.Server | None = None
         self._timer: asyncio.Handle | None = None
         self._since = 0.0
+        self._leash = leash
+        self._ahead = 0.0
         self._failed: asyncio.Future[None] | None = None
         self.loop: asyncio.AbstractEventLoop
 
@@ -140,15 +146,29 @@ class SimulatorServer:
             return
         now = self.loop.time()
         due = min(now - self._since, _SLACK) * self.rate
+        if due > (most := self._most()):
+            due = most
+            self._since = now - due / self.rate  # what is beyond is left out
         if due < _FINE:
             return
         while due > 0.0:
             self.troubles.advance(min(due, _STRIDE))
+            self._ahead += min(due, _STRIDE)
             due = max(0.0, due - _STRIDE)
             if self.loop.time() - now > _BURST:
                 break
         self._since = now - due / self.rate
         self.act()
+
+    def _most(self) -> float:
+        """Return how far time may go now [s of the machine]: without bounds, unless it waits for a client to ask something."""
+        if self._leash is None or not self._clients or any(one.waits for one in self._clients.values()):
+            return math.inf
+        return max(0.0, self._leash - self._ahead)
+
+    def asked(self) -> None:
+        """A client is there, or has asked something."""
+        self._ahead = 0.0
 
     def tell(self, text: str) -> None:
         """Say to the person who runs the server what is odd."""
@@ -184,6 +204,7 @@ class SimulatorServer:
             self.tell(f"another client is turned away: the controller keeps {pmac.CLIENTS} connections")
             return None
         self._clients[free[0]] = client
+        self.asked()
         return free[0]
 
     def leave(self, client: _Client) -> None:
@@ -221,6 +242,11 @@ class _Client(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
         self._wire: socket.socket | None = None
         self._station: Station | None = None
+
+    @property
+    def waits(self) -> bool:
+        """True if a reply of the machine is awaited."""
+        return bool(self._packets) or self._held is not None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
@@ -309,6 +335,7 @@ class _Client(asyncio.Protocol):
             if not self._packets or (troubles.any and troubles.frozen):
                 break
             packet = self._packets.popleft()
+            server.asked()
             assert self._station is not None
             delay = 0.0
             if not troubles.any:

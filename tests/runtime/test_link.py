@@ -43,9 +43,9 @@ def test_nothing_that_means_anything_is_written(machine):
     robot, controller = machine
     world = World(controller)
     world.perform(connect(world.operation))
-    before = world.say("P0..8179"), world.say("I0..8191"), world.stands(robot).tolist()
+    before = world.say("P0..8099"), world.say("I0..8191"), world.stands(robot).tolist()
     link_of(world, robot)
-    assert (world.say("P0..8179"), world.say("I0..8191"), world.stands(robot).tolist()) == before
+    assert (world.say("P0..8099"), world.say("I0..8191"), world.stands(robot).tolist()) == before
 
 
 def test_an_open_buffer_stores_nothing_of_it(machine):

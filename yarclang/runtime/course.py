@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from yarclang.robot.actuation import to_counts
 from yarclang.robot.model import Array, Robot
+from yarclang.runtime.feedback import Sample, groups_of
 
 _AROUND = 4
 """Points in front of and behind those that may be executed."""
@@ -35,10 +36,13 @@ class Course:
         robot: its axes, gears and couplings.
         start: (n,) where the motion begins [rad or m].
         slack: (n,) how far from there it may begin [rad or m].
+        segment: the shortest time between two points [s].
     """
 
-    def __init__(self, robot: Robot, start: Array, slack: Array) -> None:
+    def __init__(self, robot: Robot, start: Array, slack: Array, segment: float) -> None:
         self._robot = robot
+        self._segment = segment
+        self._groups = len(groups_of(robot.controller.motors))
         axes = "".join(robot.controller.axes)
         self._move = re.compile(rf"(?:[{axes}]-?\d+\.?\d*){{{len(axes)}}}")
         self._points = to_counts(robot, start)[None, :]
@@ -62,13 +66,13 @@ class Course:
         if behind > _KEPT:
             self._points, self._lines = self._points[behind:], self._lines[behind:]
 
-    def off(self, commanded: Array, following: Array, executed: tuple[int, int]) -> tuple[float, int]:
+    def off(self, found: Sample, executed: tuple[int, int], spent: float) -> tuple[float, int]:
         """Return how far off the way the motors are commanded to be.
 
         Args:
-            commanded: (n,) positions of the motors [counts].
-            following: (n,) their following errors [counts].
+            found: their positions and following errors.
             executed: how many lines have been executed at least and at most.
+            spent: how long it took to ask for them [s].
 
         Returns:
             The distance [counts] and the row of the motor that is furthest; 0 and 0 where all are where they should be.
@@ -77,9 +81,12 @@ class Course:
         last = int(np.searchsorted(self._lines, executed[1])) + _AROUND
         points = self._points[first:last]
         bends = np.abs(np.diff(points, 2, axis=0)).max(axis=0, initial=0.0)
-        allowed = _ALLOWED + bends / 6.0 + _SHARE * np.abs(following)
+        allowed = _ALLOWED + bends / 6.0 + _SHARE * np.abs(found.following)
+        if self._groups > 1:  # asked one after the other
+            allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
-            allowed = allowed + self._slack
+            allowed += self._slack
+        commanded = found.commanded
         off = np.abs(commanded - _nearest(points / allowed, commanded / allowed) * allowed)
         row = int(np.argmax(off / allowed))
         return (float(off[row]), row) if off[row] > allowed[row] else (0.0, 0)

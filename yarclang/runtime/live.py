@@ -26,7 +26,7 @@ from yarclang.runtime.rest import away_from_start, come_to_rest, leave
 from yarclang.runtime.state import Event
 from yarclang.runtime.streaming import STATUS_EACH
 from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow, Supervision
-from yarclang.runtime.watching import look_at_motors, raise_if_astray, sample
+from yarclang.runtime.watching import look_at_motors, look_whether_astray, sample
 
 MADE_ON_THE_WAY = "live motion: its lines were made on the way"
 """The first comment of a live motion's text, which has no lines."""
@@ -92,7 +92,7 @@ class LiveStream:
         self._look = min(max(_SHORTEST, _SEGMENTS * self.job.segment), _LONGEST)
         self._lines_due = self._status_due = self._positions_due = self._settings_due = 0.0
         self.supervision = Supervision(operation, live.job.robot)
-        self._course = Course(live.job.robot, live.job.start, live.job.slack)
+        self._course = Course(live.job.robot, live.job.start, live.job.slack, live.job.segment)
         self._asked = 0.0
 
     @property
@@ -182,13 +182,15 @@ class LiveStream:
 
     def _ask_positions(self) -> Script[None]:
         operation, job = self.operation, self.job
+        asked = operation.now
         found = yield from sample(operation, job.robot, self.done)
         operation.notices.append(found)
         executed = max(0, self._sent - self._ahead - AHEAD)
         self._course.forget(executed)
         since = operation.now - self._asked
         most = executed + 2 * AHEAD + 1 + int(FASTEST * since / job.segment)
-        raise_if_astray(job.robot, self._course.off(found.commanded, found.following, (executed, most)))
+        off = self._course.off(found, (executed, most), operation.now - asked)
+        yield from look_whether_astray(operation, job.robot, off)
 
     def _fill(self, lead: int) -> Script[None]:
         """As many lines ahead as wanted; where the text ends, so many behind it that the guard can be disarmed before."""

@@ -40,7 +40,7 @@ class Rotary:
         self.job = job
         self.feed = Feed(job)
         self.supervision = Supervision(operation, job.robot)
-        self.course = Course(job.robot, job.start, job.slack)
+        self.course = Course(job.robot, job.start, job.slack, job.segment)
 
     def define(self) -> Script[None]:
         """The paper's Listing 3, line by line; the buffer isn't open yet.

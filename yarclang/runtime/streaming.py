@@ -21,7 +21,7 @@ from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow
 from yarclang.runtime.watching import (
     look_at_motors,
     look_at_program,
-    raise_if_astray,
+    look_whether_astray,
     raise_trouble,
     sample,
 )
@@ -243,11 +243,14 @@ class Stream:
     def _ask_positions(self) -> Script[None]:
         operation, job = self.operation, self.job
         self._due.positions = operation.now + operation.positions_each
+        asked = operation.now
         found = yield from sample(operation, job.robot, job.offset + self.done)
         operation.notices.append(found)
         executed = self.feed.executed_within(operation.now)
         self.rotary.course.forget(executed[0])
-        raise_if_astray(job.robot, self.rotary.course.off(found.commanded, found.following, executed))
+        if operation.state is State.MOVE:
+            off = self.rotary.course.off(found, executed, operation.now - asked)
+            yield from look_whether_astray(operation, job.robot, off)
 
     def _ask_status(self) -> Script[None]:
         """Faults, and a program that doesn't go on though it should."""

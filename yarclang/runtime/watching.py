@@ -49,10 +49,11 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
             raise Trouble(what, "find out who has used this controller, and home it", "Y1602")
 
 
-def raise_if_astray(robot: Robot, off: tuple[float, int]) -> None:
-    """Raise if the controller commands the motors off the way of its lines.
+def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, int]) -> Script[None]:
+    """Raise if the controller commands the motors off the way of its lines; a motor that was stopped by a fault or a limit is told instead.
 
     Args:
+        operation: the run.
         robot: whose motors.
         off: how far [counts], and the row of the motor that is furthest.
 
@@ -61,6 +62,7 @@ def raise_if_astray(robot: Robot, off: tuple[float, int]) -> None:
     """
     counts, row = off
     if counts:
+        yield from look_at_motors(operation, robot)
         raise Trouble(
             f"the controller commands motor {robot.controller.motors[row]} {counts:.0f} counts off the path that was proved",
             "a line has been changed on its way, or somebody else uses this controller: run `yarc doctor`",

@@ -94,6 +94,20 @@ class Rotary:
         feed.heard(flow.ahead, asked, operation.now)
         return flow
 
+    def check_full(self) -> Script[None]:
+        """Check that it hasn't run dry in motion.
+
+        Raises:
+            Trouble: it has, or a motor can't move.
+        """
+        if self.feed.at_most == 0 and self.feed.left:
+            yield from look_at_motors(self.operation, self.job.robot)
+            raise Trouble(
+                f"underrun: the rotary ran dry with {self.feed.left} lines to come; the robot comes to rest off its path",
+                "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
+                "Y1607",
+            )
+
     def check_prefilled(self, spent: float, packets: int) -> None:
         """Whoever can't fill it fast enough can't keep it filled either.
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.holding import Holding
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import URGENT, Interrupted, Operation, Refused
-from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.rest import away_from_start, come_to_rest, described, leave, stands_at
 from yarclang.runtime.rotary import Rotary
 from yarclang.runtime.state import Event, State
@@ -22,7 +22,6 @@ from yarclang.runtime.watching import (
     look_at_motors,
     look_at_program,
     look_whether_astray,
-    raise_trouble,
     sample,
 )
 
@@ -68,6 +67,8 @@ class Stream:
     Attributes:
         rotary: the buffer that it goes through.
         feed: how far the lines are.
+        supervision: of the controller.
+        holding: what holds it, and how it goes on.
         begun: whether anything has moved.
     """
 
@@ -75,12 +76,10 @@ class Stream:
         self.operation = operation
         self.job = job
         self.rotary = Rotary(operation, job)
-        self.outputs = Outputs(job)
         self.feed = self.rotary.feed
         self.supervision = self.rotary.supervision
         self.begun = False
-        self._refilling = False
-        self._told: set[str] = set()
+        self.holding = Holding(operation, job, self.rotary)
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
         self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
@@ -130,7 +129,7 @@ class Stream:
         """Make the buffer and fill it; nothing moves."""
         operation, rotary = self.operation, self.rotary
         yield from rotary.define()
-        yield from self.outputs.remember(operation)
+        yield from self.holding.remember_outputs()
         percent = 100.0 * operation.override
         yield from operation.ask(f"%{percent:g}")
         if percent != 100.0:
@@ -173,7 +172,7 @@ class Stream:
         moving = operation.state is State.MOVE
         if operation.slept:
             yield from self._wake_up()
-        elif self._refilling:
+        elif self.holding.refilling:
             yield from self._go_on()
         elif self.supervision.overdue:
             yield from self._ask_lines()
@@ -182,7 +181,7 @@ class Stream:
                 # what was heard last is old
                 yield from self._ask_lines()
             else:
-                yield from self._low_water()
+                yield from self.holding.for_low_water()
         elif feed.worthwhile(now):
             yield from self.rotary.write()
         elif moving and feed.heard_at < now and feed.hungry(now + _EXCHANGES * feed.round_trip):
@@ -203,36 +202,31 @@ class Stream:
         return moving and feed.at_most == 0 and feed.left == 0
 
     def _ask_lines(self) -> Script[None]:
-        operation, feed, due = self.operation, self.feed, self._due
+        operation, due = self.operation, self._due
         flow = yield from self.rotary.ask()
         each = min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
         due.lines = operation.now + (min(each, _DOUBT) if self.supervision.doubtful else each)
         if operation.now >= due.progress:
             due.progress = operation.now + _PROGRESS_EACH
             self._tell_progress()
-        if self.begun and feed.at_most == 0 and feed.left:
-            yield from look_at_motors(operation, self.job.robot)
-            raise Trouble(
-                f"underrun: the rotary ran dry with {feed.left} lines to come; the robot comes to rest off its path",
-                "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
-                "Y1607",
-            )
-        if self.begun and not self._refilling:
+        if self.begun:
+            yield from self.rotary.check_full()
+        if self.begun and not self.holding.refilling:
             yield from self._look_at(flow)
 
     def _look_at(self, flow: Flow) -> Script[None]:
         """Whether all is as this run has left it: if the guard or the watchdog has held, refill and go on; else somebody else must say."""
         moving = self.operation.state is State.MOVE
         if moving and HELD in (flow.armed, flow.watched):
-            yield from self._held_by_guard(flow)
+            yield from self.holding.by_guard(flow)
         elif told := self.supervision.changed(flow, moving=moving):
-            yield from self._hold_for_others(told)
+            yield from self.holding.for_others(told)
 
     def _ask_settings(self) -> Script[None]:
         """Whether the controller still has the settings that it was looked at with."""
         self._due.settings = self.operation.now + SETTINGS_EACH
         if told := (yield from self.supervision.compare()):
-            yield from self._hold_for_others(told)
+            yield from self.holding.for_others(told)
 
     def _tell_progress(self) -> None:
         command, done = self.command, self.done
@@ -259,7 +253,7 @@ class Stream:
         motors = yield from look_at_motors(operation, self.job.robot)
         rests = all(motor.at_rest for motor in motors)
         if operation.state is State.HOLD:
-            yield from self._look_at_held(rests)
+            yield from self.holding.look_at(rests)
         if operation.state is not State.MOVE or not rests:
             self._stands = None
             return
@@ -270,12 +264,17 @@ class Stream:
         if self._stands is None or self._stands[1] != feed.executed:
             self._stands = operation.now, feed.executed
         elif operation.now - self._stands[0] > self._patience:
-            self._held_by_others()
+            self._stands = None
+            self.holding.by_nobody()
 
     @property
     def _patience(self) -> float:
         """How long nothing may move with lines ahead [s]: no segment takes longer."""
         return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
+
+    def _go_on(self) -> Script[None]:
+        yield from self.holding.go_on()
+        self._stands = None
 
     # orders
 
@@ -293,7 +292,7 @@ class Stream:
                 orders.clear()
                 why = ending.what if isinstance(ending, Fail) else "a stop was asked for"
                 if moved:
-                    yield from self._hold(why)
+                    yield from self.holding.hold(why)
                 if isinstance(ending, Fail):
                     raise Trouble(why, ending.remedy, code="")  # no command's fault
                 raise Stopped(abort=False)
@@ -301,7 +300,7 @@ class Stream:
                 if not moved:
                     orders.clear()
                     raise Stopped(abort=False)
-                yield from self._hold_for_person()
+                yield from self.holding.for_person()
                 continue
             match orders[0]:
                 case Resume() if operation.state is State.HOLD:
@@ -316,142 +315,21 @@ class Stream:
                     pass
             orders.popleft()
 
-    def _hold(self, why: str) -> Script[None]:
-        robot = self.job.robot
-        yield from self.operation.hold(robot.controller.coordinate_system, robot.controller.hold_time)
-        self.operation.go(Event.HOLD, why)
-        if self.job.outputs:
-            yield from self.outputs.secure(self.operation)
-
-    def _hold_for_person(self) -> Script[None]:
-        """Hold until a person wants it otherwise; what was ordered before the hold is overtaken by it."""
-        orders = self.operation.orders
-        last = max(place for place, order in enumerate(orders) if order == Hold())
-        kept = [
-            order
-            for place, order in enumerate(orders)
-            if not (isinstance(order, Hold) or (isinstance(order, Resume) and place < last))
-        ]
-        orders.clear()
-        orders.extend(kept)
-        if self.operation.state is State.MOVE or self._refilling:
-            self._refilling = False
-            yield from self._hold("a hold was asked for")
-
-    def _low_water(self) -> Script[None]:
-        """Hold; refill and go on as the next step. If the guard PLC was faster, the same."""
-        operation, feed = self.operation, self.feed
-        ahead = feed.at_least(operation.now)
-        yield from self._hold(f"low water: {ahead} lines ahead or few more, at least {feed.low} are wanted")
-        operation.remark("the buffer ran low: holding to refill it", warning=True)
-        self._refilling = True
-
     def _wake_up(self) -> Script[None]:
         """This process stood still for long, and the guard PLC has held: what goes on is for a person to say, who looks first."""
         operation, feed = self.operation, self.feed
         if feed.heard_at < operation.now:
             yield from self._ask_lines()
         slept, operation.slept = operation.slept, 0.0
-        if feed.left == 0 and feed.at_most == 0 and not self._refilling:
+        if feed.left == 0 and feed.at_most == 0 and not self.holding.refilling:
             return
-        self._refilling = False
+        self.holding.refilling = False
         if operation.state is State.MOVE:
-            yield from self._hold(f"this process stood still for {slept:.0f} s")
+            yield from self.holding.hold(f"this process stood still for {slept:.0f} s")
         operation.remark(
             "nobody has looked after the robot meanwhile: look at it, then Enter or `yarc resume` goes on",
             warning=True,
         )
-
-    def _look_at_held(self, rests: bool) -> Script[None]:
-        """In a hold, long after it: whoever moves the robot now isn't this run."""
-        operation = self.operation
-        if rests or self._refilling or operation.now < operation.settled + _STILL:
-            return
-        controller = self.job.robot.controller
-        yield from operation.hold(controller.coordinate_system, controller.hold_time)
-        operation.remark(
-            "somebody else uses this controller: the robot moves, though it is held; it is held again",
-            warning=True,
-        )
-
-    def _hold_for_others(self, told: str) -> Script[None]:
-        """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on."""
-        if told in self._told:
-            return
-        slew = self.supervision.hold_again(told)
-        if slew:
-            yield from self.operation.ask(slew)
-            told += f" (put back: {slew})"
-        if self.operation.state is State.MOVE or slew:
-            yield from self._hold(told)
-            also = yield from self.supervision.compare(all_=True)
-            self._told |= {told, also}
-            told = ", ".join(dict.fromkeys(one for one in (told, also) if one))
-        self._told.add(told)
-        self.operation.remark(
-            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
-            warning=True,
-        )
-
-    def _held_by_guard(self, flow: Flow) -> Script[None]:
-        """The controller's own guard has held, on the path: refill and go on."""
-        operation = self.operation
-        if flow.watched == HELD:
-            silence = (
-                f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"
-            )
-            operation.go(Event.HOLD, silence)
-            operation.remark(
-                "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more",
-                warning=True,
-            )
-        else:
-            operation.go(Event.HOLD, "the guard PLC has held the motion: too few lines lay ahead")
-        yield from come_to_rest(operation, self.job.robot)
-        self._refilling = True
-
-    def _held_by_others(self) -> None:
-        """Nothing moves though lines are ahead, and nobody knows why: somebody must say."""
-        operation = self.operation
-        self._stands = None
-        operation.go(Event.HOLD, "the motion is held, and not by this run")
-        operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
-
-    def _go_on(self) -> Script[None]:
-        """At rest: look whether all is as it was, refill, look after the guard, R."""
-        operation, feed, supervision = self.operation, self.feed, self.supervision
-        motors = yield from come_to_rest(operation, self.job.robot)
-        raise_trouble(self.job.robot, motors)
-        if told := (yield from supervision.compare(all_=True)):
-            self._refilling = False
-            self._told.clear()
-            yield from self._hold_for_others(told)
-            return
-        yield from self._ask_lines()
-        while feed.packet():
-            yield from self.rotary.write()
-        flow = yield from self.rotary.ask()
-        if told := supervision.stands_still(flow):
-            self._refilling = False
-            self._told.clear()
-            yield from self._hold_for_others(told)
-            return
-        if flow.armed == HELD and not self._refilling:
-            operation.remark("the guard PLC has held the motion as well", warning=True)
-        if wanted := supervision.rearmed(flow, feed.left == 0):
-            yield from operation.ask(wanted)
-        yield from self.outputs.restore(operation, feed.sent - feed.at_most)
-        if operation.slept:
-            return  # on the way here
-        if self._told:
-            yield from operation.ask(f"%{100.0 * operation.override:g}")
-        yield from supervision.begin()
-        yield from operation.ask("R")
-        operation.settled = -math.inf
-        self._refilling = False
-        self._told.clear()
-        self._stands = None
-        operation.go(Event.RESUME)
 
     # after
 
@@ -461,7 +339,7 @@ class Stream:
         if operation.slept:
             yield from self._wake_up()
             return False
-        if self._refilling:
+        if self.holding.refilling:
             yield from self._go_on()
             return False
         motors = yield from look_at_motors(operation, self.job.robot)

@@ -207,8 +207,9 @@ def settled(
     go_on()
     found = without_followers(diagnostics, source)
     go_on()
-    found = few_in_a_line(found)
-    for one in suppress(source, found, is_whole=is_whole):
+    found = few_in_a_line(suppress(source, found, is_whole=is_whole))
+    go_on()
+    for one in found:
         go_on()
         level = project.levels.get(one.code, "")
         if one.is_error or not level:

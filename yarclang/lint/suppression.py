@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from yarclang.diagnostics import Diagnostic, Edit, Fix, suggest
 from yarclang.frozen import frozen
 from yarclang.lint.registry import codes_of, everything
-from yarclang.progress import go_on
+from yarclang.progress import each
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.lines import code_of
 
@@ -44,20 +44,19 @@ def suppress(
         return found
     said, suppressions = _read(source)
     by_line: dict[tuple[str, int], list[Suppression]] = {}
-    for each in suppressions:
-        by_line.setdefault((each.code, each.line), []).append(each)
+    for one in each(suppressions):
+        by_line.setdefault((one.code, one.line), []).append(one)
     used: set[Suppression] = set()
     kept: list[Diagnostic] = []
-    for one in found:
-        go_on()
-        by = [] if one.is_error else _speaking_of(one, source, by_line)
+    for finding in each(found):
+        by = [] if finding.is_error else _speaking_of(finding, source, by_line)
         used.update(by)
         if not by:
-            kept.append(one)
-    for each in suppressions:
-        if is_whole and each not in used:
-            message = f"line {each.line} has no finding {each.code}: the comment suppresses nothing"
-            said.append(Diagnostic("Y1701", message, source, each.span, "take it away", each.fix))
+            kept.append(finding)
+    for one in each(suppressions) if is_whole else ():
+        if one not in used:
+            message = f"line {one.line} has no finding {one.code}: the comment suppresses nothing"
+            said.append(Diagnostic("Y1701", message, source, one.span, "take it away", one.fix))
     return (*kept, *said)
 
 
@@ -69,17 +68,22 @@ def _speaking_of(
     if finding.source is None or span is None or finding.source.name != source.name:
         return []
     lines = range(span.line, max(span.line, span.end_line) + 1)
-    return [each for line in lines for each in by_line.get((finding.code, line), ())]
+    return [one for line in lines for one in by_line.get((finding.code, line), ())]
 
 
 def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
     said: list[Diagnostic] = []
     read: list[Suppression] = []
-    for number, line in enumerate(source.lines, 1):
+    following: list[int] = []
+    for number, line in each(enumerate(source.lines, 1)):
         begin = len(code_of(line))
         if (found := _COMMENT.search(line, begin)) is None:
             continue
-        target = number if line[:begin].strip() else _next_line(source, number)
+        if line[:begin].strip():
+            target = number
+        else:
+            following = following or _next_lines(source)
+            target = following[number - 1] or number
         whole = Span.on_line(number, found.start() + 1, found.end() + 1)
         words = list(_WORD.finditer(line, found.start(1), found.end(1))) if found[1] else []
         if not words or not found[1].endswith("]"):
@@ -90,8 +94,7 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
             continue
         whole_fix = _without(source, number, found)
         unknown = 0
-        for at, word in enumerate(words):
-            go_on()
+        for at, word in each(enumerate(words)):
             span = Span.on_line(number, word.start() + 1, word.end() + 1)
             code, wrong = _code(word[0])
             if code:
@@ -121,12 +124,14 @@ def _help(word: str) -> str:
     return suggest(word, everything()) or "yarc explain lists all codes"
 
 
-def _next_line(source: SourceFile, number: int) -> int:
-    """The next line that is more than a comment."""
-    for following in range(number + 1, len(source.lines) + 1):
-        if code_of(source.line(following)).strip():
-            return following
-    return number
+def _next_lines(source: SourceFile) -> list[int]:
+    """Return for each line (from 1) the next one that is more than a comment; 0 after the last of these."""
+    found, following = [0], 0
+    for number in each(range(len(source.lines), 0, -1)):
+        found.append(following)
+        if code_of(source.line(number)).strip():
+            following = number
+    return found[::-1]
 
 
 def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:

@@ -3,7 +3,7 @@
 import random
 import string
 from difflib import SequenceMatcher
-from functools import lru_cache
+from functools import cache
 
 import pytest
 
@@ -15,7 +15,7 @@ def ratio(word, name):
     return SequenceMatcher(None, name, word).ratio()
 
 
-@lru_cache(maxsize=None)
+@cache
 def table(one, other):
     """Return the length of the longest common subsequence of two words, by its definition."""
     if not one or not other:

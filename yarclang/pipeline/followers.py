@@ -214,7 +214,11 @@ def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
         lines = f"{more} more line{'s' * (more != 1)}"
         # another command's name, or another unit, is another message: then it isn't just the same
         what = _what(group[0])
-        again = f"the same in {lines}" if all(_what(one) == what for one in each(group)) else f"{more} more like it"
+        again = (
+            f"the same in {lines}"
+            if all(_what(one) == what for one in each(group))
+            else f"{more} more like it"
+        )
         said.append(replace(group[0], message=f"{group[0].message}; {again}"))
     return tuple(said)
 

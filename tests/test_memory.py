@@ -1,6 +1,13 @@
 """What is remembered stays bounded, and what is in use stays remembered."""
 
+from yarclang.assist.lexemes import lexemes_of
+from yarclang.assist.sketch import sketch_of
+from yarclang.assist.tints import tints
+from yarclang.diagnostics import Diagnostic
+from yarclang.lsp.documents import Document
+from yarclang.lsp.translation import _on_line, diagnostic_of, expect
 from yarclang.memory import Lately, Recent, recall
+from yarclang.source import SourceFile, Span
 
 
 def test_results_that_were_not_used_lately_are_forgotten():
@@ -77,3 +84,20 @@ def test_a_long_text_is_kept_whole_until_it_was_read_again():
     assert len(function) <= 20
     function.cache_clear()
     assert len(function) == 0
+
+
+def test_what_is_kept_of_lines_and_findings_is_bounded_by_the_longest_text():
+    document = Document("file:///test.yarc", 1, "P0010 STOP\n" * 10)
+    source = document.source
+    list(tints(sketch_of(source)))
+    expect(10)
+    for number in range(10_000):
+        lexemes_of(f"P{number:05} MOVEJ HOME")
+        diagnostic_of(
+            document, Diagnostic("Y0601", str(number), source, Span.on_line(1 + number % 10, 1, 5)), "utf-16"
+        )
+    assert len(lexemes_of) <= 2_048
+    assert len(_on_line) <= 2_048
+    long = SourceFile("long.yarc", "".join(f"P{number:05} MOVEJ HOME\n" for number in range(5_000)))
+    list(tints(sketch_of(long)))
+    assert len(lexemes_of) >= 5_000  # all of a long text are kept until its next version

@@ -6,9 +6,12 @@ the listener raises ends the work. Nothing depends on whether somebody listens.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import TypeVar
+
+T = TypeVar("T")
 
 Listener = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and how much there is (0: unknown)."""
@@ -81,3 +84,15 @@ def go_on(done: int | None = None, total: int = 0) -> None:
         if done is not None:
             told.done, told.total = done, total
         told.listener(told.what, told.done, told.total)
+
+
+_EVERY = 32
+"""Items of a long list between two reports."""
+
+
+def each(items: Iterable[T]) -> Iterator[T]:
+    """Yield the items, and report every few of them that the work goes on."""
+    for number, item in enumerate(items):
+        if number % _EVERY == 0:
+            go_on()
+        yield item

@@ -2,9 +2,11 @@
 
 import pytest
 
+from yarclang.diagnostics import Diagnostic
+from yarclang.lint.suppression import suppress
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.inputs import Options
-from yarclang.source import SourceFile
+from yarclang.source import SourceFile, Span
 
 NOWHERE = "P0010 MOVEJ HOME [5] (s)"
 """Y0603: the motion goes nowhere."""
@@ -30,6 +32,24 @@ def codes(text, folder, **how):
 def test_a_finding_is_suppressed(text, tmp_path):
     assert codes(NOWHERE, tmp_path) == ["Y0603"]
     assert codes(text, tmp_path) == []
+
+
+@pytest.mark.parametrize("line", [1, 2, 3, 4])
+def test_a_finding_of_many_lines_is_suppressed_in_each_of_them(line):
+    lines = ["P0010 WAIT 1;" for _ in range(4)]
+    lines[line - 1] += " ! yarc: ignore[Y0603]"
+    source = SourceFile("test.yarc", "\n".join(lines))
+    finding = Diagnostic("Y0603", "nowhere", source, Span(1, 1, 3, 5))
+    assert suppress(source, [finding], is_whole=False) == (() if line < 4 else (finding,))
+    assert [one.code for one in suppress(source, [finding])] == ([] if line < 4 else ["Y0603", "Y1701"])
+
+
+def test_of_many_wrong_words_in_a_comment_the_first_are_told(tmp_path):
+    words = ",".join(f"Y0{number}x" for number in range(1_000))
+    found = check(f"P0010 STOP ! yarc: ignore[{words}]", tmp_path)
+    assert [one.code for one in found if one.code == "Y1702"] == ["Y1702"] * 20
+    assert found[-1].message == "no finding is called Y019x; 980 more like it in this line"
+    assert all(one.help for one in found)
 
 
 def test_only_on_its_line_and_only_its_code(tmp_path):

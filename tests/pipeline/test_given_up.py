@@ -45,10 +45,16 @@ def grid(count):
 
 TEXTS = {
     "a curve through 100 poses": spline(100),
+    "a curve through 250 poses": spline(250),
     "a chain of 30 lines": chain(30),
     "300 motions in a loop": grid(100),
     "a slow line": HEAD + "P0020 MOVEL 0 1074.4 1100 0 0 0 [600]\nP0030 STOP\n",
     "a loop around nothing": HEAD + "REPEAT 199\nREPEAT I 999\nIF I > 5\nEND\nEND\nEND\nP0030 STOP\n",
+    "10,000 unknown commands": "P0010 MOVEK\n" * 10_000,
+    "10,000 waits for nothing": HEAD + "".join(f"P{number + 20} WAIT 1\n" for number in range(10_000)),
+    "10,000 suppressions": HEAD
+    + "".join(f"LET A{number} = 1 ! yarc: ignore[Y0505]\n" for number in range(10_000)),
+    "10,000 suppressions of nothing": "! yarc: ignore[Y0505]\n" * 10_000,
     "10,000 lines": HEAD + "".join(f"LET A{number} = {number}\n" for number in range(10_000)),
     "dispensing": (EXAMPLES / "11_dispensing.yarc").read_text(),
     "a weld seam": (EXAMPLES / "10_weld_seam.yarc").read_text(),

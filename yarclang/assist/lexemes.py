@@ -55,7 +55,10 @@ def _read(line: str) -> tuple[Lexeme, ...]:
     return tuple(found)
 
 
-lexemes_of = Lately(_read, 1 << 13)
+_KEPT = 1024
+"""Lines that are kept at least, each some 1 to 2 kB; of longer texts whose words are coloured, all."""
+
+lexemes_of = Lately(_read, _KEPT)
 """The same, for the lines that are looked at again and again."""
 
 

@@ -68,6 +68,7 @@ def tints(sketch: Sketch, first: int = 1, last: int | None = None) -> Iterator[T
     goes_on = False
     count = len(sketch.source.lines)
     begin = sketch.begin_of(first) if first > 1 else 1
+    lexemes_of.expect(count)
     for number in range(begin, min(last or count, count) + 1):
         pieces = lexemes_of(sketch.source.line(number))
         code = [one for one in pieces if one.kind != "comment"]

@@ -8,7 +8,7 @@ from typing import Any
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.lint.registry import rules
 from yarclang.lint.rule import Remark, Rule, Surroundings
-from yarclang.progress import go_on
+from yarclang.progress import each, go_on
 from yarclang.source import SourceFile
 
 Remarks = Mapping[Rule[Any], tuple[Remark, ...]]
@@ -39,7 +39,7 @@ def remarks(products: Iterable[object], surroundings: Surroundings, silent: Coll
     for rule in rules():
         if rule.reads in by_type and rule.finding.code not in silent:
             go_on()
-            said[rule] = tuple(rule.look(by_type[rule.reads], surroundings))
+            said[rule] = tuple(each(rule.look(by_type[rule.reads], surroundings)))
     return said
 
 
@@ -47,15 +47,14 @@ def told(said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic
     """The findings that become of what rules have to say; else as `lint`."""
     failed = {
         (one.source.name if one.source else "", line)
-        for one in found
+        for one in each(found)
         if one.is_error and one.span is not None
         for line in range(one.span.line, one.span.end_line + 1)
     }
     own = surroundings.module.source
     diagnostics: list[Diagnostic] = []
     for rule in rules():
-        for one in said.get(rule, ()):
-            go_on()
+        for one in each(said.get(rule, ())):
             source = one.source or own
             if source.name != own.name:
                 continue  # each file is spoken of when it is checked itself

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from yarclang.frozen import frozen
+from yarclang.progress import each
 from yarclang.source import Span
 from yarclang.syntax.ast import (
     Computed,
@@ -47,7 +48,7 @@ class Names:
         """The declarations of some kinds that the file doesn't speak of; none of a module's."""
         if not self.is_program:
             return
-        for one in self.declared:
+        for one in each(self.declared):
             spoken_of = self.frames if one.word == "FRAME" else self.words
             if one.word in words and one.name not in spoken_of:
                 yield one
@@ -57,7 +58,7 @@ def names_of(module: Module) -> Names:
     """Look through a file. What couldn't be read may speak of any name: then nothing is said to be unused."""
     found = Names()
     depth, sub_depth = 0, 0
-    for statement in module.statements:
+    for statement in each(module.statements):
         word = statement.name.name
         if word in BLOCK_HEADS:
             depth += 1

@@ -47,4 +47,11 @@ def codes_of(word: str) -> tuple[str, ...]:
     upper = word.strip().upper()
     if upper.startswith("Y") and upper[1:].isdigit():
         return tuple(code for code in everything() if code.startswith(upper))
-    return tuple(code for code, finding in everything().items() if finding.name == word.strip().lower())
+    code = _by_name().get(word.strip().lower())
+    return (code,) if code is not None else ()
+
+
+@cache
+def _by_name() -> Mapping[str, str]:
+    """Return the code of each finding by its name."""
+    return {finding.name: code for code, finding in everything().items()}

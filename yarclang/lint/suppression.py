@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix, suggest
 from yarclang.frozen import frozen
 from yarclang.lint.registry import codes_of, everything
+from yarclang.progress import each
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.lines import code_of
 
 _COMMENT = re.compile(r"!\s*yarc\s*:\s*ignore\b\s*(\[[^\]]*\]?)?", re.IGNORECASE)
 _WORD = re.compile(r"[^\s,\[\]]+")
+
+_MOST_HELPED = 20
+"""Wrong words of a comment that get help: findings of further ones in the same line aren't shown."""
 
 
 @frozen
@@ -39,35 +43,47 @@ def suppress(
     if _COMMENT.search(source.text) is None:
         return found
     said, suppressions = _read(source)
+    by_line: dict[tuple[str, int], list[Suppression]] = {}
+    for one in each(suppressions):
+        by_line.setdefault((one.code, one.line), []).append(one)
     used: set[Suppression] = set()
     kept: list[Diagnostic] = []
-    for one in found:
-        by = [] if one.is_error else [each for each in suppressions if _speaks_of(each, one, source)]
+    for finding in each(found):
+        by = [] if finding.is_error else _speaking_of(finding, source, by_line)
         used.update(by)
         if not by:
-            kept.append(one)
-    for each in suppressions:
-        if is_whole and each not in used:
-            message = f"line {each.line} has no finding {each.code}: the comment suppresses nothing"
-            said.append(Diagnostic("Y1701", message, source, each.span, "take it away", each.fix))
+            kept.append(finding)
+    for one in each(suppressions) if is_whole else ():
+        if one not in used:
+            message = f"line {one.line} has no finding {one.code}: the comment suppresses nothing"
+            said.append(Diagnostic("Y1701", message, source, one.span, "take it away", one.fix))
     return (*kept, *said)
 
 
-def _speaks_of(one: Suppression, finding: Diagnostic, source: SourceFile) -> bool:
+def _speaking_of(
+    finding: Diagnostic, source: SourceFile, by_line: Mapping[tuple[str, int], list[Suppression]]
+) -> list[Suppression]:
+    """Return the suppressions of a finding's code in its lines."""
     span = finding.span
     if finding.source is None or span is None or finding.source.name != source.name:
-        return False
-    return finding.code == one.code and span.line <= one.line <= max(span.line, span.end_line)
+        return []
+    lines = range(span.line, max(span.line, span.end_line) + 1)
+    return [one for line in lines for one in by_line.get((finding.code, line), ())]
 
 
 def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
     said: list[Diagnostic] = []
     read: list[Suppression] = []
-    for number, line in enumerate(source.lines, 1):
+    following: list[int] = []
+    for number, line in each(enumerate(source.lines, 1)):
         begin = len(code_of(line))
         if (found := _COMMENT.search(line, begin)) is None:
             continue
-        target = number if line[:begin].strip() else _next_line(source, number)
+        if line[:begin].strip():
+            target = number
+        else:
+            following = following or _next_lines(source)
+            target = following[number - 1] or number
         whole = Span.on_line(number, found.start() + 1, found.end() + 1)
         words = list(_WORD.finditer(line, found.start(1), found.end(1))) if found[1] else []
         if not words or not found[1].endswith("]"):
@@ -76,34 +92,46 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
                 Diagnostic("Y1702", "this comment doesn't say what it suppresses", source, whole, help_)
             )
             continue
-        fix = _without(source, number, found)
-        for word in words:
+        whole_fix = _without(source, number, found)
+        unknown = 0
+        for at, word in each(enumerate(words)):
             span = Span.on_line(number, word.start() + 1, word.end() + 1)
-            one = _suppression(word[0], target, span, fix if len(words) == 1 else _fewer(number, words, word))
-            if isinstance(one, Suppression):
-                read.append(one)
-            else:
-                said.append(Diagnostic("Y1702", one[0], source, span, one[1]))
+            code, wrong = _code(word[0])
+            if code:
+                fix = whole_fix if len(words) == 1 else _fewer(number, words, at)
+                read.append(Suppression(code, target, span, fix))
+                continue
+            unknown += 1
+            help_ = _help(word[0]) if unknown <= _MOST_HELPED else ""
+            said.append(Diagnostic("Y1702", wrong, source, span, help_))
     return said, read
 
 
-def _suppression(word: str, line: int, span: Span, fix: Fix) -> Suppression | tuple[str, str]:
-    """A code or name; else what is wrong with it, and what to do."""
+def _code(word: str) -> tuple[str, str]:
+    """Return the code that a word means, or an empty text and what is wrong with the word."""
     codes = codes_of(word) if not re.fullmatch(r"[Yy]\d{0,3}", word) else ()
     if not codes:
-        return f"no finding is called {word}", suggest(word, everything()) or "yarc explain lists all codes"
-    code = codes[0]
-    if everything()[code].severity == "error":
-        return f"{code} is an error, and errors can't be suppressed", "yarc explain says what to do about it"
-    return Suppression(code, line, span, fix)
+        return "", f"no finding is called {word}"
+    if everything()[codes[0]].severity == "error":
+        return "", f"{codes[0]} is an error, and errors can't be suppressed"
+    return codes[0], ""
 
 
-def _next_line(source: SourceFile, number: int) -> int:
-    """The next line that is more than a comment."""
-    for following in range(number + 1, len(source.lines) + 1):
-        if code_of(source.line(following)).strip():
-            return following
-    return number
+def _help(word: str) -> str:
+    """Return what to do about a word that can't be suppressed."""
+    if codes_of(word) and not re.fullmatch(r"[Yy]\d{0,3}", word):
+        return "yarc explain says what to do about it"
+    return suggest(word, everything()) or "yarc explain lists all codes"
+
+
+def _next_lines(source: SourceFile) -> list[int]:
+    """Return for each line (from 1) the next one that is more than a comment; 0 after the last of these."""
+    found, following = [0], 0
+    for number in each(range(len(source.lines), 0, -1)):
+        found.append(following)
+        if code_of(source.line(number)).strip():
+            following = number
+    return found[::-1]
 
 
 def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
@@ -119,9 +147,9 @@ def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
     return Fix("take the comment away", (Edit(Span.on_line(number, begin + 1, len(line) + 1), ""),))
 
 
-def _fewer(number: int, words: list[re.Match[str]], word: re.Match[str]) -> Fix:
+def _fewer(number: int, words: list[re.Match[str]], at: int) -> Fix:
     """One code away, and a comma beside it."""
-    at = words.index(word)
+    word = words[at]
     begin, end = (
         (word.start(), words[at + 1].start()) if at + 1 < len(words) else (words[at - 1].end(), word.end())
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from functools import lru_cache
 from pathlib import Path
 
 from lsprotocol import types
@@ -12,6 +11,7 @@ from lsprotocol import types
 from yarclang.diagnostics import Diagnostic, Edit
 from yarclang.lsp.documents import Document
 from yarclang.lsp.positions import position_in, position_of, range_of
+from yarclang.memory import Lately
 from yarclang.source import SourceFile, Span
 
 _SEVERITIES = {
@@ -53,8 +53,12 @@ def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> typ
     return shown
 
 
-@lru_cache(4096)
-def _on_line(
+def expect(findings: int) -> None:
+    """Take it that so many findings of a text are given next: those of its next version are mostly the same."""
+    _on_line.expect(findings)
+
+
+def _made_on_line(
     code: str, severity: str, message: str, help_: str, line: str, span: Span, encoding: str
 ) -> types.Diagnostic:
     """A finding in one line: most of a long program's are the same after an edit."""
@@ -63,6 +67,12 @@ def _on_line(
         position_in(line, span.line, max(span.end_column, span.column + 1), encoding),
     )
     return _diagnostic(code, severity, message, help_, range_)
+
+
+_KEPT = 1024
+"""Findings that are kept at least, each some 1 to 2 kB; of texts with more of them, all."""
+
+_on_line = Lately(_made_on_line, _KEPT)
 
 
 def _diagnostic(code: str, severity: str, message: str, help_: str, range_: types.Range) -> types.Diagnostic:

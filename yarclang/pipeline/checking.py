@@ -24,7 +24,7 @@ from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
-from yarclang.progress import go_on, tell
+from yarclang.progress import each, go_on, tell
 from yarclang.source import SourceFile
 
 
@@ -207,9 +207,8 @@ def settled(
     go_on()
     found = without_followers(diagnostics, source)
     go_on()
-    found = few_in_a_line(found)
-    for one in suppress(source, found, is_whole=is_whole):
-        go_on()
+    found = few_in_a_line(suppress(source, found, is_whole=is_whole))
+    for one in each(found):
         level = project.levels.get(one.code, "")
         if one.is_error or not level:
             told.append(one)

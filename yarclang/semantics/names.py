@@ -9,6 +9,7 @@ from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix, suggest
 from yarclang.frozen import frozen
+from yarclang.progress import each
 from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.words import AVOID, DECLARATIONS
 
@@ -58,7 +59,7 @@ class CommandNames:
 
     def look_up(self, nodes: Iterable[Node], findings: Collector) -> None:
         """The names of all commands of a file, also of those that nothing leads to."""
-        for node in nodes:
+        for node in each(nodes):
             if isinstance(node, Block):
                 self.look_up((*node.body, *(node.otherwise or ())), findings)
             elif node.name.text not in self._sound:
@@ -76,11 +77,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
     if spec is None:
-        known = (
-            *commands(),
-            *(f"{one}_{suffix}" for one in commands() for suffix in (*TARGETS, AVOID, *profiles)),
-        )
-        help_ = suggest(name, known) or f"the commands are {', '.join(commands())}"
+        help_ = suggest(name, _known(tuple(profiles))) or f"the commands are {', '.join(commands())}"
         findings.add("Y0202", f"{statement.name.text} is no command", span, help_)
         return None
     target, profile, avoids = "", DEFAULT_PROFILE, False
@@ -101,6 +98,13 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
         fix = Fix(f"write {full}", (Edit(span, full),))
         findings.add("Y0204", f"{name} is today {full}", span, f"write {full}", fix)
     return ResolvedName(spec, spec.targets.get(target), profile, full, avoids)
+
+
+@lru_cache(maxsize=4)
+def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of commands, alone and with each suffix."""
+    suffixes = (*TARGETS, AVOID, *profiles)
+    return (*commands(), *(f"{one}_{suffix}" for one in commands() for suffix in suffixes))
 
 
 @lru_cache(maxsize=1024)

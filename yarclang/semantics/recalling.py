@@ -49,7 +49,7 @@ class _Watched(Scope):
         self.is_listed = True
         return self._scope.where(name)
 
-    def names(self, *kinds: type) -> Iterator[str]:
+    def names(self, *kinds: type) -> list[str]:
         self.is_listed = True
         return self._scope.names(*kinds)
 

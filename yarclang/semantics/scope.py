@@ -164,12 +164,14 @@ class Scope:
         self.seen.clear()
         self._frames[name] = frame
 
-    def names(self, *kinds: type) -> Iterator[str]:
+    def names(self, *kinds: type) -> list[str]:
         """All names of some kinds that are known here."""
+        found: list[str] = []
         scope: Scope | None = self
         while scope is not None:
-            yield from (name for name, meaning in scope._names.items() if isinstance(meaning, kinds))
+            found += [name for name, meaning in scope._names.items() if isinstance(meaning, kinds)]
             scope = scope._outer
+        return found
 
     def frame_names(self) -> Iterator[str]:
         """All names of frames that are known here, those of the robot first."""

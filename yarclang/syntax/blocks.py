@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field
 
 from yarclang.diagnostics import Collector, Diagnostic, Result
+from yarclang.progress import each
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Block, Module, Node, Statement
 from yarclang.syntax.lines import code_of
@@ -37,7 +38,7 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
         both += [(line, _word(module.source.line(line)), None) for line in module.unreadable_lines]
         both.sort(key=lambda entry: entry[0])
     arrangement.missing = sum((word in BLOCK_HEADS) - (word == "END") for _, word, _ in both)
-    for line, word, statement in both:
+    for line, word, statement in each(both):
         arrangement.add(line, word, statement)
     return arrangement.finish()
 

@@ -8,7 +8,7 @@ from lsprotocol import types
 
 from yarclang.lsp.analyses import Analysis
 from yarclang.lsp.feature import Feature
-from yarclang.lsp.translation import diagnostic_of
+from yarclang.lsp.translation import diagnostic_of, expect
 
 if TYPE_CHECKING:
     from yarclang.lsp.server import Server
@@ -30,7 +30,9 @@ def _can_ask_again(server: Server) -> bool:
 
 
 def _items(server: Server, analysis: Analysis) -> list[types.Diagnostic]:
-    return [diagnostic_of(analysis.document, one, server.encoding) for one in analysis.shown]
+    shown = analysis.shown
+    expect(len(shown))
+    return [diagnostic_of(analysis.document, one, server.encoding) for one in shown]
 
 
 def _name(analysis: Analysis) -> str:

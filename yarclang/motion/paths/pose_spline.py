@@ -104,7 +104,12 @@ class PoseSpline:
     def _lengths(self) -> Array:
         u = self._fine
         width = np.diff(u)
-        pieces = width * (self._speeds(u[:-1, None] + width[:, None] * _GAUSS_NODES) @ _GAUSS_WEIGHTS)
+        speeds = np.empty((len(width), len(_GAUSS_NODES)))
+        for begin in range(0, len(width), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            speeds[part] = self._speeds(u[:-1][part, None] + width[part, None] * _GAUSS_NODES)
+        go_on()
+        pieces = width * (speeds @ _GAUSS_WEIGHTS)
         return np.concatenate(([0.0], np.cumsum(pieces)))
 
     def _speeds(self, s: Array) -> Array:

@@ -308,3 +308,23 @@ def test_what_describes_the_robot_is_damaged(tmp_path, monkeypatch):
     monkeypatch.setattr("yarclang.runtime.log_record._described", lambda job: {"joints": json.dumps({})})
     job, _ = made()
     assert codes(read_run(str(write(tmp_path / "a.mcap", job, [])))) == ["Y1401"]
+
+
+@pytest.mark.parametrize(("chunks", "size"), [(1, 1 << 27), (40, 1 << 23)])
+def test_a_log_that_would_fill_the_memory(chunks, size, tmp_path):
+    """A few bytes that are unpacked to many, whatever the chunk says of its size."""
+    path = tmp_path / "bomb.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=size - 1000)
+        writer.start("yarc", "test")
+        schema = writer.register_schema("any", "jsonschema", b"{}")
+        channel = writer.register_channel("states", "json", schema)
+        for number in range(chunks):
+            writer.add_message(channel, number, b"0" * size, number)
+        writer.finish()
+    assert path.stat().st_size < 100_000
+    result = read_run(str(path))
+    assert result.value is None
+    (finding,) = result.diagnostics
+    assert finding.code == "Y1401"
+    assert "is larger when it is unpacked than any log" in finding.message

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from typing import Any
 
-from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
-from mcap.stream_reader import StreamReader
+import zstandard
+from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata
+from mcap.stream_reader import StreamReader, breakup_chunk
 
 from yarclang.frozen import frozen
 from yarclang.report.runs.kind import MAGIC
+
+_LARGEST_CHUNK = 1 << 26
+"""Bytes that a chunk may have when it is unpacked; those of `yarc run` have 1 MiB and a message."""
+_LEAST_LEFT, _PACKED = 1 << 28, 40
+"""Bytes that all chunks may have together, and so many more for each byte of the file: logs are packed to a tenth."""
 
 
 @frozen(eq=False)
@@ -64,14 +71,37 @@ def read_records(content: bytes) -> Records | None:
 def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
     """The records, and what ends them before their end."""
     stream = io.BytesIO(content)
-    reader = StreamReader(stream, validate_crcs=True, record_size_limit=None)
+    reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None)
     records: list[McapRecord] = []
+    left = _LEAST_LEFT + _PACKED * len(content)
     try:
         for record in reader.records:
-            records.append(record)  # noqa: PERF402  (what was read before an exception is kept)
+            if not isinstance(record, Chunk):
+                records.append(record)
+                continue
+            chunk = _unpacked(record, min(_LARGEST_CHUNK, left))
+            if chunk is None:
+                return records, "is larger when it is unpacked than any log"
+            left -= len(chunk.data)
+            records += breakup_chunk(chunk, validate_crc=True)
     except Exception:  # nobody knows what parsers and decompressors raise on arbitrary bytes
         return records, "is unfinished" if stream.tell() == len(content) else "is damaged"
     return records, ""
+
+
+def _unpacked(chunk: Chunk, most: int) -> Chunk | None:
+    """Unpack a chunk, whatever size it says it has.
+
+    Returns:
+        None if it has more than `most` bytes.
+    """
+    data = chunk.data
+    if chunk.compression == "zstd":
+        with zstandard.ZstdDecompressor().stream_reader(data) as stream:
+            data = stream.read(most + 1)
+    elif chunk.compression:
+        raise ValueError(f"compressed by {chunk.compression}")
+    return replace(chunk, compression="", data=data) if len(data) <= most else None
 
 
 def _object(data: bytes) -> dict[str, Any] | None:

@@ -420,7 +420,7 @@ def test_the_host_holds_before_the_guard_does():
 
     world.spoil = spoil
     # so late that fewer lines are ahead than the host wants, and more than the guard does
-    world.stall_at = [(since + 1.0, (job.capacity - (job.low + Feed(job).low) / 2.0 - 14) * job.segment)]
+    world.stall_at = [(since + 1.0, (job.capacity - (job.low + Feed(job).low) / 2.0 - 22) * job.segment)]
     assert run(world, job).well
     assert job.low < ahead[0] < Feed(job).low + 4
     assert "low water" in world.words

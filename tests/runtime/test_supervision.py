@@ -9,7 +9,7 @@ from runtime.virtual import World, example_of, moved_along, prepared, well_behav
 
 from yarclang.pipeline.settings import items_of
 from yarclang.runtime.messages import Ask, Write
-from yarclang.runtime.notices import Hold, Override, Remark, Resume
+from yarclang.runtime.notices import Fail, Hold, Override, Remark, Resume, Stop
 from yarclang.runtime.performance import connect, end_what_runs, look, perform
 from yarclang.runtime.state import State
 from yarclang.runtime.supervision import patience_for, wound_up
@@ -31,6 +31,7 @@ WITHIN_A_SECOND = {
     "a limit": ("I113=1000000", "I113=4340581", "I113 (positive software limit, counts) was 4340581, and is 1000000"),
     "the deceleration of an abort": ("I115=0.01", "I115=6.1279", "was 6.1279, and is 0.01"),
     "the following error": ("I111=0", None, "I111 (fatal following error) was"),
+    "the guard's mark": ("I16=0", "I16=45", "I16 (lines below which the guard holds) was 45, and is 0"),
     "limit switches": ("I324=$20000", "I324=0", "I324 (flags and limit switches) was"),
     "the hold's slew rate": ("I5195=1", "I5195=6576", "was 6576, and is 1"),
     "the override's slew rate": ("I5194=1", "I5194=6576", "was 6576, and is 1"),
@@ -111,6 +112,19 @@ def test_another_guard_is_seen():
     assert any("PLC 29 is another one than before" in text for text in said(world))
 
 
+def test_nothing_moves_if_it_was_changed_since_the_look():
+    """At a prompt, hours may lie between the look and the motion."""
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.say("I115=0.01")
+    ended = world.perform(perform(world.operation, job))
+    assert not ended.well
+    assert "since it was looked at, I115" in ended.what
+    assert "was 6.1279, and is 0.01" in ended.what
+    assert "R" not in world.asked
+    assert world.operation.state is State.FAULT
+
+
 def test_nobody_goes_on_before_it_is_put_back():
     job, _ = prepared(tm=5)
     world = world_of(job)
@@ -151,6 +165,54 @@ def test_who_resumes_what_is_held_is_held_again():
     assert any("the robot moves, though it is held" in text for text in said(world))
     assert moved_along(world, job, plan, since) < 1.0
     assert len([sent for sent in world.sent if sent.request == Ask("&1H")]) == 2
+
+
+def test_a_jog_in_a_hold_is_stopped():
+    """H doesn't touch it: the second time, all motors are."""
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.order(Hold(), 1.0)
+    world.do(lambda: world.say("#1J+"), 2.0)
+    ended = world.perform(perform(world.operation, job), within=30.0)
+    assert not ended.well
+    assert "a hold doesn't stop it" in ended.what
+    assert not world.moving
+
+
+@pytest.mark.parametrize("order", [Stop(), Fail("the disk", "x")])
+def test_a_stop_stops_a_jog_too(order):
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.order(Hold(), 1.0)
+    world.do(lambda: world.say("#1J+"), 2.0)
+    world.order(order, 2.1)
+    ended = world.perform(perform(world.operation, job), within=30.0)
+    assert not ended.well
+    assert "aborted" in ended.what
+    assert not world.moving
+
+
+@pytest.mark.parametrize("flags", [("P8100=2",), ("P8104=2",), ("P8100=2", "P8104=2")])
+def test_flags_without_a_hold_are_held(flags):
+    """Somebody else may write the flags that the guard writes when it has held."""
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    for flag in flags:
+        world.do(lambda flag=flag: world.say(flag), AT)
+    assert world.perform(perform(world.operation, job)).well
+    assert moved_along(world, job, plan, since) < 1.0
+    assert next(sent.time for sent in world.sent if sent.request == Ask("&1H")) - since < AT + 0.1
+
+
+def test_a_limit_that_somebody_has_moved_is_named_when_a_motor_meets_it():
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.do(lambda: world.say("I113=1"), AT)
+    ended = world.perform(perform(world.operation, job))
+    assert not ended.well
+    assert "motor 1: it was stopped at the positive limit" in ended.what
+    assert "I113 (positive software limit, counts) was 4340581, and is 1" in ended.what
 
 
 def test_pace_and_flags_of_our_own_alarm_nobody():

@@ -24,8 +24,6 @@ _KEPT = 512
 """Points that are kept behind the robot, at least."""
 _ALLOWED = 8.0
 """How far off the motors may be commanded [counts], besides the spline's own distance."""
-_SHARE = 1.0
-"""Of the following error, by which positions that are asked one after the other may differ."""
 _NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
@@ -49,6 +47,7 @@ class Course:
         self._lines: npt.NDArray[np.int64] = np.array([-1])
         self._slack = np.abs(to_counts(robot, start + slack) - self._points[0])
         self._sent = 0
+        self._following: Array = np.zeros(robot.size)
 
     def append(self, lines: Sequence[str]) -> None:
         """These lines follow."""
@@ -69,6 +68,9 @@ class Course:
     def off(self, found: Sample, executed: tuple[int, int], spent: float) -> tuple[float, int]:
         """Return how far off the way the motors are commanded to be.
 
+        Positions and following errors are asked one after the other: where they are as the robot was at two instants, they may be off by as much as the
+        following error, or as it has changed since they were asked before.
+
         Args:
             found: their positions and following errors.
             executed: how many lines have been executed at least and at most.
@@ -81,15 +83,20 @@ class Course:
         last = int(np.searchsorted(self._lines, executed[1])) + _AROUND
         points = self._points[first:last]
         bends = np.abs(np.diff(points, 2, axis=0)).max(axis=0, initial=0.0)
-        allowed = _ALLOWED + bends / 6.0 + _SHARE * np.abs(found.following)
+        errors = np.abs(np.array((found.following, found.following - self._following)))
+        allowed = _ALLOWED + bends / 6.0 + errors.max(axis=0)
+        self._following = found.following
         if self._groups > 1:  # asked one after the other
             allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
             allowed += self._slack
-        commanded = found.commanded
-        off = np.abs(commanded - _nearest(points / allowed, commanded / allowed) * allowed)
-        row = int(np.argmax(off / allowed))
-        return (float(off[row]), row) if off[row] > allowed[row] else (0.0, 0)
+        place = found.commanded / allowed
+        off = np.abs(place - _nearest(points / allowed, place))
+        # where all motors are within what is allowed at one instant, the nearest point is no further
+        if (off**2).sum() <= len(off):
+            return 0.0, 0
+        row = int(np.argmax(off))
+        return float(off[row] * allowed[row]), row
 
 
 def _nearest(points: Array, place: Array) -> Array:

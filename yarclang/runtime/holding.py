@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from yarclang.runtime.actions import Script
+from yarclang.runtime.actions import Script, Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Hold, Resume
 from yarclang.runtime.operation import Operation
@@ -29,6 +29,7 @@ class Holding:
     def __init__(self, operation: Operation, job: Job, rotary: Rotary) -> None:
         self.operation = operation
         self.refilling = False
+        self._again = False
         self._job = job
         self._rotary = rotary
         self._supervision = rotary.supervision
@@ -75,10 +76,23 @@ class Holding:
 
         Args:
             rests: whether no motor has a desired velocity.
+
+        Raises:
+            Trouble: it moves on though it was held again, as a jog does: it was aborted.
         """
         operation = self.operation
+        if rests:
+            self._again = False
         if rests or self.refilling or operation.now < operation.settled + _STILL:
             return
+        if self._again:
+            yield from operation.abort()
+            raise Trouble(
+                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all motors are stopped",
+                "find out who uses this controller",
+                "Y1605",
+            )
+        self._again = True
         controller = self._job.robot.controller
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         operation.remark(
@@ -107,7 +121,9 @@ class Holding:
 
     def by_guard(self, flow: Flow) -> Script[None]:
         """The controller's own guard has held, on the path: refill and go on."""
-        operation = self.operation
+        operation, controller = self.operation, self._job.robot.controller
+        # whoever has set the flag, this holds
+        yield from operation.hold(controller.coordinate_system, controller.hold_time)
         if flow.watched == HELD:
             silence = (
                 f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"

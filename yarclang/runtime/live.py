@@ -91,7 +91,7 @@ class LiveStream:
         self._ahead = 0
         self._look = min(max(_SHORTEST, _SEGMENTS * self.job.segment), _LONGEST)
         self._lines_due = self._status_due = self._positions_due = self._settings_due = 0.0
-        self.supervision = Supervision(operation, live.job.robot)
+        self.supervision = Supervision(operation, live.job)
         self._course = Course(live.job.robot, live.job.start, live.job.slack, live.job.segment)
         self._asked = 0.0
 
@@ -120,6 +120,7 @@ class LiveStream:
         """
         operation, job = self.operation, self.job
         operation.go(Event.LOAD, f"loading {job.name}")
+        yield from self.supervision.check()
         for line in job.setup:
             yield from operation.ask(line)
         yield from operation.ask(f"%{100.0 * operation.override:g}")

@@ -27,7 +27,7 @@ from yarclang.runtime.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIEN
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.protocol import GREETING
-from yarclang.runtime.rest import come_to_rest, described, leave, stands_at
+from yarclang.runtime.rest import LONGEST, come_to_rest, described, leave, stands_at
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.streaming import Stream
 from yarclang.runtime.watching import RESET_REMEDY, were_reset
@@ -37,7 +37,13 @@ AGAIN_FOR = 10.0
 
 _AGAIN_EACH = 0.5
 
+_HELD_WITHIN = 3.0
+"""A robot that hasn't come to rest by then, and four hold times, isn't stopped by a hold [s]."""
+
 _ABORTED = "aborted: off its path"
+
+_MOTOR_FAULT = "Y1602"
+"""A motor can't move: somebody may have moved its limits."""
 
 _PATIENCE_AT_REST = 10.0
 """How long a controller may be busy where it is only asked where the robot stands [s]."""
@@ -164,6 +170,15 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
         joints, aborted = yield from _end_at_rest(operation, robot)
         if aborted and _ABORTED not in what:
             what = _ABORTED if event is Event.STOP else f"{what}; then {_ABORTED}"
+        if (
+            why.code == _MOTOR_FAULT
+            and joints is not None
+            and (told := (yield from stream.supervision.compare(all_=True)))
+        ):
+            what, remedy = (
+                f"{what}; and since it was looked at, {told}",
+                "find out who else uses this controller",
+            )
         yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
         operation.go(event, what)
@@ -184,12 +199,17 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
     operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
     while True:
         try:
-            motors = yield from come_to_rest(operation, robot)
+            longest = LONGEST if aborted else _HELD_WITHIN + 4.0 * robot.controller.hold_time
+            motors = yield from come_to_rest(operation, robot, longest)
             break
         except Interrupted:
             operation.orders.clear()
-            aborted = True
-            yield from operation.abort()
+        except Trouble:
+            if aborted:
+                raise
+        # a person wants it, or a hold doesn't stop what moves: a jog of somebody else
+        aborted = True
+        yield from operation.abort()
     operation.watch = ()
     yield from leave(operation, robot)
     if were_reset(motors):

@@ -39,7 +39,7 @@ class Rotary:
         self.operation = operation
         self.job = job
         self.feed = Feed(job)
-        self.supervision = Supervision(operation, job.robot)
+        self.supervision = Supervision(operation, job)
         self.course = Course(job.robot, job.start, job.slack, job.segment)
 
     def define(self) -> Script[None]:
@@ -104,7 +104,8 @@ class Rotary:
             yield from look_at_motors(self.operation, self.job.robot)
             raise Trouble(
                 f"underrun: the rotary ran dry with {self.feed.left} lines to come; the robot comes to rest off its path",
-                "find out what delayed this computer or the link; the guard PLC should have held before (`yarc doctor`)",
+                "find out what delayed this computer or the link, or who else uses this controller; the guard PLC should have held before "
+                "(`yarc doctor`)",
                 "Y1607",
             )
 

@@ -110,6 +110,7 @@ class Stream:
         operation = self.operation
         yield from away_from_start(operation, self.job)
         operation.go(Event.LOAD, f"loading {self.job.name}")
+        yield from self.supervision.check()
         yield from self._load()
         operation.watch = URGENT
         for step in (self._begin, self._stream, self._end):

@@ -23,6 +23,7 @@ from yarclang.pmac.variables import (
 )
 from yarclang.robot.model import Controller, Robot
 from yarclang.runtime.actions import Lost, Script, Trouble, Wait
+from yarclang.runtime.job import Job
 from yarclang.runtime.memory import Memory, Question, Remembered
 from yarclang.runtime.operation import Operation, Refused, number_in
 from yarclang.units import MS
@@ -40,6 +41,7 @@ _MOTOR_VARIABLES = {
     24: "flags and limit switches",
 }
 """Variables of each motor that no robot says, and that no other client may change while it moves: Ixx00, Ixx11, Ixx24."""
+_MARKS = ("I16, lines below which the guard holds", "I17, lines from which on the rotary counts as full")
 _HOLD_SLEW = 95
 """Isx95: how fast a hold changes the time base."""
 _TIME_BASE = 93
@@ -161,10 +163,11 @@ class Supervision:
         found: what somebody else has changed, until it was told.
     """
 
-    def __init__(self, operation: Operation, robot: Robot) -> None:
+    def __init__(self, operation: Operation, job: Job) -> None:
         self.operation = operation
-        self._robot = robot
-        self._winds = wound_up(robot.controller, operation.silence)
+        self._robot = job.robot
+        self._marks = Remembered(Question(_MARKS, ("I16", "I17")), (str(job.low), str(job.full)))
+        self._winds = wound_up(job.robot.controller, operation.silence)
         self._question = f"PR%{ARMED}{HEARTBEAT}{WATCHED}{ECHO}{self._winds}"
         self._seldom = cycle(operation.memory.seldom) if operation.memory.seldom else None
         self._arms: list[tuple[int, float]] = []
@@ -319,6 +322,19 @@ class Supervision:
 
     # settings
 
+    def check(self) -> Script[None]:
+        """Check, before anything moves, that nobody has changed anything since the look.
+
+        Raises:
+            Trouble: somebody has.
+        """
+        if told := (yield from self.compare(all_=True)):
+            raise Trouble(
+                f"somebody else uses this controller: since it was looked at, {told}",
+                "find out who, and put it back; `yarc doctor` looks again",
+                "Y1605",
+            )
+
     def hold_again(self, told: str) -> str:
         """Return the assignment without which no hold comes to rest as it was proved; empty if nobody has changed that.
 
@@ -337,7 +353,9 @@ class Supervision:
         """
         memory = self.operation.memory
         seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []
-        for one in (*memory.often, *seldom):
+        marks = (self._marks,) if self._watching else ()  # each program has its own
+        asked: list[Remembered] = [*memory.often, *marks, *seldom]
+        for one in asked:
             try:
                 reply = yield from self.operation.ask(one.question.line)
             except Refused as refused:

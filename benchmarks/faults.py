@@ -62,8 +62,12 @@ COUNTS = 96 * 32
 EACH = 0.005
 """Time between two looks at the motors [s]."""
 
-STILL, STANDS = 0.02, 0.15
+STILL, STANDS = 0.02, 0.05
 """A motor that has gone by less [counts] for so long [s] stands."""
+
+SAYS_HOLD = re.compile(r'hold: |\{"event": "state", .*"state": "hold"')
+HOLD_TIME = 0.45
+"""The robot's hold time, and what a busy computer may add [s]."""
 
 LOST_AFTER = 3.0
 """A robot that still moves after this time, and by nobody's will, is lost [s]."""
@@ -474,7 +478,7 @@ class Other:
             time.sleep(max(0.0, due - time.monotonic()))
 
     def stands_since(self, since: float) -> float | None:
-        """When the motors have come to rest after a time, for 150 ms at least; None if they haven't."""
+        """When the motors have come to rest after a time, for 50 ms at least; None if they haven't."""
         looks = self.looks[-2000:]
         first: float | None = None
         for before, after in pairwise(looks):
@@ -693,14 +697,19 @@ def faults() -> list[Fault]:
         flow("OPEN PLC 29 CLEAR", "P8103=P8103+1", "CLOSE", "ENABLE PLC 29", within=SETTINGS, watch=9.0),
         flow("OPEN PLC 0 CLEAR", "P1=0", "P8105=P8103", "CLOSE", "ENABLE PLC 0", within=SETTINGS, watch=9.0),
         says("I5112=8388607", goes_on=True),
+        says("I5112=0", goes_on=True),
+        flow("P8100=2", goes_on=True),
+        flow("P8104=2", goes_on=True),
+        flow("P8100=2 P8104=2", goes_on=True),
+        flow("P8103=0", goes_on=True, within=None),
         says("&1R", held=True, within=0.6),
         says("#1J+", held=True, off=True, within=0.6),
         says("&1%50", held=True),
         says("P8104=0", held=True),
         says("DELETE ROT", held=True),
         # settings
-        settings("I5195=1", undo=("I5195=6576",), watch=16.0),
-        settings("I115=0.01"),
+        settings("I5195=1"),
+        settings("I115=0.01", undo=("I115=6.1279",), watch=16.0),
         settings("I111=0"),
         settings("I124=$20000"),
         settings("I113=1", off=True),
@@ -720,6 +729,9 @@ def faults() -> list[Fault]:
         says("#1HM", off=True),
         says("#1J+", off=True),
         says("CLOSE ALL", goes_on=True),
+        says("OPEN PROG 1 CLEAR"),
+        says("SAVE", goes_on=True),
+        says("$$$***", off=True, within=SETTINGS),
         says("OPEN ROT", "X99", "CLOSE", within=SETTINGS, watch=9.0),
         says("OPEN ROT", "P8190=1", "CLOSE", within=SETTINGS, watch=9.0),
         says("OPEN ROT", "CLEAR", "CLOSE", off=True),
@@ -757,11 +769,11 @@ def faults() -> list[Fault]:
         link("one digit of a line changed, TM 50", Proxy.change_digit, tm=50.0, within=SETTINGS, watch=9.0),
         # the host
         *(
-            host("kill -9", KILL, tm=tm, after=at)
+            host(f"kill -9 at {at:g} s", KILL, tm=tm, after=at)
             for tm, at in ((5.0, 0.4), (5.0, 1.0), (50.0, 0.4), (50.0, 1.0))
         ),
         *(
-            host("SIGSTOP", STOP, tm=tm, after=at)
+            host(f"SIGSTOP at {at:g} s", STOP, tm=tm, after=at)
             for tm, at in ((5.0, 0.4), (5.0, 1.0), (50.0, 0.4), (50.0, 1.0))
         ),
         host("kill -9 in a hold", KILL, held=True, watch=2.0),
@@ -944,7 +956,7 @@ def _beside_motor_1(counts: np.ndarray) -> float:
 
 
 def _rest(looks: np.ndarray, since: float, until: float) -> float | None:
-    """Return when the motors have first come to rest, for 150 ms at least [s from the fault on]; None if they haven't."""
+    """Return when the motors have first come to rest, for 50 ms at least [s from the fault on]; None if they haven't."""
     moving = np.abs(np.diff(looks[:, 4:], axis=0)).max(axis=1) > STILL
     first = since
     for when, moves in zip(looks[1:, 0], moving, strict=True):
@@ -960,22 +972,23 @@ def _find_wrong(
 ) -> None:
     moving = np.abs(np.diff(looks[:, 4:], axis=0)).max(axis=1) > STILL
     late = moving & (looks[1:, 0] > since + LOST_AFTER) & (looks[1:, 0] <= until)
-    wanted = any(
-        "goes on" in line or re.search(r"\bmove\b", line) for when, line in scene.run.said if when > since
-    )
+    holds = [when for when, line in scene.run.said if when >= since and SAYS_HOLD.match(line)]
     if not fault.goes_on and not fault.undo and late.any():
-        what = "after it went on by itself" if wanted else "LOST"
+        if fault.kind == "host" or fault.held or holds or scene.proxy.holds_after(since) is not None:
+            what = "LOST"
+        else:
+            what = "it goes on as if nothing had happened"
         found.wrong.append(f"{what}: it moves {looks[1:, 0][late].max() - since:.1f} s after the fault")
+    if holds and (found.rest is None or since + found.rest > holds[0] + HOLD_TIME):
+        found.wrong.append("it says hold, and the robot moves on")
     if found.off > OFF and not fault.off:
         found.wrong.append(f"OFF ITS PATH by {found.off:.0f} counts until rest")
     if found.off_later > OFF and not fault.off and found.off <= OFF:
         found.wrong.append(f"off its path by {found.off_later:.0f} counts later")
     if fault.within is not None and (found.noticed is None or found.noticed > fault.within):
         found.wrong.append(f"not noticed within {fault.within:g} s")
-    if fault.kind == "host" and found.rest is not None and not fault.goes_on and found.rest > 1.0:
+    if fault.kind == "host" and not fault.goes_on and (found.rest is None or found.rest > 1.0):
         found.wrong.append("not at rest within 1 s")
-    if not fault.goes_on and found.rest is None:
-        found.wrong.append("never at rest")
     text = "\n".join(line for _, line in (*scene.run.said, *scene.simulator.said))
     if "Traceback" in text or "internal error" in text or "this is a bug" in text:
         found.wrong.append("a traceback")

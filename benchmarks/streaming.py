@@ -24,6 +24,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+sys.path.pop(0)  # this folder's simulator.py would hide the folder of the same name there
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from runtime.virtual import World

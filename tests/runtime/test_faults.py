@@ -229,7 +229,7 @@ def test_something_else_at_the_address():
 
 
 GARBLED = {
-    "PR": (asks_flow, [b"2a\r100\r1\r5\r1\r5\r\x06", b"99999\r100\r1\r5\r1\r5\r\x06", b"-3\r100\r1\r5\r1\r5\r\x06", b"\r\x06", b"17\r\n\x06", b"1\r2\r\x06", b"\x07ERR00\r", b"\x00\x00"]),
+    "PR": (asks_flow, [b"2a\r1\r5\r1\r5\r100\r\x06", b"99999\r1\r5\r1\r5\r100\r\x06", b"-3\r1\r5\r1\r5\r100\r\x06", b"\r\x06", b"17\r\n\x06", b"1\r2\r\x06", b"\x07ERR00\r", b"\x00\x00"]),
     "status": (AskControl("\x02"), [b"8820000184\r", b"\x80\r", b"88200001840_ " * 8 + b"\r"]),
     "positions": (AskControl("\x10"), [b"1 2 3\r", b"1 2 3 4 5 x 7 8\r", b"nan " * 8 + b"\r"]),
     "following errors": (AskControl("\x06"), [b"1 2 3\r", b"0x0 " * 8 + b"\r"]),

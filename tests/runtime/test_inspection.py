@@ -431,7 +431,7 @@ def test_nothing_is_asked_that_moves():
     ]
     assert set(asked) <= {
         "I6=1 I3=2", "CLOSE", "CID", "TYPE", "&1??", "CLOSE ALL", "M8116", "P8100=1", "P8100", "P8100=0", "&1A",
-        "P8103", "I5112=136P8104=1", "I5112=136P8104", "P8104", "P8103P8105", "P8104=0",
+        "P8103", "I5112=136 P8104=1", "I5112=136 P8104", "P8104", "P8103P8105", "P8104=0",
     }  # fmt: skip
     assert {sent.request.character for sent in world.sent if isinstance(sent.request, Control)} == {"\x0c"}
 

@@ -143,7 +143,7 @@ def test_a_program_that_fits_is_loaded_whole():
     assert run(world, job).well
     first = world.asked.index("R")
     assert tuple(written(world)) == job.lines
-    assert any(line.startswith("PR%") for line in world.asked[:first])
+    assert any(" PR " in line for line in world.asked[:first])
     assert at_its_end(world, job)
 
 

@@ -413,7 +413,7 @@ def _is_harmless(line):
 
 def asks_flow(request):
     """Whether a request is the question of the flow."""
-    return isinstance(request, Ask) and request.line.startswith("PR%")
+    return isinstance(request, Ask) and re.match(r"I5\d12=\d+ PR ", request.line) is not None
 
 
 def ahead_in(reply):
@@ -435,9 +435,9 @@ def lines_of(request):
 
 def _only_asks(line):
     """Values, definitions and listings; the flow's question winds the watchdog up as well."""
-    asked = re.sub(r"I5\d12=\d+$", "", line) if line.startswith("PR%") else line
+    asked = re.sub(r"^I5\d12=\d+ PR | %$|(?<=\d) (?=P)", "", line)
     puts_back = r"I5\d95=\d+"  # without which no hold comes to rest
-    return bool(re.fullmatch(rf"(PR%)?([PIM]\d+(->)?|#\d+->)+|LIST PLC \d+|{puts_back}", asked))
+    return bool(re.fullmatch(rf"([PIM]\d+(->)?|#\d+->)+|LIST PLC \d+|{puts_back}", asked))
 
 
 def stopped_at_once(world):

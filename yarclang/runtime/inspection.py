@@ -324,11 +324,11 @@ def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]
     wound = wound_up(controller, _TRIAL)
     begun = since = operation.now
     (first,) = yield from operation.numbers(HEARTBEAT, 1)
-    yield from operation.ask(f"{wound}{WATCHED}=1")
+    yield from operation.ask(f"{wound} {WATCHED}=1")
     yield Wait(operation.now + _TRIAL / 2.0)
     again = operation.now
     # as each question of a run does: it begins anew, unless this computer is late
-    (flag,) = yield from operation.numbers(f"{wound}{WATCHED}", 1)
+    (flag,) = yield from operation.numbers(f"{wound} {WATCHED}", 1)
     since = again if flag == 1.0 else since
     while flag == 1.0 and operation.now - since < _GUARD_TIME:
         yield Wait(operation.now + 0.01)

@@ -86,6 +86,7 @@ class Operation:
         wanted_silence: that time, if a person has chosen it [s].
         slowest: the slowest reply since the last look began [s].
         beat: time between two beats of the guard PLC [s].
+        behind: how far this clock may be behind the controller's, of a simulator that waits for this process [s].
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -105,6 +106,7 @@ class Operation:
         self.wanted_silence: float | None = None
         self.slowest = 0.0
         self.beat = 0.0
+        self.behind = 0.0
 
     @property
     def now(self) -> float:

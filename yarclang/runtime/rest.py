@@ -97,7 +97,7 @@ def leave(operation: Operation, robot: Robot) -> Script[None]:
     """
     system = robot.controller.coordinate_system
     yield from operation.ask("CLOSE ALL")
-    yield from operation.ask(f"{ARMED}=0{WATCHED}=0")
+    yield from operation.ask(f"{ARMED}=0 {WATCHED}=0")
     motors = yield from motor_statuses(operation, robot)
     words = yield from system_words(operation, robot)
     if words.running or not any(motor.has("open loop") for motor in motors):

@@ -62,6 +62,7 @@ class Session:
         self.operation = Operation()
         self.operation.longest_sleep = max(LONGEST_SLEEP, reply_time + 1.0) * pace
         self._leash = math.inf if leash is None else leash
+        self.operation.behind = 0.0 if leash is None else 2.0 * leash  # each end leaves time out by itself
         self._most = math.inf
         self._left_out = 0.0
         self._reply_time = reply_time

@@ -241,7 +241,7 @@ class Stream:
         asked = operation.now
         found = yield from sample(operation, job.robot, job.offset + self.done)
         operation.notices.append(found)
-        executed = self.feed.executed_within(operation.now)
+        executed = self.feed.executed_within(operation.now, operation.behind)
         self.rotary.course.forget(executed[0])
         if operation.state is State.MOVE:
             off = self.rotary.course.off(found, executed, operation.now - asked)

@@ -168,7 +168,8 @@ class Supervision:
         self._robot = job.robot
         self._marks = Remembered(Question(_MARKS, ("I16", "I17")), (str(job.low), str(job.full)))
         self._winds = wound_up(job.robot.controller, operation.silence)
-        self._question = f"PR%{ARMED}{HEARTBEAT}{WATCHED}{ECHO}{self._winds}"
+        # what is commanded goes first, and % last: behind it, what follows might be taken for its value
+        self._question = f"{self._winds} PR {ARMED} {HEARTBEAT} {WATCHED} {ECHO} %"
         self._seldom = cycle(operation.memory.seldom) if operation.memory.seldom else None
         self._arms: list[tuple[int, float]] = []
         self._sent = 0
@@ -198,7 +199,7 @@ class Supervision:
                 what = f"the override stays at {percent:.4g} %, and is to be {wanted:g} %"
                 raise Trouble(what, "find out who else uses this controller", "Y1605")
             yield Wait(operation.now + _SLEWING)
-        yield from operation.ask(f"{self._winds}{WATCHED}=1")
+        yield from operation.ask(f"{self._winds} {WATCHED}=1")
         self._watching = True
         self._asked = operation.now
         self.slews(0.0)
@@ -250,7 +251,7 @@ class Supervision:
         asked = operation.now
         items = yield from operation.ask(self._question)
         try:
-            ahead, percent, armed, beat, watched, echo = (number_in(item) for item in items)
+            ahead, armed, beat, watched, echo, percent = (number_in(item) for item in items)
         except ValueError:
             raise Lost(f"{', '.join(items)!r} in reply to {self._question!r}") from None
         if not items[0].isdigit():

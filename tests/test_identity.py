@@ -6,12 +6,18 @@ from hypothesis import strategies as st
 
 from yarclang.identity import flat
 
-plain = st.one_of(st.none(), st.floats(), st.integers(), st.text(), st.binary())
+plain = st.one_of(
+    st.none(),
+    st.floats().map(lambda value: np.nan if np.isnan(value) else value),
+    st.integers(),
+    st.text(),
+    st.binary(),
+)
 parts = st.recursive(plain, lambda inner: st.lists(inner, max_size=3).map(tuple), max_leaves=8)
 
 
 def spelled(part):
-    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like another."""
+    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like another (of either sign, which nothing computes)."""
     return tuple(map(spelled, part)) if isinstance(part, tuple) else (type(part), repr(part))
 
 

@@ -67,6 +67,9 @@ LEAST_PATIENCE = 0.4
 AT_REST_WITHIN = 0.95
 """After which time the robot rests, when the computer that streams has died [s], if the link allows."""
 
+_SHORTEST_PATIENCE = 0.25
+"""Below which a busy computer would be held too often [s]."""
+
 _REPLIES, _LEAST_REPLIES = 4.0, 3.0
 _ONE_MORE = 0.1
 
@@ -74,15 +77,21 @@ _ONE_MORE = 0.1
 def patience_for(slowest: float, hold_time: float) -> float:
     """Return for how long a computer may be silent before its controller holds [s].
 
-    Four of the slowest replies that were seen, and `LEAST_PATIENCE` at least; the robot shall rest within `AT_REST_WITHIN`, unless three replies
-    take longer: so many lie between two words of a run.
+    Four of the slowest replies that were seen, and `LEAST_PATIENCE` at least; the robot shall rest within `AT_REST_WITHIN`. That isn't reached where three
+    replies take longer, as many as lie between two words of a run, or where a robot's hold alone takes so long: no computer is on time within less than
+    `_SHORTEST_PATIENCE`.
 
     Args:
         slowest: the slowest reply while the controller was looked at [s].
         hold_time: of the robot [s].
     """
     wanted = max(LEAST_PATIENCE, _REPLIES * slowest)
-    return max(min(wanted, AT_REST_WITHIN - hold_time), _LEAST_REPLIES * slowest + _ONE_MORE)
+    return max(min(wanted, AT_REST_WITHIN - hold_time), needed(slowest), _SHORTEST_PATIENCE)
+
+
+def needed(slowest: float) -> float:
+    """Return the silence that a link itself may cause [s], whose slowest reply took `slowest` [s]."""
+    return _LEAST_REPLIES * slowest + _ONE_MORE
 
 
 def wound_up(controller: Controller, seconds: float) -> str:
@@ -157,11 +166,7 @@ class Flow:
 
 
 class Supervision:
-    """Watches one controller while one job is streamed to it, and lets the controller watch this computer.
-
-    Attributes:
-        found: what somebody else has changed, until it was told.
-    """
+    """Watches one controller while one job is streamed to it, and lets the controller watch this computer."""
 
     def __init__(self, operation: Operation, job: Job) -> None:
         self.operation = operation

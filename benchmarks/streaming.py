@@ -36,7 +36,7 @@ from yarclang.pipeline.stages import compile_module
 from yarclang.robot.description import load_robot
 from yarclang.runtime.job import Job
 from yarclang.runtime.messages import Ask, Write, Written
-from yarclang.runtime.notices import Override, Remark, Stop
+from yarclang.runtime.notices import Hold, Remark, Resume, Stop
 from yarclang.runtime.performance import connect, perform
 from yarclang.runtime.protocol import Connection, fitting
 from yarclang.runtime.session import Session
@@ -160,7 +160,7 @@ async def latencies(options: list[str], count: int) -> list[float]:
         def spy(data: bytes) -> None:
             nonlocal ordered
             if ordered:
-                assert b"%" in data, "another request went before the order"
+                assert data.endswith(b"H"), "another request went before the order"
                 found.append(time.perf_counter() - max(ordered, arrived))
                 ordered = 0.0
             plain(data)
@@ -172,11 +172,16 @@ async def latencies(options: list[str], count: int) -> list[float]:
 
         wire.send = spy  # type: ignore[method-assign]
         wire.data_received = note  # type: ignore[method-assign]
-        for number in range(count):
+        for _ in range(count):
             await asyncio.sleep(random.uniform(0.03, 0.08))
             ordered = time.perf_counter()
-            # an override takes the same way as a hold, and can be given again and again
-            session.order(Override(99.0 if number % 2 else 100.0))
+            session.order(Hold())
+            while session.operation.state is not State.HOLD:
+                await asyncio.sleep(0.01)
+            await asyncio.sleep(2.0 * job.robot.controller.hold_time)
+            session.order(Resume())
+            while session.operation.state is not State.MOVE:
+                await asyncio.sleep(0.01)
         await asyncio.sleep(0.1)
         wire.send = plain  # type: ignore[method-assign]
         session.order(Stop())

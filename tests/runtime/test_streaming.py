@@ -556,6 +556,20 @@ def test_somebody_else_closes_all_buffers():
     assert tuple(written(world)) == job.lines
 
 
+def test_somebody_else_has_a_buffer_open():
+    job, plan = prepared(tm=5)
+    world = world_of(job, record=True)
+    since = world.now
+    world.do(lambda: world.say("OPEN PLC 5"), 1.0)
+    ended = run(world, job)
+    assert not ended.well
+    assert "refuses 'OPEN ROT': ERR007" in ended.what
+    assert "CLOSE it there" in ended.remedy
+    assert moved_along(world, job, plan, since) < 1.0
+    world.say("CLOSE")
+    goes_again(world, job)
+
+
 def test_somebody_else_moves_the_robot_during_a_hold():
     job, _ = prepared(tm=5)
     world = world_of(job)

@@ -14,6 +14,10 @@ from yarclang.cli.options import PositiveNumber, file_argument
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+_LEAST_PATIENCE, _MOST_PATIENCE = 0.1, 60.0
+"""With less, a controller would hold at each pause of a computer; with more, nobody watches a robot whose computer is dead [s]."""
+
+
 def controller_option(function: F) -> F:
     """--to sim|tcp://HOST[:PORT]; a simulator of our own is None."""
     return click.option(
@@ -29,7 +33,7 @@ def patience_option(function: F) -> F:
     """--patience S."""
     return click.option(
         "--patience",
-        type=PositiveNumber("S"),
+        type=PositiveNumber("S", _LEAST_PATIENCE, _MOST_PATIENCE),
         help="How long this computer and the link may be silent before the controller holds, s (default: 0.4, or what the "
         "link needs). The robot of a dead computer moves on for so long.",
     )(function)

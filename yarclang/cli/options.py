@@ -70,10 +70,11 @@ class Numbers(ParamType[tuple[float, ...]]):
 
 
 class PositiveNumber(ParamType[float]):
-    """One positive, finite number."""
+    """One positive, finite number, within bounds if there are any."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, least: float = 0.0, most: float = math.inf) -> None:
         self.name = name
+        self._least, self._most = least, most
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The text as a number; what isn't one is wrong usage."""
@@ -83,6 +84,8 @@ class PositiveNumber(ParamType[float]):
             self.fail(f"{value!r} isn't a number", param, ctx)
         if not (math.isfinite(number) and number > 0):
             self.fail(f"{value!r} isn't a positive number", param, ctx)
+        if not self._least <= number <= self._most:
+            self.fail(f"{value!r} isn't between {self._least:g} and {self._most:g}", param, ctx)
         return number
 
 

@@ -5,7 +5,7 @@ It is open on our port only within the packet that feeds it: an open one stores 
 
 from __future__ import annotations
 
-from yarclang.pmac.errors import ERRORS, NO_ROOM
+from yarclang.pmac.errors import BUFFER_IN_USE, ERRORS, NO_ROOM
 from yarclang.runtime.actions import Lost, Script, Trouble
 from yarclang.runtime.course import Course
 from yarclang.runtime.feed import AROUND, Feed
@@ -73,9 +73,12 @@ class Rotary:
             self.course.append(packet)
             return
         yield from look_at_motors(self.operation, self.job.robot)
+        opens = written.error == BUFFER_IN_USE and (written.line or 0) <= 1
         raise Trouble(
             _refusal(written, self.feed.sent),
-            "the robot ends at rest; run `yarc doctor`, then the program again",
+            "somebody else has a buffer of this controller open: find out who, and CLOSE it there"
+            if opens
+            else "the robot ends at rest; run `yarc doctor`, then the program again",
             "Y1603",
             self.feed.sent + max((written.line or 2) - 2, 0),
         )

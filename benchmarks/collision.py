@@ -13,6 +13,7 @@ import numpy as np
 from yarclang.cell.description import Names, read_cell
 from yarclang.certify import judgement
 from yarclang.certify.clearance import find_clearances
+from yarclang.certify.handled import Handled
 from yarclang.certify.torque import find_torques
 from yarclang.collision.placing import too_near
 from yarclang.collision.scene import scene_of
@@ -200,9 +201,9 @@ def torques_of_palletising(robot: Robot) -> float:
     assert opened.value is not None
     spent: list[float] = []
 
-    def timed(layout: object, _: object) -> object:
-        assert find_torques(layout, heavy)[1] == []
-        spent.append(best(lambda: find_torques(layout, heavy)))
+    def timed(layout: object, _: object, handled: object) -> object:
+        assert find_torques(layout, heavy, handled)[1] == []
+        spent.append(best(lambda: find_torques(layout, heavy, handled)))
         return {}, []
 
     judgement.find_torques = timed
@@ -222,9 +223,9 @@ def palletising(cell: object) -> tuple[float, float, float]:
         assert made.value is not None, made.diagnostics
         return made.value
 
-    def checked(layout: object, program: object, arm: object) -> object:
+    def checked(layout: object, program: object, arm: object, _: object) -> object:
         begun = time.perf_counter()
-        found = find_clearances(layout, replace(program, cell=cell), arm)
+        found = find_clearances(layout, replace(program, cell=cell), arm, Handled(cell, {}, {}))
         spent.append((time.perf_counter() - begun) * 1e3)
         return found
 

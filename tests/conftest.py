@@ -6,6 +6,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
+import one_thread  # noqa: F401 - before numpy is imported
 import pytest
 from hypothesis import settings
 

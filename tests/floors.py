@@ -1,6 +1,8 @@
 """Floors of tests that draw their cases by chance: the share of the cases that must really be exercised.
 
 A test that may leave a case early passes with an empty run if all cases are left early. Such a test counts its cases, and its floor fails the run.
+
+A share of few cases is below its floor by chance now and then. Then more are drawn, and all of them together are held to the floor.
 """
 
 import functools
@@ -32,8 +34,12 @@ class Tally:
         ]
 
 
+ROUNDS = 8
+"""A test whose shares are below their floors draws its cases at most so many times."""
+
+
 def exercises(**floors):
-    """Decorate a test that runs many drawn cases: the test gets a `tally`, and fails if a share is below its floor.
+    """Decorate a test that runs many drawn cases: the test gets a `tally`, and fails if a share is below its floor in all rounds together.
 
     The decorator stands above `given`, and `tally` is the first parameter of the test.
     """
@@ -42,8 +48,11 @@ def exercises(**floors):
         @functools.wraps(test)
         def held(*args, **kwargs):
             tally = Tally()
-            test(*args, tally=tally, **kwargs)
-            assert not (short := tally.below(floors)), "; ".join(short)
+            for _ in range(ROUNDS):
+                test(*args, tally=tally, **kwargs)
+                if not (short := tally.below(floors)):
+                    return
+            raise AssertionError("; ".join(short))
 
         signature = inspect.signature(test)
         rest = [one for name, one in signature.parameters.items() if name != "tally"]

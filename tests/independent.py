@@ -37,20 +37,58 @@ class Arm:
         frame = self.data["frames"]["TCP"]
         rotation = Rotation.from_euler("xyz", frame.get("rpy", [0, 0, 0]), degrees=True).as_matrix()
         self.tcp = pinocchio.SE3(rotation, np.array(frame.get("xyz", [0, 0, 0])) * 1e-3)
+        self._last = None, None
+        self._straight = self._pose(np.zeros(len(ids)))
+        self._screws = self._screws_of(ids)
+        for q in np.random.default_rng(0).uniform(-2.0, 2.0, (3, len(ids))):
+            places, turns = self._by_screws(q[None])
+            np.testing.assert_allclose(places[0], self._pose(q).translation, atol=1e-12)
+            np.testing.assert_allclose(turns[0], self._pose(q).rotation, atol=1e-12)
 
     def poses(self, q_deg):
-        """Positions [mm] and rotations of {TCP} in {B} for joint positions in deg (mm)."""
-        points, rotations = [], []
+        """Positions [mm] and rotations of {TCP} in {B} for joint positions in deg (mm). What is asked again at once isn't computed again."""
+        q_deg = np.asarray(q_deg)
+        key = q_deg.shape, q_deg.tobytes()
+        if self._last[0] != key:
+            places, turns = self._by_screws(q_deg * self.si)
+            self._last = key, (places * 1e3, Rotation.from_matrix(turns))
+        return self._last[1]
+
+    def _pose(self, q):
+        """The pose by Pinocchio [m], of joint positions [rad or m]."""
         whole = pinocchio.neutral(self.model)
-        for q in q_deg * self.si:
-            whole[self.places] = q
-            pinocchio.forwardKinematics(self.model, self.workspace, whole)
-            base = pinocchio.updateFramePlacement(self.model, self.workspace, self.base)
-            flange = pinocchio.updateFramePlacement(self.model, self.workspace, self.flange)
-            pose = base.actInv(flange) * self.tcp
-            points.append(pose.translation * 1e3)
-            rotations.append(pose.rotation)
-        return np.array(points), Rotation.from_matrix(np.array(rotations))
+        whole[self.places] = q
+        pinocchio.forwardKinematics(self.model, self.workspace, whole)
+        base = pinocchio.updateFramePlacement(self.model, self.workspace, self.base)
+        flange = pinocchio.updateFramePlacement(self.model, self.workspace, self.flange)
+        return base.actInv(flange) * self.tcp
+
+    def _screws_of(self, ids):
+        """Axes and moments of the joints in {B} by Pinocchio, those of the slides without a turn."""
+        whole = pinocchio.neutral(self.model)
+        whole[self.places] = 0.0
+        jacobians = pinocchio.computeJointJacobians(self.model, self.workspace, whole)
+        base = pinocchio.updateFramePlacement(self.model, self.workspace, self.base)
+        columns = [jacobians[:, self.model.joints[number].idx_v] for number in ids]
+        return [base.actInv(pinocchio.Motion(column)) for column in columns]
+
+    def _by_screws(self, q):
+        """The same as `_pose` of many joint positions (N, n) at once: a product of exponentials."""
+        count = len(q)
+        places, turns = (
+            np.tile(self._straight.translation, (count, 1)),
+            np.tile(self._straight.rotation, (count, 1, 1)),
+        )
+        for screw, slides, value in reversed(list(zip(self._screws, self.slides, q.T, strict=True))):
+            if slides:
+                places = places + value[:, None] * screw.linear
+                continue
+            axis, moment = screw.angular, screw.linear
+            point = np.cross(axis, moment)
+            turn = Rotation.from_rotvec(value[:, None] * axis).as_matrix()
+            places = np.einsum("nij,nj->ni", turn, places - point) + point
+            turns = turn @ turns
+        return places, turns
 
 
 @dataclass

@@ -11,7 +11,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation, Slerp
 
-DENSE = 3000
+DENSE, SHORT = 3000, 10.0
+"""Points of a polyline; of a path that gets no farther than so [mm], a tenth of them."""
+
 TURN_CHORD = 100.0
 """How much of a spline's parameter [mm] a turn of 1 rad takes."""
 
@@ -31,6 +33,7 @@ class Said:
     time: str = "[MIN]"
     blend: float | None = None
     acc: float = 1.0
+    tol: float | None = None
 
     @property
     def in_joints(self):
@@ -71,15 +74,16 @@ def path(arm, said, start, goals, way_points):
     if said.kind == "joint_spline":
         return _joint_spline(np.array([start, *way_points]), arm.si)
     (first,), turns = arm.poses(start[None])
-    points, rotations = _of_frame(said, first, turns[0], goals)
-    return embedded(arm, points, rotations)
+    return embedded(arm, said, *_of_frame(said, first, turns[0], goals))
 
 
-def embedded(arm, points, rotations):
-    """Poses as vectors (N, 12) in units of the robot's tolerance."""
+def embedded(arm, said, points, rotations):
+    """Poses as vectors (N, 12) in units of the motion's tolerance."""
     tolerance = arm.data["tolerance"]
-    turns = rotations.as_matrix().reshape(-1, 9) / np.sqrt(2.0) / np.radians(tolerance["angle"])
-    return np.concatenate((points / tolerance["position"], turns), axis=1)
+    # a degree for each millimetre of TOL, if that is more
+    angle = max(tolerance["angle"], said.tol or 0.0)
+    turns = rotations.as_matrix().reshape(-1, 9) / np.sqrt(2.0) / np.radians(angle)
+    return np.concatenate((points / (said.tol or tolerance["position"]), turns), axis=1)
 
 
 def nearest(samples, polyline):
@@ -104,14 +108,15 @@ def off(arm, said, samples, polyline):
     if said.in_joints:
         each = np.where(arm.slides, tolerance["position"], tolerance["angle"])
         return np.abs((samples - nearest(samples, polyline)) / each).max(axis=1)
-    places = embedded(arm, *arm.poses(samples))
+    places = embedded(arm, said, *arm.poses(samples))
     miss = places - nearest(places, polyline)
     return np.maximum(np.linalg.norm(miss[:, :3], axis=1), np.linalg.norm(miss[:, 3:], axis=1))
 
 
 def _of_frame(said, first, turn, goals):
     """Positions [mm] and rotations along a path of the moving frame, densely."""
-    s = np.linspace(0.0, 1.0, DENSE)
+    short = np.linalg.norm(goals[-1][0] - first) < SHORT
+    s = np.linspace(0.0, 1.0, DENSE // 10 if short else DENSE)
     if said.kind == "pose_spline":
         return _pose_spline(first, turn, goals, s)
     point, rotation = goals[-1]

@@ -12,8 +12,10 @@ from independent_paths import Said, goals_from, off, path
 from scipy.spatial.transform import Rotation
 
 PROFILES = ("", "_LSPB", "_POLY5", "_SCURVE", "_TOPP")
-TIMES = ("[MIN]", "[MIN]", "[4.7]", "[3]", "[8]", "[12]", "[50%]")
-SPEEDS = ("[V 20]", "[V 50]", "[V 10]")
+TIMES = ("[MIN]", "[MIN]", "[4.7]", "[3]", "[6]", "[5]", "[50%]")
+SPEEDS = ("[V 20]", "[V 50]", "[V 80]")
+"""None so slow that a motion has thousands of segments, which take long and ask no more."""
+
 KINDS = (
     "joints",
     "joints_to_pose",
@@ -41,11 +43,7 @@ def drawn(arm, random, most=5):
     room = np.minimum(arm.upper - middle, middle - arm.lower)
     (point,), turns = arm.poses(middle[None])
     reach = np.linalg.norm(point) / 10.0
-    lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
-    said = {}
-    if arm.data["name"] == "INDUSTRIAL6":  # its wrist is straight at home
-        lines.append(f"P0001 MOVEJ {_numbers(middle)} [MIN]")
-        said[0] = Said("joints", [np.round(middle, 4)])
+    lines, said = _begun(arm, middle)
     step = len(said)
     # way-points as far apart as a joint that turns once and more allows lead nearly all splines of such an arm into itself
     spread = np.where(room > 180.0, 100.0, room)
@@ -124,6 +122,86 @@ def drawn(arm, random, most=5):
     return Program("\n".join(lines) + "\n", said)
 
 
+def _begun(arm, middle):
+    """The first lines of a program, and what is said there by step."""
+    lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
+    if arm.data["name"] != "INDUSTRIAL6":
+        return lines, {}
+    # its wrist is straight at home
+    return [*lines, f"P0001 MOVEJ {_numbers(middle)} [MIN]"], {0: Said("joints", [np.round(middle, 4)])}
+
+
+def drawn_chain(arm, random):
+    """A program of chains of short pieces: lines, arcs, splines of poses, increments, turns of the tool; with stops, outputs and waits between."""
+    middle = _middle(arm)
+    (point,), turns = arm.poses(middle[None])
+    lines, said = _begun(arm, middle)
+    step, turn, begin = len(said), turns[0], point
+    # parts of up to 40 motions are tried in several ways, which takes seconds
+    is_long = random.random() < 0.7
+    count = int(random.integers(43, 52)) if is_long else 3
+    stops = {count - 3} if is_long and random.random() < 0.4 else set()
+    ball = float(random.choice([0.0, 0.3, 0.3]))
+    times = random.choice([*SPEEDS, "[MIN]"], 2)
+    plane = Rotation.random(random_state=int(random.integers(2**31))).as_matrix()[:, :2]
+    bend = float(random.choice([0.02, 0.1, 0.6])) if ball else 0.01
+    turning = float(random.choice([0.0, 0.0, 0.3, 1.0]))
+    axis, heading = Rotation.random(random_state=int(random.integers(2**31))).as_matrix()[0], 0.0
+    still = int(random.integers(count)) if random.random() < 0.1 else None
+    for number in range(count):
+        kind = str(random.choice(["line", "arc", "pose_spline", "delta"], p=[0.7, 0.12, 0.08, 0.1]))
+        size = (
+            0.0
+            if number == still
+            else float(random.uniform(0.7, 3.0)) * (1.0 if kind in ("line", "delta") else 2.0)
+        )
+        tilt = turning * np.sign((number // 12) % 2 - 0.5) * size + (2.0 if number == still else 0.0)
+        # a single short piece, or one of a few, may be too short for its speed
+        common = {
+            "time": str(times[number * 2 // count]) if is_long and number < count - 2 else "[MIN]",
+            "tol": 0.05,
+        }
+        goals, before = [], (begin, turn)
+        for _ in range(2):
+            heading += 0.5 * random.normal(0.0, bend) + 0.5 * bend * np.sin(number / 6.0)
+            begin = begin + 0.5 * size * plane @ [np.cos(heading), np.sin(heading)]
+            turn = Rotation.from_rotvec(np.radians(0.5 * tilt) * axis) * turn
+            rpy = np.round(turn.as_euler("xyz", degrees=True), 4)
+            goals.append(
+                (np.round(begin, 4), rpy, (np.round(begin, 4), Rotation.from_euler("xyz", rpy, degrees=True)))
+            )
+        (via, rpy, half), (place, last, goal) = goals
+        if number == still or kind == "line":
+            words, one = f"MOVEL {_numbers([*place, *last])}", Said("line", [goal], **common)
+        elif kind == "arc":
+            words, one = (
+                f"MOVEC {_numbers(via)}; {_numbers([*place, *last])}",
+                Said("arc", [goal], via=via, **common),
+            )
+        elif kind == "pose_spline":
+            words = f"MOVEL_SPLINE {_numbers([*via, *rpy])}; {_numbers([*place, *last])}"
+            one = Said("pose_spline", [half, goal], **common)
+        else:
+            turn = before[1]
+            shift = np.round(turn.inv().apply(begin - before[0]), 4)
+            begin = before[0] + turn.apply(shift)
+            words = f"DMOVE {_numbers([*shift, 0, 0, 0])}"
+            one = Said("line", [(shift, Rotation.identity())], relative=True, **common)
+        options = " TOL 0.05"
+        if number < count - 1 and number not in stops:
+            one.blend = ball if is_long else min(ball, 0.25)
+            options += f" BLEND {one.blend:g}"
+        base = " {TCP}" if one.relative else ""
+        lines.append(f"P{(step + 1) * 10:04d} {words} {one.time}{base}{options}")
+        said[step] = one
+        step += 1
+        if number in stops or random.random() < 0.03:
+            stands = number in stops and random.random() < 0.5
+            lines.append(f"P{(step + 1) * 10:04d} {'WAIT [0.1]' if stands else 'SET LAMP ON'}")
+            step += 1
+    return Program("\n".join(lines) + "\n", said)
+
+
 def features(program):
     """Yield for each motion of a program what it is counted as: its kind, law and time, and what is said beside these.
 
@@ -168,13 +246,15 @@ def faults(arm, said, text, chosen, told):
     stands, executed = independent.read(text)
     overlaps = independent.overlaps(text)
     steps = sorted(said)
-    corner, flows_in, ball_before = stands, False, None
+    corner, flows_in, ball_before = stands, None, None
+    before = None
     for place, step in enumerate(steps):
         one, done = said[step], executed[step]
         following = said[steps[place + 1]] if place + 1 < len(steps) else None
         goals = goals_from(arm, one, corner)
         ends = chosen[step] / arm.si
-        flows_on = overlaps.get(step, 0) > 0
+        # None at rest, 0 where the corner may not be left
+        flows_on = overlaps.get(step)
         label = f"step {step} {one.kind}"
         found += [f"{label}: {fault}" for fault in _not_solutions(arm, goals, ends)]
         found += [
@@ -182,18 +262,28 @@ def faults(arm, said, text, chosen, told):
         ]
         q = done.sample()
         for flows, end, where in ((flows_in, corner, 0.0), (flows_on, ends[-1], done.duration)):
-            if not flows:
+            if flows is None:
                 if np.abs(done.spline(where, nu=1) * arm.si).max() > 2e-6:
                     found.append(f"{label}: no rest at {where:.3f} s")
                 if np.abs(done.spline(where) - end).max() > 3e-5:
                     found.append(f"{label}: not at its place at {where:.3f} s")
-        shares = off(arm, one, q, path(arm, one, corner, goals, ends))
-        ball = _ball(arm, one, following, ends[-1]) if flows_on else None
+        way = one, path(arm, one, corner, goals, ends)
+        shares = off(arm, one, q, way[1])
+        ball = _ball(arm, one, following, ends[-1]) if flows_on and one.blend else None
         in_ball = np.zeros(len(q), bool)
         for inside in (ball_before, ball):
             if inside is not None:
                 in_ball |= inside(q) <= 1.0
         shares[in_ball] = 0.0
+        beside = np.zeros(len(q), bool)
+        if (rows := _beside(flows_in, said[steps[place - 1]])) is not None:
+            beside[:rows] = True
+            shares[:rows] = np.minimum(shares[:rows], off(arm, before[0], q[:rows], before[1]))
+        if (rows := _beside(flows_on, one)) is not None:
+            next_goals, next_ends = goals_from(arm, following, ends[-1]), chosen[steps[place + 1]] / arm.si
+            next_path = path(arm, following, ends[-1], next_goals, next_ends)
+            beside[-rows:] = True
+            shares[-rows:] = np.minimum(shares[-rows:], off(arm, following, q[-rows:], next_path))
         if shares.max() > 1.0 + 1e-3:
             found.append(f"{label}: off the path by {shares.max():.4f} of the tolerance")
         if (
@@ -203,10 +293,15 @@ def faults(arm, said, text, chosen, told):
         ):
             found.append(f"{label}: takes {done.duration:.6f} s")
         if one.speed is not None:
-            reaches = "Y0610" not in told.get(step, ()) and not (flows_in or flows_on)
-            found += [f"{label}: {fault}" for fault in _off_speed(arm, one, done, in_ball, reaches)]
-        corner, flows_in, ball_before = ends[-1], flows_on, ball
+            reaches = "Y0610" not in told.get(step, ()) and flows_in is None and flows_on is None
+            found += [f"{label}: {fault}" for fault in _off_speed(arm, one, done, in_ball | beside, reaches)]
+        corner, flows_in, ball_before, before = ends[-1], flows_on, ball, way
     return found
+
+
+def _beside(segments, one):
+    """The samples that may be on the path of either motion at a corner that isn't left: it is passed in the overlap, or a segment beside."""
+    return None if segments is None or (segments and one.blend) else 8 * (segments // 2 + 1) + 1
 
 
 def _not_solutions(arm, goals, ends):
@@ -227,9 +322,9 @@ def _not_solutions(arm, goals, ends):
 def _beyond(arm, one, done, said, steps, place, flows_in, flows_on):
     """Limits that are broken at any sample."""
     beside = [one]
-    if flows_in:
+    if flows_in is not None:
         beside.append(said[steps[place - 1]])
-    if flows_on:
+    if flows_on is not None:
         beside.append(said[steps[place + 1]])
     share = max(other.share for other in beside)
     ramp = max(other.share * other.acc for other in beside)
@@ -247,7 +342,7 @@ def _ball(arm, one, following, corner):
     if one.in_joints and following.in_joints:
         return lambda q: np.abs(q - corner).max(axis=1) / one.blend
     (point,), _ = arm.poses(corner[None])
-    return lambda q: np.linalg.norm(arm.poses(q)[0] - point, axis=1) / one.blend
+    return lambda q: np.linalg.norm(arm.poses(q)[0] - point, axis=1) / (one.blend + (one.tol or 0.0))
 
 
 def _off_speed(arm, one, done, in_ball, reaches):

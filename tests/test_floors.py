@@ -34,6 +34,18 @@ def test_an_empty_run_fails(empty):
         empty()
 
 
+def test_an_unlucky_round_is_followed_by_others():
+    rounds = []
+
+    @exercises(one=0.5)
+    def unlucky(tally):
+        rounds.append(len(rounds) >= 2)
+        tally.count("one", rounds[-1])
+
+    unlucky()
+    assert rounds == [False, False, True, True]
+
+
 @pytest.mark.parametrize(("reached", "passes"), [(2, False), (3, True)])
 def test_a_floor_is_a_share_of_what_is_drawn(reached, passes):
     tally = Tally()

@@ -73,6 +73,7 @@ def test_extras(wheel: zipfile.ZipFile):
     assert set(Parser().parsestr(wheel.read(name).decode()).get_all("Provides-Extra", [])) == {
         "test",
         "dev",
+        "pendant",
         "view",
     }
 

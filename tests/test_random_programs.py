@@ -1,6 +1,6 @@
 """Whatever compiles keeps every limit and the tolerance, as an independent reading of the text finds.
 
-Usually 500 programs are drawn, about three minutes of one core; YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so
+Usually 400 programs and 20 of chains are drawn, about three minutes of one core; YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so
 many, for a night: `YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is told with its program and its seed.
 
 A planner that refuses everything keeps all limits. So each arm's first block of programs, which every run draws, is held to `FLOORS`: of each kind of motion,
@@ -16,27 +16,27 @@ from floors import Tally, exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import compiled, planned, robot_of
-from random_programs import drawn, faults, features, told_by_step
+from random_programs import drawn, drawn_chain, faults, features, told_by_step
 from scipy.spatial.transform import Rotation
 
 from tests.robot.made_arms import DATA, REAL, made
 from yarclang.backend_pmac.emit import emit
 from yarclang.backend_pmac.lower import lower
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.motion.leading import frame_motions
+from yarclang.motion.leading import ahead, frame_motions
 from yarclang.motion.paths.arc import NoArc
 from yarclang.pipeline import stages
 from yarclang.pipeline.stages import Request, certified
 from yarclang.robot.description import load_robot
 from yarclang.source import Span
 
-COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "500"))
+COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "400"))
 """How many programs are drawn for all arms together."""
 
 EASY = 1000
 """Programs of seeds below have few motions."""
 
-BLOCK = 50
+BLOCK = 40
 """So many programs are one test: enough that each feature is drawn in a block, and few enough that tests run side by side."""
 
 FLOORS = dict.fromkeys(
@@ -47,6 +47,12 @@ FLOORS = dict.fromkeys(
     0.2,
 ) | {"programs": 0.4, "motions": 0.35, "corners passed in motion": 0.2}  # fmt: skip
 """The least share of an arm's first block that must be planned and certified, by feature."""
+
+CHAINS = max(4, COUNT // 100)
+"""Programs of chains for each arm: the longest programs."""
+
+CHAIN_FLOORS = {"chains": 0.4, "long chains": 0.4, "corners of chains": 0.7, "chains with outputs": 0.3}
+"""The least share of an arm's chains that must be planned and certified, and of their corners that must be passed without a stop."""
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 ARMS = {name: independent.Arm(load_robot(name).value.folder) for name in ROBOTS}
@@ -158,32 +164,33 @@ def folder(tmp_path_factory):
     return find
 
 
-def held(robot, arm, seeds):
-    """Draw the programs of some seeds, hold what is planned of them against an independent reading, and count what was planned.
+def held(robot, arm, program, seed):
+    """Hold what is planned of a program against an independent reading; return whether it was planned and certified, and where it flows.
 
     The planner may refuse. What it plans must be well by that reading, and by the certificate.
     """
+    plan, diagnostics = planned(program.text, robot)
+    if plan is None:
+        assert any(one.is_error for one in diagnostics)
+        return False, {}
+    request = Request(robot)
+    judged = certified(plan, request)
+    refused = [one.message for one in judged.diagnostics if one.is_error and one.code.startswith("Y11")]
+    text = emit(lower(plan, request.target, request.robot.tolerance)).text(())
+    chosen = {motion.step: motion.waypoints for motion in plan.motions}
+    told = told_by_step((*diagnostics, *judged.diagnostics))
+    found = faults(arm, program.said, text, chosen, told)
+    assert (found, refused) == ([], []), f"seed {seed}:\n{program.text}"
+    assert judged.value is not None or any(one.is_error for one in judged.diagnostics)
+    return judged.value is not None, independent.overlaps(text)
+
+
+def tallied(robot, arm, seeds, looked_at=held):
+    """Draw the programs of some seeds, hold each, and count what was planned."""
     tally = Tally()
     for seed in seeds:
         program = drawn(arm, np.random.default_rng(seed), most=3 if seed < EASY else 6)
-        plan, diagnostics = planned(program.text, robot)
-        flowing = {}
-        if plan is None:
-            assert any(one.is_error for one in diagnostics)
-        else:
-            request = Request(robot)
-            judged = certified(plan, request)
-            refused = [
-                one.message for one in judged.diagnostics if one.is_error and one.code.startswith("Y11")
-            ]
-            text = emit(lower(plan, request.target, request.robot.tolerance)).text(())
-            chosen = {motion.step: motion.waypoints for motion in plan.motions}
-            told = told_by_step((*diagnostics, *judged.diagnostics))
-            found = faults(arm, program.said, text, chosen, told)
-            assert (found, refused) == ([], []), f"seed {seed}:\n{program.text}"
-            assert judged.value is not None or any(one.is_error for one in judged.diagnostics)
-            flowing = independent.overlaps(text)
-        well = plan is not None and judged.value is not None
+        well, flowing = looked_at(robot, arm, program, seed)
         tally.count("programs", well)
         if " SET LAMP " in program.text:
             tally.count("SET", well)
@@ -191,7 +198,7 @@ def held(robot, arm, seeds):
             for name in names:
                 tally.count(name, well)
             if "BLEND" in names:
-                tally.count("corners passed in motion", well and flowing.get(step, 0) > 0)
+                tally.count("corners passed in motion", well and step in flowing)
     return tally
 
 
@@ -199,8 +206,26 @@ def held(robot, arm, seeds):
 @pytest.mark.parametrize("name", [*ROBOTS, *REAL_ARMS])
 def test_what_is_planned_keeps_limits_paths_and_times_and_is_certified(name, block, folder):
     robot, arm = folder(name)
-    tally = held(robot, arm, range(block * BLOCK, (block + 1) * BLOCK))
+    tally = tallied(robot, arm, range(block * BLOCK, (block + 1) * BLOCK))
     assert tally.below(FLOORS if block == 0 else {"programs": 0.2}) == []
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, *REAL_ARMS])
+def test_chains_of_short_pieces_are_one_path_and_keep_limits_paths_and_speeds(name, folder):
+    robot, arm = folder(name)
+    tally = Tally()
+    for seed in range(CHAINS):
+        program = drawn_chain(arm, np.random.default_rng(seed))
+        well, flowing = held(robot, arm, program, seed)
+        tally.count("chains", well)
+        if len(program.said) > 40:
+            tally.count("long chains", well)
+        if " SET LAMP " in program.text:
+            tally.count("chains with outputs", well)
+        for step, one in program.said.items():
+            if well and one.blend is not None:
+                tally.count("corners of chains", step in flowing)
+    assert tally.below(CHAIN_FLOORS) == []
 
 
 def test_a_planner_that_refuses_everything_is_found(monkeypatch, folder):
@@ -208,14 +233,24 @@ def test_a_planner_that_refuses_everything_is_found(monkeypatch, folder):
         return Result(None, (Diagnostic("Y0601", "refused", program.source, Span.on_line(1, 1, 2)),))
 
     monkeypatch.setattr(stages, "plan_program", refuse)
-    tally = held(*folder("TRACKED_MANIPULATOR"), range(BLOCK))
+    tally = tallied(*folder("TRACKED_MANIPULATOR"), range(BLOCK))
     assert {one.partition(":")[0] for one in tally.below(FLOORS)} == set(FLOORS)
 
 
 def test_a_planner_that_refuses_one_kind_of_motion_is_found(monkeypatch, folder):
-    """Of arcs nothing is planned, while enough is planned of all else: only the floor of arcs fails."""
-    monkeypatch.setattr(frame_motions, "arc_through", lambda *_: NoArc("straight"))
-    tally = held(*folder("TRACKED_MANIPULATOR"), range(BLOCK))
+    """Of arcs nothing is planned, while enough is planned of all else: only the floor of arcs fails.
+
+    Programs without arcs are planned as ever, which the blocks show: they count as well.
+    """
+    for module in (frame_motions, ahead):
+        monkeypatch.setattr(module, "arc_through", lambda *_: NoArc("straight"))
+
+    def held_if_arc(robot, arm, program, seed):
+        if any(one.kind == "arc" for one in program.said.values()):
+            return held(robot, arm, program, seed)
+        return True, dict.fromkeys(program.said, 2)
+
+    tally = tallied(*folder("TRACKED_MANIPULATOR"), range(BLOCK), held_if_arc)
     assert [one.partition(":")[0] for one in tally.below(FLOORS)] == ["arc"]
 
 

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from yarclang.hir import WaitInput
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.modules import library_folder, loader
 from yarclang.pipeline.stages import check_program, compile_module
@@ -38,6 +39,7 @@ FRAME {{PALLET}} -200 800 600 0 0 0 {{B}}
 JOINTS BENT 0 -10 -20 0 -40 0
 JOINTS READY 5 -15 -25 5 -45 5
 OUTPUT GRIP M1
+INPUT HELD M11
 P0010 MOVEJ READY
 """
 
@@ -148,6 +150,21 @@ def test_the_gripper_moves_when_the_tool_is_at_the_place(sub, state, tmp_path):
     assert steps[3].value == state
 
 
+@pytest.mark.parametrize(
+    ("sub", "waits"),
+    [("PICK_CHECKED", ["SET 1", "WAIT 1 1.5"]), ("PLACE_CHECKED", ["WAIT 1 1.5", "SET 0", "WAIT 0 1.5"])],
+)
+def test_a_checked_gripper_leaves_when_its_input_says_so(sub, waits, tmp_path):
+    call = f"CALL PICKPLACE.{sub} {{GRIPPER}} {{BOX}} 100 GRIP 1 HELD 1.5"
+    steps = compiled(tmp_path, "INDUSTRIAL6", "PICKPLACE", call).program.steps
+    told = [
+        f"WAIT {one.value:g} {one.timeout:g}" if isinstance(one, WaitInput) else one.origin.name
+        for one in steps
+    ]
+    told = [f"SET {one.value:g}" if name == "SET" else name for one, name in zip(steps, told, strict=True)]
+    assert told == ["MOVEJ", "MOVEJ_RPY", "MOVEL", *waits, "DMOVE"]
+
+
 def test_a_grid_visits_all_its_cells(tmp_path):
     call = "CALL PALLET.GRID {GRIPPER} {PALLET} 3 2 60 50 80 1"
     done = compiled(tmp_path, "INDUSTRIAL6", "PALLET", call)
@@ -167,7 +184,7 @@ def drawn(done, count=400):
 
 
 def flows(done):
-    return [motion.overlap > 0 for motion in motions_of_the_call(done)]
+    return [motion.flows for motion in motions_of_the_call(done)]
 
 
 @pytest.mark.parametrize(

@@ -136,7 +136,7 @@ def plan(
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)
             found, value = (*found, *planned.diagnostics), planned.value
-        found = told(found, source, Path(folder))
+        found = told(found, source, Path(folder), opened.value)
     except Exception as error:
         found = (*found, failure(error, source))
     return Result(None if has_errors(found) else value, found)

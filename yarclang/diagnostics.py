@@ -36,6 +36,27 @@ class Fix:
     """True if the text could not be read before the fix: errors of its meaning that appear afterwards were there, and nobody saw them."""
 
 
+@frozen
+class Within:
+    """Where in a module a finding was made that is shown at the line that called the module.
+
+    `through` are the SUBs between that line's and the place, from outside in, as `APPROACH.IN`. `fix` is a change of the module's text; None for an installed
+    module, which nobody edits.
+    """
+
+    source: SourceFile
+    span: Span
+    through: tuple[str, ...] = ()
+    fix: Fix | None = None
+
+    @property
+    def text(self) -> str:
+        """The place in words: `in APPROACH, line 14 (through APPROACH.IN): P0010 MOVEL ...`."""
+        through = f" (through {', '.join(self.through)})" if self.through else ""
+        line = " ".join(self.source.line(self.span.line).split())
+        return f"in {self.source.called}, line {self.span.line}{through}: {line}"
+
+
 _LONGEST_QUOTE, _SHOWN = 300, 60
 _TOO_LONG = re.compile(rf"\S{{{_LONGEST_QUOTE + 1},}}")
 
@@ -57,6 +78,8 @@ class Diagnostic:
     """Of a finding in unrolled code: what led to the command, as `P0020(I=2)>P0010`."""
     level: Severity | None = None
     """Of a rule's finding, or one whose severity a project has set: that severity."""
+    within: Within | None = None
+    """Where in a module the cause is, of a finding that is shown at the line that called the module."""
 
     def __post_init__(self) -> None:
         """Keep sentences readable whatever they quote: of what is too long to be a word the beginning is enough."""
@@ -64,6 +87,11 @@ class Diagnostic:
             text = getattr(self, name)
             if len(text) > _LONGEST_QUOTE:
                 object.__setattr__(self, name, _TOO_LONG.sub(lambda found: found[0][:_SHOWN] + "…", text))
+
+    @property
+    def made_at(self) -> tuple[SourceFile | None, Span | None]:
+        """Where the finding was made: in a module, or at its own place."""
+        return (self.source, self.span) if self.within is None else (self.within.source, self.within.span)
 
     @property
     def severity(self) -> Severity:
@@ -111,6 +139,14 @@ def _order(one: Diagnostic) -> tuple[str, int, int, int, int, str]:
     return name, span.line, span.column, span.end_line, span.end_column, one.code
 
 
+_ROUNDS = re.compile(r"\([^()]*\)")
+
+
+def static_place(place: str) -> str:
+    """Return a place without the rounds of its loops: `P0020(I=2)>P0010` is in `P0020>P0010`."""
+    return _ROUNDS.sub("", place)
+
+
 def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tuple[Diagnostic, ...]:
     """One finding for all that say the same code at the same span: the first, with its place and how many more there are.
 
@@ -121,6 +157,10 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
         # without a place nothing was unrolled: two findings are two
         name = one.source.name if one.source else ""
         key = (one.code, name, one.span) if one.place else (one.code + one.message, name, one.span)
+        if (
+            one.place and one.source is not None and one.source.module
+        ):  # each call of a module is shown by itself
+            key = (one.code + static_place(one.place), name, one.span)
         groups.setdefault(key, []).append(one)
     return tuple(_first(found, at_least) for found in each(groups.values()))
 

@@ -72,7 +72,7 @@ def _first_init(cls: Any) -> Callable[..., None]:
 
 def _init(cls: Any) -> Callable[..., None]:
     """Compile the `__init__` of a class: one parameter a field, then `__post_init__`, if there is one."""
-    known: dict[str, Any] = {"_set": _set, "_made_anew": _MADE_ANEW}
+    known: dict[str, Any] = {"_made_anew": _MADE_ANEW}
     parameters, lines = ["self"], []
     for one in fields(cls):
         name, given = one.name, one.name
@@ -85,7 +85,8 @@ def _init(cls: Any) -> Callable[..., None]:
             if default is _MADE_ANEW:
                 known[f"_make_{name}"] = one.default_factory
                 given = f"_make_{name}() if {name} is _made_anew else {name}"
-        lines.append(f"    _set(self, {name!r}, {given})")
+        known[f"_set_{name}"] = getattr(cls, name).__set__  # of the slot: quicker than by its name
+        lines.append(f"    _set_{name}(self, {given})")
     if hasattr(cls, "__post_init__"):
         lines.append("    self.__post_init__()")
     text = f"def __init__({', '.join(parameters)}):\n" + ("\n".join(lines) or "    pass")

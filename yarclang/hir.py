@@ -7,6 +7,7 @@ the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FL
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import field
 
 import numpy as np
@@ -48,6 +49,9 @@ class Origin:
     """Where the motion time stands in the source, for a fix that writes another one."""
     time_unit: str = "s"
     """The unit in which it stands there."""
+    length_unit: str = "mm"
+    angle_unit: str = "deg"
+    """The units in which lengths and angles stand there, for a fix that writes other ones."""
     end_span: Span | None = None
     """An empty span where the command ends, for a fix that adds an option."""
     name_span: Span | None = None
@@ -204,7 +208,7 @@ class PoseSplineMove:
 
     Positions and unit quaternions (each with the sign nearer to the one before) are natural cubic splines over
     u, the quaternions normalised. u grows from way-point to way-point by the root of the squares of the distance and of
-    `TURN_CHORD` times the angle; neighbours that are equal count once.
+    `TURN_CHORD` times the angle; neighbours of which it would grow by 1 um or less count once.
     """
 
     origin: Origin
@@ -330,7 +334,8 @@ class Program:
 
     `start` is (n,) in rad (m), within the joint limits. `cell` are the surroundings that a CELL line names. A program with
     a Gap has errors: it is planned for the sake of further findings, and never emitted. `is_cut` is True if loops and calls were carried out in
-    part only, because there are errors or only a first look was wanted; then there is a Gap as well.
+    part only, because there are errors or only a first look was wanted; then there is a Gap as well. `cells` are given with a part of another program: the cell as it is
+    during each motion there, by its step here.
     """
 
     source: SourceFile
@@ -339,3 +344,4 @@ class Program:
     outputs: tuple[Output, ...] = ()
     cell: Cell | None = None
     is_cut: bool = False
+    cells: Mapping[int, Cell | None] | None = None

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import marshal
 from collections.abc import Callable, Hashable
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from yarclang.hir import (
     PoseGoal,
     Program,
     Reading,
+    Step,
 )
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 
@@ -93,14 +95,20 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
     _feed(digest.update, program.start)
     _feed(digest.update, program.outputs)
     for step in program.steps:
-        if isinstance(step, Motion) and not step.origin.place and not isinstance(memory, Forgetful):
+        if not isinstance(memory, Forgetful) and isinstance(step, Motion) and not step.origin.place:
             digest.update(_fed(step, memory))
         else:
-            _feed(digest.update, step)
+            digest.update(_bytes_of(step))
     if program.cell is not None:
         # its names are in the steps, as far as they are used
         _feed(digest.update, program.cell.obstacles)
         _feed(digest.update, program.cell.zones)
+        if program.cell.parts:
+            _feed(digest.update, program.cell.parts)
+            _feed(digest.update, tuple(sorted((*program.cell.grips.items(), *program.cell.removals.items()))))
+        if (present := program.cell.present) is not None:
+            parts = present.parts
+            _feed(digest.update, (parts.items, tuple(sorted(parts.closed)), parts.expected, present.leaving))
     return digest.hexdigest()
 
 
@@ -112,16 +120,27 @@ def _fed(step: Motion, memory: Memory) -> bytes:
     key = ("hashed", type(step), label, *map(id, parts))
     kept: tuple[bytes, list[object]] | None = memory.get(key)
     if kept is None:
-        fed = bytearray()
-        _feed(fed.extend, step)
-        kept = bytes(fed), parts
+        kept = _bytes_of(step), parts
         memory.keep(key, kept)
     return kept[0]
 
 
+def _bytes_of(step: Step) -> bytes:
+    fed: list[bytes] = []
+    _feed(fed.append, step)
+    return b"".join(fed)
+
+
 def _feed(feed: Callable[[bytes], object], value: object) -> None:
-    if value is None or type(value) is float:  # most of all
+    kind: Any = type(value)
+    if value is None or kind is float or kind is str:  # most of all
         feed(f"{value!r};".encode())
+    elif (known := _known_fields(kind)) is not None:
+        head, names = known
+        feed(head)
+        for name in names:
+            _feed(feed, getattr(value, name))
+        feed(b")")
     elif isinstance(value, Origin):
         feed(f"{value.label};".encode())
     elif isinstance(value, Path):
@@ -131,10 +150,13 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
     elif isinstance(value, tuple):
         for item in value:
             _feed(feed, item)
-    elif is_dataclass(value):
-        feed(type(value).__name__.encode() + b"(")
-        for name in value.__dataclass_fields__:
-            _feed(feed, getattr(value, name))
-        feed(b")")
     else:
         feed(f"{value!r};".encode())
+
+
+@cache
+def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
+    """Return how a dataclass begins, and its fields; None of an Origin, which says no more than its label, and of all other values."""
+    if issubclass(kind, Origin) or not is_dataclass(kind):
+        return None
+    return kind.__name__.encode() + b"(", tuple(one.name for one in fields(kind))

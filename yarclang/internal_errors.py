@@ -27,7 +27,12 @@ def internal_error(
         error: the exception, as it was caught.
         source: the file that was looked at, if there is one.
         span: the place in the file, if it is known.
+
+    Raises:
+        KeyboardInterrupt: the exception came of one: while it makes a class, Python wraps what a `__set_name__` raises.
     """
+    if isinstance(error.__cause__, KeyboardInterrupt):
+        raise error.__cause__
     if isinstance(error, MemoryError):
         help_ = "divide the program, or give the computer more memory"
         return Diagnostic("Y2003", "the memory was not enough for this program", source, span, help_)

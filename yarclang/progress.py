@@ -58,6 +58,27 @@ def told_to(listener: Listener | None) -> Iterator[None]:
 
 
 @contextmanager
+def silent() -> Iterator[None]:
+    """Let nobody listen in this block."""
+    token = _TOLD.set(None)
+    try:
+        yield
+    finally:
+        _TOLD.reset(token)
+
+
+@contextmanager
+def within() -> Iterator[None]:
+    """Let what is told in this block only say that what was told before goes on."""
+    around = _TOLD.get()
+    if around is None:
+        yield
+        return
+    with told_to(lambda *_: around.listener(around.what, around.done, around.total)):
+        yield
+
+
+@contextmanager
 def part(title: str) -> Iterator[None]:
     """Report what is done in this block as a part of something: `title: what is done`."""
     around = _TOLD.get()

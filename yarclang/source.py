@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Span:
+class Span(NamedTuple):
     """A stretch of source text.
 
     Lines and columns count from 1, columns in characters; `end_column` is the first
@@ -36,10 +36,21 @@ def lines_with_ends(text: str) -> list[str]:
 
 @dataclass(frozen=True)
 class SourceFile:
-    """The text of one file under the name by which messages speak of it."""
+    """The text of one file under the name by which messages speak of it.
+
+    `module` is the name of a module in upper case, as USE names it; empty for a program. `is_installed` is True of a module of the standard library: nobody edits
+    it, and people know it by its name, not by its path.
+    """
 
     name: str
     text: str
+    module: str = field(default="", compare=False)
+    is_installed: bool = field(default=False, compare=False)
+
+    @property
+    def called(self) -> str:
+        """The name that people know the file by: an installed module's own name, else that of the file."""
+        return self.module if self.is_installed else self.name
 
     @cached_property
     def lines(self) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,6 +27,13 @@ def rpy_rotation(rpy: Array) -> Array:
 
 _STRAIGHT = 1e-9
 """With a cosine of the pitch below this, roll and yaw turn about one axis, and yaw stays 0."""
+
+
+def pose_matrix(values: Sequence[float]) -> Array:
+    """Return the transform (4, 4) of x, y, z [m] and roll, pitch, yaw [rad]."""
+    pose = np.eye(4)
+    pose[:3, 3], pose[:3, :3] = values[:3], rpy_rotation(np.array(values[3:], dtype=np.float64))
+    return pose
 
 
 def roll_pitch_yaw(rotation: Array) -> Array:
@@ -56,6 +65,6 @@ def quaternion_rotation(quaternion: Array) -> Array:
 
 def constant(values: Array) -> Array:
     """The values as a read-only array of floats."""
-    values = np.ascontiguousarray(values, dtype=np.float64)
+    values = np.asarray(values, dtype=np.float64, order="C")
     values.setflags(write=False)
     return values

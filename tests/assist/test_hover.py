@@ -151,3 +151,23 @@ def test_a_half_typed_line_leaves_the_others_what_they_were(planned):
         for one in hints_in(planned, 1, 99, ShortestTimes())
         if "P0050" in planned.sketch.source.line(one.line)
     )
+
+
+def test_a_motion_that_flows_has_no_shortest_time_of_its_own():
+    lines = "".join(
+        f"P{10 * n:04} MOVEL {300 - 3 * n} 1074 1100 0 0 0 [V 50] BLEND 0.3\n" for n in range(2, 12)
+    )
+    text = (
+        "P0010 MOVEJ_RPY 300 1074 1100 0 0 0\n"
+        + lines
+        + "P0120 MOVEL 250 1074 1100 0 0 0 [V 50]\nP0130 MOVEJ 0 0 0 0 0 0\n"
+    )
+    view = checked(HEAD + text, plans=True)
+    hints = {one.line: one for one in hints_in(view, 1, 99, ShortestTimes())}
+    for place, line in (("P0010", 3), ("P0130", 15)):
+        assert "at least" in hints[line].tooltip, place
+        assert "at least" in hovered(view, place)
+    for place, line in (("P0020", 4), ("P0060", 8), ("P0120", 14)):
+        assert "at least" not in hints[line].tooltip, place
+        assert "s, at least" not in hovered(view, place)
+        assert "takes" in hovered(view, place)

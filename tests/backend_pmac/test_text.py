@@ -11,6 +11,7 @@ from programs import compiled
 from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.emit import segment_time
 from yarclang.backend_pmac.guard import watermarks
+from yarclang.backend_pmac.move_lines import move_lines
 from yarclang.robot.actuation import counts_per_joint
 
 PROGRAM = """DEFAULT {TCP} (mm,deg,s) {B}
@@ -121,3 +122,25 @@ def test_the_program_buffer_looks_at_every_motor_before_each_start():
     # 1 deg is 25,532.8278 counts of motor 1; motor 3 stands at J2 + J3
     assert f"IF(ABS(M161-{round(25532.8278 * 3072)})>" in made.text
     assert f"IF(ABS(M361-{round(29308.7083 * 3072)})>" in made.text
+
+
+def shortest(value, decimals):
+    text = f"{value:.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if decimals else text
+
+
+SIZES = st.sampled_from([0.0, 1e-9, 1e-5, 0.05, 1.0, 10.0, 99.999995, 360.0, 4294.0, 5e4, 1e7])
+
+
+@given(
+    st.integers(1, 9),
+    st.lists(st.lists(st.tuples(SIZES, st.floats(-1.0, 1.0)), min_size=2, max_size=2), max_size=9),
+    st.integers(0, 9),
+)
+def test_move_lines_have_each_number_as_it_is_printed_alone(decimals, rows, cut):
+    values = np.array([[size * share for size, share in row] for row in rows]).reshape(-1, 2)
+    values = np.round(values, decimals) + 0.0
+    commands = [values[:cut], values[cut:]]
+    texts = list(move_lines("XY", decimals, commands))
+    lines = [f"X{shortest(x, decimals)}Y{shortest(y, decimals)}\n" for x, y in values.tolist()]
+    assert texts == ["".join(lines[:cut]), "".join(lines[cut:])]

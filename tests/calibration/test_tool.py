@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from yarclang.calibration.spread import ERROR, LEAST_ERROR, tip_spread, touch_error
 from yarclang.calibration.tool import find_tip
 
 TIP, POINT = np.array([0.02, 0.13, 0.21]), np.array([0.9, 0.2, 0.5])
@@ -59,17 +60,32 @@ def test_touches_that_miss_are_told_with_their_number():
     assert np.linalg.norm(found.value.flange_from_tip - TIP) < 0.004
 
 
-def test_the_uncertainty_is_that_of_many_trials():
+@pytest.mark.parametrize("count", [4, 5, 8])
+def test_95_of_100_tips_are_within_their_uncertainty(count):
     chance = np.random.default_rng(3)
-    poses, tips, told = touching(tilts(25, 8)), [], []
-    for _ in range(400):
+    poses = touching(Rotation.concatenate([Rotation.identity(), tilts(25, count - 1)]))
+    trials, inside, apart = 1000, 0, []
+    for _ in range(trials):
         off = poses.copy()
-        off[:, :3, 3] += chance.normal(0.0, 1e-4, (8, 3))
+        off[:, :3, 3] += chance.normal(0.0, 3e-4, (count, 3))
         found = find_tip(off).value
         assert found is not None
-        tips.append(found.flange_from_tip)
-        told.append(found.uncertainty)
-    np.testing.assert_allclose(np.mean(told, axis=0), np.std(tips, axis=0), rtol=0.15)
+        spread = tip_spread(off[:, :3, :3], found.error)
+        miss = found.flange_from_tip - TIP
+        inside += np.sum((spread.directions @ miss / spread.axes) ** 2) <= 1.0
+        # the box along the axes of the flange holds the ellipsoid
+        np.testing.assert_allclose(found.uncertainty**2, spread.axes**2 @ spread.directions**2, rtol=1e-9)
+        apart.append(np.linalg.norm(miss))
+    # three standard deviations of so many trials
+    assert abs(inside / trials - 0.95) <= 3.0 * np.sqrt(0.95 * 0.05 / trials)
+    assert max(apart) > 1e-4
+
+
+def test_touches_that_agree_better_than_an_eye_sees():
+    poses = touching(tilts(30, 6))
+    assert find_tip(poses).value.error == LEAST_ERROR
+    assert touch_error(0.0, 0) == touch_error(0.0, 5) == ERROR, "too few residuals tell nothing good"
+    assert touch_error(1e-4, 3) > ERROR, "but they tell what is bad"
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.certify.certify_bench import everything, industrial6
+from yarclang.certify.numbers import read_numbers
 from yarclang.certify.read import read
 from yarclang.certify.text import ControllerText, Run, Stood, Unreadable
 from yarclang.memory import Recent
@@ -277,3 +278,14 @@ def test_what_was_read_before_is_read_as_afresh(tally, data):
             assert np.array_equal(one.lines, other.lines)
         elif not isinstance(other, Stood):
             assert one == other
+
+
+WRITTEN = st.from_regex(r"-?[0-9]{1,7}(\.[0-9]{1,12})?", fullmatch=True)
+
+
+@given(st.lists(st.tuples(WRITTEN, WRITTEN, WRITTEN), min_size=1, max_size=40), st.sampled_from([1, 1000]))
+def test_numbers_are_the_floats_nearest_to_what_is_written(rows, times):
+    rows = (rows * times)[:2000]
+    values, decimals = read_numbers("".join("X{}Y{}C{}\n".format(*row) for row in rows), 3)
+    assert values.tobytes() == np.array([[float(one) for one in row] for row in rows]).tobytes()
+    assert decimals == max(len(one.partition(".")[2]) for row in rows for one in row)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from programs import compiled
 
 from tests.certify.certify_bench import (
     DEG,
@@ -235,3 +236,14 @@ def test_a_blend_with_a_time_optimal_motion(order):
     assert steps <= set(judged)
     assert set(codes(result)) == {"Y1157"}
     assert tool_poses(robot.chain, Q0[None], np.eye(4)).shape == (1, 4, 4)
+
+
+def test_a_target_that_is_given_twice_has_no_speed():
+    """Tool paths from CAM have such targets: the robot stands there already, and goes on."""
+    lines = ["DEFAULT {TCP} [V 50] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 40 1000 1000 0 0 0 [3]"]
+    for number, x in enumerate([60, 60, 80, 80, 80, 100]):
+        lines.append(f"P{number + 2:03d}0 MOVEL {x} 1000 1000 0 0 0 BLEND 0.3")
+    lines.append("P0900 MOVEL 120 1000 1000 0 0 0")
+    made, found = compiled("\n".join(lines) + "\n")
+    assert made is not None, [(one.code, one.message) for one in found if one.is_error]
+    assert "Y0603" in {one.code for one in found}

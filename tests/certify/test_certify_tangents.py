@@ -4,6 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.certify.certify_bench import (
     DEG,
@@ -20,6 +22,7 @@ from tests.certify.certify_paths import arc_poses, moved
 from tests.certify.test_certify_blends import Q0, START, TIMING, codes, edited, judge, line, line_of
 from yarclang import hir
 from yarclang.certify.judge import certify_text
+from yarclang.certify.tangent import _crossing
 
 ZERO = hir.Reading(0.0, 0.0)
 WAY = np.array([0.1, 0.02, 0.0])
@@ -128,3 +131,25 @@ def test_many_corners_in_one_line():
     assert line_of(START, poses[-1])(np.ones(1))[0][0, 3] == pytest.approx(poses[-1][0, 3])
     bad = edited(jobs, 2, 0, 0.01 * DEG * np.array([0, 0, 1, 0, 0, 0]))
     assert "Y1159" in codes(judge(robot, Q0, bad))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 12))
+def test_a_crossing_is_found_whatever_is_looked_for_beside_it(seed, count):
+    chance = np.random.default_rng(seed)
+    root, steep = chance.uniform(-0.2, 1.2, count), 10.0 ** chance.uniform(-3, 3, (count, 2))
+    power, low = chance.choice([0.3, 1.0, 3.0], count), chance.integers(0, 3, count) / 8.0
+    high = low + chance.choice([0.0, 0.125, 0.25], count)
+    asked = [0]
+
+    def rate(rows, place):
+        asked[0] += 1
+        off = place - root[rows]
+        side = np.where(off > 0.0, steep[rows, 0], steep[rows, 1])
+        return side * np.sign(off) * np.abs(off) ** power[rows]
+
+    found = _crossing(rate, np.arange(count), low, high)
+    assert np.abs(found - np.clip(root, low, high)).max() < 1.1e-9
+    assert asked[0] <= 50
+    for row in range(count):
+        alone = _crossing(rate, np.array([row]), low[[row]], high[[row]])
+        assert alone[0] == found[row]

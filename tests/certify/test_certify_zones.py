@@ -270,3 +270,27 @@ def test_a_joint_motion_into_a_zone_may_go_round_it(tmp_path):
     )
     (finding,) = with_cell(tmp_path, straight, "P0010 DMOVE 0 0 -100 0 0 0")[1]
     assert finding.fix is None  # a line has no way round
+
+
+def test_no_way_round_is_advised_to_a_target_in_a_zone(tmp_path):
+    ball = zone(rule="forbidden", shape="sphere", radius=100, frame="B", xyz=[0, 900, 1100])
+    (finding,) = with_cell(tmp_path, ball, "P0010 MOVEJ 0 7.6 -68.5 0 60.9 0")[1]
+    assert finding.code == "Y0908"
+    assert "100 %)" in finding.message
+    assert finding.fix is None
+    assert finding.help.startswith("its target is there, so that no way round helps: move the target away")
+    assert "AVOID" not in finding.help
+    found = with_cell(tmp_path, ball, "P0010 MOVEJ 0 7.6 -68.5 0 60.9 0\nP0020 MOVEJ A")[1]
+    assert found[1].help.startswith(
+        "it begins there, so that no way round helps: end the motion before it elsewhere"
+    )
+    assert found[1].fix is None
+
+
+def test_no_way_round_is_advised_to_a_target_in_an_obstacle(tmp_path):
+    post = '[[obstacles]]\nname = "POST"\nshape = "box"\nsize = [300, 300, 300]\nframe = "B"\nxyz = [0, 900, 1100]\n'
+    (finding,) = with_cell(tmp_path, post, "P0010 MOVEJ 0 7.6 -68.5 0 60.9 0")[1]
+    assert finding.code == "Y0901"
+    assert finding.fix is None
+    assert finding.help.startswith("its target is there")
+    assert "or correct the obstacle in the cell.toml" in finding.help

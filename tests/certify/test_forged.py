@@ -10,6 +10,7 @@ import yarclang
 from tests.certify.forging import Forger
 from yarclang.cli.commands.check import command as check
 from yarclang.cli.commands.run import command as run
+from yarclang.pipeline import stages
 
 HEAD = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [2] (mm,deg,s) {B}\n"
 PROGRAMS = {
@@ -31,6 +32,26 @@ ROTARY = ("rotary", "barriers", "blends", "TOPP")
 ALL = tuple(PROGRAMS)
 LIMIT = "X169.9Y0Z0A0B0C0"
 """A limit switch, almost."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def planned_once():
+    """The programs are planned once each: it is texts that change, and what a program asks for stays the same."""
+    known = {}
+    plan = stages.plan_program
+
+    def remembered(program, request):
+        if any(one is not None for one in (request.cell, request.start, request.fallback_start)):
+            return plan(program, request)
+        source = program.source
+        key = source.name, source.text, request.robot, request.target, request.tm, request.tolerance
+        if key not in known:
+            known[key] = plan(program, request)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stages, "plan_program", remembered)
+        yield
 
 
 @cache

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from conftest import EXAMPLES
 
 from yarclang.cli.formats import FORMATS, document
+from yarclang.cli.show import show_without_notes
 from yarclang.cli.watching import changes
 from yarclang.cli.yarc import main
 from yarclang.diagnostics import Diagnostic
@@ -317,3 +319,17 @@ def test_foreign_characters_are_fixed(tmp_path):
     assert CliRunner().invoke(main, ["check", "--fix", "--robot", "INDUSTRIAL6", str(path)]).exit_code == 0
     text = "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\nP0020 STOP\r\n"
     assert path.read_bytes() == text.encode()
+
+
+def test_notes_are_counted_and_whole_here_and_one_line_where_a_program_is_used(tmp_path, capsys):
+    path = tmp_path / "p.yarc"
+    path.write_text((EXAMPLES / "01_listing4.yarc").read_text())
+    done = CliRunner().invoke(main, ["check", str(path), "--robot", "INDUSTRIAL6"])
+    assert "note Y0505: the curve swings" in done.stderr
+    assert done.stderr.endswith("1 file checked: 1 note\n")
+    note = Diagnostic("Y0505", "the curve swings", None, None)
+    show_without_notes([note, Diagnostic("Y0603", "nothing moves", None, None)], "p.yarc")
+    shown = capsys.readouterr().err
+    assert "warning Y0603: nothing moves" in shown
+    assert "the curve swings" not in shown
+    assert shown.endswith("1 note (Y0505): yarc check p.yarc shows it\n")

@@ -143,3 +143,15 @@ def test_an_unknown_robot_and_none(tmp_path):
     made = new("demo")
     assert (made.exit_code, "Y1391" in made.stderr) == (1, True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_it_may_begin_with_a_template(tmp_path):
+    made = new("line", "--robot", "INDUSTRIAL6", "--template", "tend")
+    assert made.exit_code == 0
+    assert "WAIT DONE ON" in (tmp_path / "line" / "line.yarc").read_text(encoding="utf-8")
+    checked = CliRunner().invoke(main, ["check", "line/line.yarc"])
+    assert "nothing to complain of" in checked.output + checked.stderr
+    refused = new("other", "--robot", "INDUSTRIAL6", "--template", "../weld")
+    assert refused.exit_code == 2
+    assert "there are pick-place, pallet, weld, glue, tend, empty" in refused.output
+    assert not (tmp_path / "other").exists()

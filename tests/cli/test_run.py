@@ -74,7 +74,7 @@ def test_a_wait_comes_first(workshop, simulator, options):
 
 
 def test_stopped_at_a_hold(workshop, simulator):
-    """What goes on begins in front of it."""
+    """What goes on begins with it, where the robot stands."""
     workshop.write("q.yarc", WAITS)
     process = workshop.start(*run_on(simulator, "--from", "P0020", program="q.yarc"))
     process.wait_for("P0030 HOLD holds: look; Enter or `yarc resume` goes on")
@@ -82,7 +82,7 @@ def test_stopped_at_a_hold(workshop, simulator):
     text = process.end(1)
     assert "q.yarc: stopped\n  INDUSTRIAL6 stands at J1 3.000 deg, " in text
     assert "  it stood at P0030 HOLD\n" in text
-    assert text.endswith(f"  to go on: yarc run q.yarc --to {simulator.address} --tm 10 --from P0020\n")
+    assert text.endswith(f"  to go on: yarc run q.yarc --to {simulator.address} --tm 10 --from P0030\n")
 
 
 @pytest.mark.parametrize("again", [["--loop"], ["--times", "2"]])

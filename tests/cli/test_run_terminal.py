@@ -22,6 +22,8 @@ def test_step_by_step(workshop):
     terminal.wait_for("Enter or `yarc resume` for P0020 MOVEJ (2 of 3), Ctrl-C ends the run")
     time.sleep(0.3)
     assert "for P0030" not in terminal.text  # it waits
+    left = re.search(r"done, ([\d.]+) s left", workshop.here("status"))
+    assert float(left[1]) > 0.5, "all that comes after this step"
     terminal.type("\n")
     terminal.wait_for("for P0030 MOVEJ (3 of 3)")
     assert "override 50 %" not in terminal.text

@@ -348,3 +348,13 @@ def test_the_socket_is_its_users_alone(served):
     assert path.lstat().st_mode & 0o777 == 0o600
     assert path.parent.lstat().st_mode & 0o777 == 0o700
     assert path.lstat().st_uid == os.getuid()
+
+
+def test_a_controller_that_isnt_there_yet(workshop):
+    """Whoever serves a robot waits for its controller, and says so; whoever wants to move it hears why it doesn't."""
+    served = serve(workshop, "--to", "tcp://127.0.0.1:9")
+    served.wait_for("there is no connection yet: 127.0.0.1:9 can't be reached")
+    shown = workshop.yarc("run", "p.yarc", "--to", "tcp://127.0.0.1:9", status=1)
+    assert "no connection" in shown
+    served.signal(signal.SIGTERM)
+    served.end(0)

@@ -24,7 +24,7 @@ def test_without_viser_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "viser" else known(name))
     result = view(EXAMPLE)
     assert result.exit_code == 1
-    assert "pip install 'yarclang[view]'" in result.output
+    assert "pip install '.[view]' in yarclang's folder" in result.output
 
 
 @pytest.mark.parametrize(

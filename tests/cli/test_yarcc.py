@@ -211,3 +211,34 @@ def test_long_work_shows_progress_on_a_terminal(monkeypatch):
     with work.Progress() as progress:
         progress("planning", 1, 2)
     assert terminal.getvalue().count("certifying") == 0
+
+
+def test_the_certificate_is_written_in_pieces_as_it_was_written_whole(runner, tmp_path):
+    (tmp_path / "ü.yarc").write_text(GOOD + "P0020 MOVEJ 0 0 0 0 0 0 [2] (deg,s)\n")
+    (tmp_path / "bad.yarc").write_text("P0010 MOVEK\n")
+    names = [str(tmp_path / name) for name in ("ü.yarc", "bad.yarc")]
+    certificate = tmp_path / "x.json"
+    done = runner.invoke(yarcc, [*names, "--robot", "INDUSTRIAL6", "--format", "json"])
+    told = json.loads(done.stdout)
+    assert done.stdout == json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+    assert [bool(one["certificate"]) for one in told["files"]] == [True, False]
+    done = runner.invoke(yarcc, [names[0], "--robot", "INDUSTRIAL6", "--certificate", str(certificate)])
+    assert done.exit_code == 0
+    data = json.loads(certificate.read_text())
+    assert certificate.read_text() == json.dumps(data, indent=2) + "\n"
+    assert data == told["files"][0]["certificate"]
+    assert len(data["commands"]) == 2
+
+
+def test_of_many_findings_alike_the_first_are_shown(runner, tmp_path):
+    path = tmp_path / "p.yarc"
+    path.write_text(GOOD + "".join(f"FRAME {{G{n}}} 0 0 0 0 0 0 (mm,deg) {{B}}\n" for n in range(31)))
+    robot = ["--robot", "INDUSTRIAL6"]
+    done = runner.invoke(yarcc, [str(path), *robot])
+    assert done.exit_code == 0
+    assert done.stderr.count("note Y0216") == 20
+    assert f"and 11 more notes Y0216 in {path}, lines 22 to 32" in done.stderr
+    every = runner.invoke(yarc, ["check", str(path), *robot, "--format", "json"])
+    assert every.stdout.count('"Y0216"') == 31
+    wanted = runner.invoke(yarc, ["check", str(path), *robot, "--max-findings", "25"])
+    assert wanted.stderr.count("note Y0216") == 25

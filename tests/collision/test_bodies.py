@@ -15,6 +15,7 @@ from yarclang.cli.table import certificate_table
 from yarclang.cli.yarc import main
 from yarclang.cli.yarcc import main as yarcc
 from yarclang.collision.geometry import encloses, geometry_of
+from yarclang.collision.placing import Relative, distances
 from yarclang.collision.scene import scene_of
 from yarclang.findings import CATALOGUE
 from yarclang.pipeline.cells import cell_loader
@@ -296,3 +297,21 @@ def test_table_and_json(tmp_path):
     assert shown in told.output
     value, _ = compiled("P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)")
     assert "clear" not in certificate_table(value.certificate)
+
+
+def test_bodies_that_overlap_have_no_distance_however_they_are_asked(tmp_path):
+    """Without a depth, coal gives some of them a tiny distance and not zero: a robot would be told to be free there."""
+    (tmp_path / "cell.toml").write_text(
+        UNITS
+        + '[[obstacles]]\nname = "BLOCK"\nshape = "box"\nframe = "B"\nsize = [60, 60, 60]\n'
+        + '[[obstacles]]\nname = "BEAM"\nshape = "capsule"\nframe = "FLANGE"\nradius = 0.5\nlength = 200\n'
+    )
+    robot = load_robot("INDUSTRIAL6").value
+    cell = cell_loader(tmp_path, robot)("cell.toml", None).value
+    scene = scene_of(robot, cell).value
+    names = [{scene.bodies[one].name for one in pair} for pair in zip(scene.first, scene.second, strict=True)]
+    pair = np.full(500, names.index({"BLOCK", "BEAM"}))
+    middle = np.random.default_rng(0).uniform(-0.029, 0.029, (500, 3))
+    seen = Relative(np.broadcast_to(np.eye(3), (500, 3, 3)), middle)
+    assert (distances(scene, pair, seen) < 0.0).all()
+    assert (distances(scene, pair, seen, deep=False) == 0.0).all()

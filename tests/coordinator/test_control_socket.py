@@ -327,7 +327,8 @@ def test_who_does_not_read_keeps_nobody(ran):
         for _ in range(20):
             other.say(STATUS)
             assert other.hear()["ok"]
-        assert sent < 5_000_000
+        # asyncio reads ahead up to twice the longest line, and the kernel has a buffer as well
+        assert sent < 2 * MOST_LINE + (1 << 20)
         assert ran.worst < 1.0
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from yarclang.coordinator.messages import events, orders, replies, wants
+from yarclang.coordinator.messages import courses, events, orders, replies, wants
 from yarclang.coordinator.messages.lines import read_order
 from yarclang.coordinator.messages.message import Message
 from yarclang.coordinator.messages.replies import Denied
@@ -61,8 +61,13 @@ def table(head, rows):
 
 
 def tables():
-    every = [one for one in vars(replies).values() if isinstance(one, type) and issubclass(one, Message)]
-    own = [one for one in every if one.__module__ == replies.__name__ and one is not replies.Reply]
+    own = [
+        one
+        for module in (replies, courses)
+        for one in vars(module).values()
+        if isinstance(one, type) and issubclass(one, Message) and one.__module__ == module.__name__
+        if one is not replies.Reply
+    ]
     return {
         "events": table(
             ("event", "what", "fields"),

@@ -37,7 +37,18 @@ ORDERS = st.one_of(
                 name: st.from_type(field.annotation)
                 for name, field in kind.model_fields.items()
                 if name
-                not in ("order", "percent", "speed", "times", "value", "start", "tolerance", "tm", "name")
+                not in (
+                    "order",
+                    "percent",
+                    "speed",
+                    "times",
+                    "value",
+                    "start",
+                    "tolerance",
+                    "tm",
+                    "name",
+                    "samples",
+                )
                 and name
                 not in (
                     "base",
@@ -50,16 +61,31 @@ ORDERS = st.one_of(
                     "pose",
                     "velocity",
                     "twist",
+                    "share",
                 )
             },
         )
         for kind in (*orders.KINDS, wants.Finish)
-        if kind not in (orders.Override, orders.SetOutput, orders.Give, orders.Read)
+        if kind
+        not in (
+            orders.Override,
+            orders.SetOutput,
+            orders.SetInput,
+            orders.Give,
+            orders.Read,
+            orders.Home,
+            orders.SendSettings,
+        )
     ]
     + [
         st.builds(orders.Override, percent=st.floats(1.0, 100.0)),
         st.builds(orders.SetOutput, name=st.text(max_size=9), value=numbers | st.sampled_from(["ON", "OFF"])),
+        st.builds(orders.SetInput, name=st.text(max_size=9), value=numbers | st.sampled_from(["ON", "OFF"])),
+        st.builds(orders.Steer, share=st.floats(0.0, 1.0, exclude_min=True)),
+        st.builds(orders.Home, motors=st.lists(st.integers(1, 32), min_size=1, max_size=9).map(tuple)),
+        st.builds(orders.SendSettings, known=st.text(max_size=64)),
         st.builds(orders.Give, to=st.text(max_size=9)),
+        st.builds(orders.AskCourse, program=st.integers(), samples=st.integers(2, 2000)),
         st.builds(orders.Run, program=st.integers(), times=st.none() | st.integers(1)),
         st.builds(wants.BeThere, joints=st.lists(numbers, max_size=7).map(tuple)),
         st.builds(wants.HoldPose, pose=st.tuples(*[numbers] * 6)),

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import random
 import selectors
+import time
 from functools import cache
 from pathlib import Path
 
@@ -21,22 +22,28 @@ from yarclang.simulator.ethernet import PacketReader, Station
 SPY = 9
 """A port of the machine that nobody else uses."""
 
+PATIENCE = 5.0
+"""The time goes on although a thread still works after so long [s of the real clock]."""
+
 
 class _Selector(selectors.SelectSelector):
-    """Never waits: the time goes on instead."""
+    """Never waits but for threads: the time goes on instead."""
 
     loop = None
 
     def select(self, timeout=None):
         found = super().select(0)
-        if not found:
-            assert timeout is not None, "everybody waits for somebody"
-            self.loop.virtual += timeout
+        if found or timeout == 0.0:
+            return found
+        if self.loop.works():
+            return super().select(0.05)
+        assert timeout is not None, "everybody waits for somebody"
+        self.loop.virtual += timeout
         return found
 
 
 class VirtualLoop(asyncio.SelectorEventLoop):
-    """An event loop in virtual time [s]."""
+    """An event loop in virtual time [s]: what threads do takes none, however busy the computer is."""
 
     def __init__(self):
         selector = _Selector()
@@ -44,6 +51,18 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         selector.loop = self
         self.virtual = 0.0
         self._clock_resolution = 1e-9
+        self._works = {}
+
+    def run_in_executor(self, executor, func, *args):
+        work = super().run_in_executor(executor, func, *args)
+        self._works[work] = time.monotonic()
+        work.add_done_callback(lambda done: self._works.pop(done, None))
+        return work
+
+    def works(self):
+        """True while a thread works on something that isn't meant to last."""
+        since = time.monotonic() - PATIENCE
+        return any(began > since for began in self._works.values())
 
     def time(self):
         return self.virtual
@@ -182,11 +201,13 @@ async def planned_here(function, *arguments):
 
 
 @contextlib.asynccontextmanager
-async def coordinating(*, folder=Path(), log=NO_LOG, world=None, **options):
+async def coordinating(*, folder=Path(), log=NO_LOG, world=None, patient=False, **options):
     """A coordinator at work, an owner, and its world."""
     world = world or World(**options)
     session = OrderedSession("sim", 1025, connector=world.connect)
-    coordinator = Coordinator(world.robot, session, folder=folder, log=log, plan=planned_here)
+    coordinator = Coordinator(
+        world.robot, session, folder=folder, log=log, plan=planned_here, patient=patient
+    )
     async with coordinator:
         client = coordinator.attach("test")
         client.session.own()

@@ -37,7 +37,7 @@ FLOORS = {
     "completion": 0.5,
     "definition": 0.03,
     "codeAction": 0.2,
-    "formatting": 0.1,
+    "formatting": 0.05,  # of some twenty, about a tenth
     "semanticTokens/full": 0.3,
     "documentSymbol": 0.3,
     "comparison": 1.0,

@@ -150,7 +150,7 @@ def test_lenses_are_asked_for_again_when_motions_are_planned(tmp_path: Path):
         document = one.open(tmp_path / "a.yarc", program)
         await planned.wait()
         lenses = await one.client.text_document_code_lens_async(types.CodeLensParams(document))
-        assert [one.command.title for one in lenses] == ["plot 2 motions, 4.000 s", "inspect P0020"]
+        assert [one.command.title for one in lenses] == ["plot 2 motions, 5.000 s", "inspect P0020"]
 
     chosen = capabilities(pull=True, refresh=False)
     chosen.workspace.code_lens = types.CodeLensWorkspaceClientCapabilities(refresh_support=True)
@@ -248,3 +248,41 @@ def test_editors_that_count_otherwise(tmp_path: Path):
         position_encodings=[types.PositionEncodingKind.Utf8, types.PositionEncodingKind.Utf16]
     )
     run(work, chosen)
+
+
+@pytest.mark.parametrize("installed", [False, True])
+def test_a_finding_in_a_module_stands_at_the_call_with_the_module_beside_it(tmp_path, installed):
+    (tmp_path / "swing.yarc").write_text(
+        "DEFAULT [50%] (deg,s)\nSUB FIXED\n  P0010 MOVEJ 20 0 0 0 0 0 [0.001]\nEND\n"
+    )
+    text = "ROBOT INDUSTRIAL6\nUSE SWING\nP0010 CALL SWING.FIXED\n"
+    if installed:
+        text = (
+            "ROBOT INDUSTRIAL6\nUSE PICKPLACE\nFRAME {FAR} 1900 800 700 0 0 0 (mm,deg) {B}\n"
+            "OUTPUT GRIP M1\nP0010 CALL PICKPLACE.PICK {TCP} {FAR} 150 (mm) GRIP 1.2 (s)\n"
+        )
+    call = text.count("\n") - 1
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "p.yarc", text)
+        found = [finding for finding in await one.pulled(document) if finding.severity == 1]
+        assert found
+        for finding in found:
+            assert finding.range.start.line == call
+            (there,) = finding.related_information
+            path = there.location.uri.removeprefix("file://")
+            assert path.endswith("/approach.yarc" if installed else "/swing.yarc")
+            assert there.message.startswith(
+                "in APPROACH, line " if installed else f"in {tmp_path}/swing.yarc, line 3: "
+            )
+            assert there.message in finding.message
+        whole = types.Range(types.Position(0, 0), types.Position(call + 1, 0))
+        actions = await one.client.text_document_code_action_async(
+            types.CodeActionParams(document, whole, types.CodeActionContext(found))
+        )
+        assert all(
+            action.edit is None or set(action.edit.changes) == {document.uri} for action in actions or ()
+        )
+        assert not any("0.2" in action.title for action in actions or ())
+
+    run(work, capabilities(pull=True, refresh=False))

@@ -73,7 +73,7 @@ def test_every_phase_is_asked_often_whether_to_go_on(name):
         phases[what.partition(":")[0]] += 1
         last[0] = time.thread_time()
 
-    for _ in range(2):  # what is imported for the first time can't be given up
+    for _ in range(2):  # what is imported for the first time can't be given up: then the second time counts
         phases.clear()
         gaps.clear()
         gc.collect()
@@ -81,6 +81,8 @@ def test_every_phase_is_asked_often_whether_to_go_on(name):
         with told_to(listen):
             found = Analyst(Options(robot="INDUSTRIAL6")).analyse(source, EXAMPLES)
         listen("the end")
+        if max(gaps)[0] < LONGEST:
+            break
     assert max(gaps)[0] < LONGEST
     assert len(gaps) > 10
     if found.certificate is not None:

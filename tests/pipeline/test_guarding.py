@@ -239,3 +239,17 @@ def test_ctrl_c_ends_a_check_of_many_files_in_silence(tmp_path):
         _, told = process.communicate(timeout=60)
     assert process.returncode == 1
     assert "Traceback" not in told, told[-2000:]
+
+
+def test_an_interrupt_that_python_has_wrapped_is_one():
+    """A module that is being imported when Ctrl-C is pressed."""
+
+    class Pressed:
+        def __set_name__(self, owner, name):
+            raise KeyboardInterrupt
+
+    with pytest.raises((KeyboardInterrupt, RuntimeError)) as raised:
+        type("Rule", (), {"text": Pressed()})
+    if isinstance(raised.value, RuntimeError):
+        with pytest.raises(KeyboardInterrupt):
+            internal_error(raised.value)

@@ -4,7 +4,7 @@ import pytest
 from programs import planned
 
 from yarclang.diagnostics import Diagnostic
-from yarclang.pipeline.parts import chain_place, chains, motion_number, part
+from yarclang.pipeline.parts import beginning, can_begin_at, chain_place, chains, motion_number, part
 from yarclang.pipeline.stages import Request
 from yarclang.robot.description import load_robot
 
@@ -82,7 +82,7 @@ P0070 MOVEJ 0 0 10 0 10 0
 def blended():
     value, found = planned(CHAIN)
     assert value is not None, found
-    assert [motion.overlap > 0 for motion in value.motions] == [0, 1, 0, 1, 0, 1, 1, 0]
+    assert [motion.flows for motion in value.motions] == [0, 1, 0, 1, 0, 1, 1, 0]
     return value
 
 
@@ -128,3 +128,40 @@ def test_the_motion_that_begins_the_chain_is_named(blended):
 )
 def test_where_to_go_on(blended, place, begins):
     assert chain_place(blended, place) == begins
+
+
+def test_a_program_may_begin_where_the_robot_stands(plan):
+    """At a WAIT or a SET the robot stands where the next motion begins."""
+    labels = [step.origin.label for step in plan.program.steps]
+    for place, number in (("P0020", 0), ("P0040(I=0)", 1), ("P0040(I=1)", 2), ("P0030(I=1)", 1)):
+        assert beginning(plan, place) == (number, labels.index(place))
+        assert can_begin_at(plan, place)
+    number, step = beginning(plan, "P0040(I=0)")
+    assert places(part(plan, REQUEST, number, step=step)) == [
+        "P0040(I=0)",
+        "P0030(I=1)",
+        "P0040(I=1)",
+        "P0050",
+    ]
+    assert isinstance(beginning(plan, "P0070"), Diagnostic)
+
+
+def test_nothing_begins_after_the_last_motion_or_within_a_when():
+    text = """DEFAULT [1] (deg,s)
+INPUT DOOR M11
+P0010 MOVEJ 10 0 0 0 0 0
+WHEN DOOR ON
+  P0020 WAIT [1]
+  P0030 MOVEJ 20 0 0 0 0 0
+  P0035 MOVEJ 10 0 0 0 0 0
+END
+P0040 MOVEJ 0 0 0 0 0 0
+P0050 WAIT [1]
+"""
+    value, found = planned(text)
+    assert value is not None, found
+    finding = beginning(value, "P0050")
+    assert finding.code == "Y1164"
+    assert "P0040 MOVEJ" in finding.help
+    assert not can_begin_at(value, "P0020")
+    assert can_begin_at(value, "P0040")

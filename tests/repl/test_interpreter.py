@@ -7,6 +7,7 @@ from coordinator.virtual import run
 from repl.talking import talking
 
 from yarclang.repl.dot import dot_commands
+from yarclang.simulated_cell.playing import SimulatedCell
 
 MOVE = "MOVEJ 10 0 0 0 20 0 [1] (deg,s)"
 
@@ -225,6 +226,24 @@ def test_outputs_and_inputs(tmp_path):
             assert await person.type(".io") == "DOOR  input  0\nGRIP  output  1"
             assert "Y02" in await person.type(".set NOTHING ON")
             assert "it is written" in await person.type(".set GRIP")
+            assert "DOOR is an input of a real controller" in await person.type(".set DOOR ON")
+            assert "M12 is an input of a real controller" in await person.type(".set M12 ON")
+
+    run(session())
+
+
+def test_inputs_of_a_simulated_robot_are_set_by_hand(tmp_path):
+    async def session():
+        async with talking(tmp_path) as person:
+            person.coordinator.surroundings = cell = SimulatedCell()
+            cell.attach(person.world.machine)
+            await person.type("INPUT DOOR M11", "OUTPUT GRIP M1 OFF")
+            assert await person.type(".set door on") == "DOOR is 1"
+            assert await person.type(".io") == "DOOR  input  1\nGRIP  output  0"
+            assert await person.type(".set M12 2.5") == "M12 is 2.5"
+            await asyncio.sleep(0.05)
+            person.world.catch_up()
+            assert person.world.machine.command("M12", 7).items == ("2.5",)
 
     run(session())
 

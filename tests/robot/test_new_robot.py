@@ -6,6 +6,7 @@ import contextlib
 import os
 import pty
 import re
+import shutil
 import socket
 import subprocess
 import sys
@@ -17,10 +18,13 @@ from conftest import EXAMPLES
 
 from tests.robot.made_arms import DATA, made, urdf_of, yarc
 from yarclang.diagnostics import Diagnostic
+from yarclang.robot.description import load_robot
 from yarclang.robot.new.chains import ArmChain, find_chain
 from yarclang.robot.new.writing import guesses
 from yarclang.robot.urdf import read_urdf
+from yarclang.robot.visuals import visual_shapes
 from yarclang.source import SourceFile
+from yarclang.view.solids import solid_of
 
 SCARA = EXAMPLES / "scara.urdf"
 BOX = "<link name='{0}'/>"
@@ -187,9 +191,59 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert 'filename="meshes/part.stl"' in copy
     assert "gone.stl" not in copy
     assert "2 collision meshes copied" in result.output
-    assert "1 visual mesh not copied" in result.output
+    assert "the visual mesh no.dae isn't there" in result.output
     assert "gone.stl of quill isn't there" in result.output
     assert "Y1359" in result.output  # the quill has no collision shape now
+
+
+TRIANGLE = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+
+
+def with_visuals(folder: Path, *names: str) -> Path:
+    """A URDF in a folder, whose first link looks like these meshes."""
+    folder.mkdir(parents=True, exist_ok=True)
+    bodies = "".join(f'<visual><geometry><mesh filename="{one}"/></geometry></visual>' for one in names)
+    text = SCARA.read_text().replace('<link name="base_link"/>', f'<link name="base_link">{bodies}</link>')
+    (folder / "arm.urdf").write_text(text)
+    return folder / "arm.urdf"
+
+
+def test_what_the_links_look_like_comes_along(tmp_path):
+    """In a folder of its own, and the copy is drawn without what it was made of."""
+    urdf = with_visuals(tmp_path / "pack", "a/cover.stl", "b/cover.stl", "a/cover.stl")
+    for name in "ab":
+        (tmp_path / "pack" / name).mkdir()
+        (tmp_path / "pack" / name / "cover.stl").write_text(f"solid {name}\n{TRIANGLE}endsolid {name}\n")
+    result = yarc("robot", "new", urdf, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert "2 visual meshes copied" in result.output
+    shutil.rmtree(tmp_path / "pack")
+    robot = load_robot(str(tmp_path / "r")).value
+    found = [one.shape.path for one in visual_shapes(robot) if one.link == "base_link"]
+    folder = tmp_path / "r" / "meshes" / "visual"
+    assert found == [folder / "cover.stl", folder / "cover_2.stl", folder / "cover.stl"]
+    assert all(solid_of(one.shape) is not None for one in visual_shapes(robot))
+
+
+def test_a_visual_mesh_that_cant_be_copied_stops_nothing(tmp_path):
+    """Files of others, no meshes, pipes and huge ones are left out, each with the reason."""
+    names = ("/etc/passwd", "../../../../../../etc/passwd", "text.stl", "pipe.stl", "huge.stl", "gone.dae")
+    urdf = with_visuals(tmp_path / "pack", *names)
+    (tmp_path / "pack" / "text.stl").write_text("root:x:0:0:root:/root:/bin/bash")
+    os.mkfifo(tmp_path / "pack" / "pipe.stl")
+    with (tmp_path / "pack" / "huge.stl").open("wb") as file:
+        file.truncate(10**11)
+    result = yarc("robot", "new", urdf, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert not (tmp_path / "r" / "meshes").exists()
+    for what in (
+        "/etc/passwd is outside the URDF's package",
+        "text.stl ends in .stl, but its content is something else",
+        "pipe.stl i",
+        "huge.stl has more than 20,000,000 bytes",
+        "gone.dae isn't there",
+    ):
+        assert what in result.output
 
 
 def with_mesh(folder: Path, *names: str) -> Path:

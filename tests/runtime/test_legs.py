@@ -9,8 +9,9 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.certify.judge import certify
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.robot.actuation import from_counts
-from yarclang.runtime.notices import Abort, Changed, Hold, Resume, Stop
+from yarclang.runtime.notices import Abort, Changed, Hold, Progress, Resume, Stop
 from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.signals import OutputSet, WaitBegan, WaitEnded, signal_text
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned
 
@@ -47,6 +48,10 @@ def states(made):
     return [one.state for one in made.told if isinstance(one, Changed)]
 
 
+def progress(made):
+    return [one for one in made.told if isinstance(one, Progress)]
+
+
 @pytest.fixture
 def robot(industrial6):
     return industrial6
@@ -78,6 +83,115 @@ def test_a_wait_for_an_input(robot):
     assert ended.well
     assert State.HOLD in states(made)
     assert made.now > 4.0
+
+
+def test_sets_and_waits_are_told(robot):
+    """Each SET as it is carried out, each WAIT as it begins and ends, also one that is met at once; between two legs no state says that the program is at its end."""
+    made = world(robot)
+    made.operation.outputs = {"M2": "LAMP"}
+    made.at.append((made.now + 3.0, lambda: made.machine.command("M11=1", 7)))
+    lines = (
+        f"P10 {OUT}",
+        "P20 SET LAMP ON",
+        "P30 WAIT DOOR ON",
+        "P40 WAIT DOOR ON",
+        f"P50 {HOME}",
+        "P60 SET GLUE OFF",
+    )
+    assert made.perform(perform(made.operation, job(robot, *lines))).well
+    told = [one for one in made.told if isinstance(one, OutputSet | WaitBegan | WaitEnded)]
+    assert [type(one) for one in told] == [OutputSet, WaitBegan, WaitEnded, WaitBegan, WaitEnded, OutputSet]
+    lamp, begins, ends, at_once, met, glue = told
+    assert (lamp.name, lamp.value, glue.name, glue.value) == ("LAMP", 1.0, "M1", 0.0)
+    assert (begins.place, begins.name, begins.wanted, begins.value) == ("P0030", "DOOR", 1.0, 0.0)
+    assert (ends.value, ends.met) == (1.0, True)
+    assert ends.waited == pytest.approx(ends.time - begins.time, abs=0.01)
+    assert (at_once.place, at_once.value, met.waited) == ("P0040", 1.0, 0.0)
+    why = [one.why for one in made.told if isinstance(one, Changed) and one.why]
+    assert why == [
+        "loading legs",
+        "at P0030 WAIT",
+        "P0030 WAIT waits for DOOR to be ON",
+        "at the end of legs, to a count",
+    ]
+
+
+def test_a_wait_that_is_over_is_told(robot):
+    made = world(robot)
+    assert not made.perform(
+        perform(made.operation, job(robot, "P10 WAIT DOOR ON [1] (s)", f"P20 {OUT}"))
+    ).well
+    ends = next(one for one in made.told if isinstance(one, WaitEnded))
+    assert not ends.met
+    assert ends.waited == pytest.approx(1.0, abs=0.1)
+    assert signal_text(ends) == "P0010 WAIT: DOOR is still OFF after 1.0 s"
+
+
+DWELLS = (f"P10 {OUT}", "P20 WAIT [2] (s)", "P21 WAIT [1] (s)", f"P30 {HOME}", "P40 WAIT [1.5] (s)")
+
+
+def test_dwells_count(robot):
+    made, run = world(robot), job(robot, *DWELLS)
+    assert run.duration == run.lasting.most == pytest.approx(6.5)
+    since = made.now
+    assert made.perform(perform(made.operation, run)).done == pytest.approx(6.5)
+    # the last one, too, though nothing moves in it
+    assert made.now - since > 6.5
+    told = progress(made)
+    for one in told:
+        assert one.done + one.left == pytest.approx(6.5)
+    done = np.array([one.done for one in told])
+    times = np.array([one.time for one in told])
+    assert (np.diff(done) >= -1e-9).all()
+    # it goes on in a dwell as the clock does
+    late = times - done
+    assert np.ptp(late[(done > 0.2) & (done < 6.4)]) < 0.4
+
+
+def test_an_override_slows_no_dwell(robot):
+    made, run = world(robot), job(robot, *DWELLS)
+    made.operation.override = 0.5
+    since = made.now
+    assert made.perform(perform(made.operation, run)).well
+    assert made.now - since == pytest.approx(2 * 2.0 + 4.5, abs=1.0)
+    for one in progress(made)[1:]:
+        assert one.done + one.left >= 6.5 - 1e-9
+        assert one.left <= 2 * 2.0 + 4.5 + 1e-9
+
+
+def test_a_dwell_before_a_wait_is_carried_out(robot):
+    made = world(robot)
+    run = job(robot, f"P10 {OUT}", "P20 WAIT [3] (s)", "P30 WAIT DOOR OFF [1] (s)", "P40 SET LAMP ON")
+    since, seen = made.now, []
+    for k in range(60):
+        made.at.append((made.now + 0.1 * k, lambda k=k: seen.append((0.1 * k, value(made, "M2")))))
+    assert made.perform(perform(made.operation, run)).well
+    assert made.now - since > 4.0
+    assert not any(lamp for time, lamp in seen if time < 4.0)
+
+
+def test_what_is_left_counts_all_legs(robot):
+    made = world(robot)
+    lines = (f"P10 {OUT}", "P20 WAIT DOOR ON [5] (s)", f"P30 {HOME}", "P40 WAIT [1] (s)")
+    run = job(robot, *lines)
+    assert (run.lasting.most, run.lasting.waits) == (pytest.approx(3.0), 1)
+    made.do(lambda: made.machine.command("M11=1", 7), 3.0)
+    assert made.perform(perform(made.operation, run)).well
+    for one in progress(made):
+        assert one.done + one.left == pytest.approx(3.0)
+
+
+def test_ways_count_the_longer_one(robot):
+    made = world(robot)
+    way = ("WHEN DOOR ON", "P20 WAIT [4] (s)", "ELSE", "P30 WAIT [1] (s)", "END")
+    run = job(robot, f"P10 {OUT}", *way, f"P40 {HOME}")
+    assert (run.lasting.least, run.lasting.most) == pytest.approx((3.0, 6.0))
+    assert made.perform(perform(made.operation, run)).well
+    told = progress(made)
+    for one in told:
+        assert one.done + one.left == pytest.approx(6.0)
+    # both begin at once: after one second of the shorter one, five are left
+    assert not any(2.1 < one.done < 4.9 for one in told)
 
 
 def test_an_input_that_never_comes(robot):

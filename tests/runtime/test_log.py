@@ -120,7 +120,7 @@ def test_what_does_not_change_stands_at_the_beginning(tmp_path, job):
     assert metadata.metadata["yarclang"] == "1.2.3"
     assert metadata.metadata["controller"] == "10.0.0.1:1025"
     assert metadata.metadata["started"] == "2026-09-21T14:13:20.000+00:00"
-    assert set(topics) == {"/positions", "/state", "/progress", "/events", "/jobs", "/outcome"}
+    assert set(topics) == {"/positions", "/state", "/progress", "/events", "/signals", "/jobs", "/outcome"}
     assert {one.encoding for one in schemas} == {"jsonschema"}
     for one in schemas:
         assert json.loads(one.data)["properties"]["time_s"] == {"type": "number"}
@@ -407,7 +407,7 @@ def test_a_slow_disk_makes_nobody_wait(tmp_path, job):
     since = time.perf_counter()
     for _ in range(1000):
         log.take(sample)
-    assert time.perf_counter() - since < 0.5
+    assert time.perf_counter() - since < 5.0, "the disk never goes on"
     disk.may_write.set()
     log.close()
     assert log.failure is None

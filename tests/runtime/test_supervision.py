@@ -228,6 +228,30 @@ def test_pace_and_flags_of_our_own_alarm_nobody():
     assert not any("somebody else" in text for text in said(world))
 
 
+def test_holds_of_the_guard_near_the_end_are_nobody_elses():
+    """Once all lines are in, the guard is disarmed when the motion goes on; it stays so, however often the watchdog holds then."""
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    for held in (3.5, 4.3):
+        world.do(lambda: world.say("P8104=2"), held)
+    assert world.perform(perform(world.operation, job), within=20.0).well
+    assert not any("somebody else" in text for text in said(world))
+    assert world.states.count(State.HOLD) == 2
+
+
+def test_nobody_waits_for_somebody_who_is_not_there():
+    """Without a terminal, on a simulator of our own: a hold that only a person could resume ends the run."""
+    job, _ = prepared(tm=5)
+    world = world_of(job)
+    world.operation.unattended = True
+    world.do(lambda: world.say("%50"), AT)
+    ended = world.perform(perform(world.operation, job), within=10.0)
+    assert not ended.well
+    assert ended.code == "Y1605"
+    assert "the override was 100 %, and is" in ended.what
+    assert not world.moving
+
+
 def test_a_motor_that_somebody_homes_ends_the_run():
     job, _ = prepared(tm=5)
     world = world_of(job)

@@ -47,7 +47,7 @@ def test_it_answers_and_stops(rate):
         assert client.ask(ASK) == Answer(ASK, ("P1",))
         simulator.check()
         begun = time.monotonic()
-    assert time.monotonic() - begun < 1.0
+    assert time.monotonic() - begun < 3.0
     assert not threads()
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", simulator.port), timeout=1)

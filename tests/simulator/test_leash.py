@@ -8,9 +8,10 @@ from simulator.serving import Client
 
 from yarclang.runtime.protocol import Answer, Ask
 from yarclang.simulator.embedded import EmbeddedSimulator
-from yarclang.simulator.leash import leash
+from yarclang.simulator.leash import AHEAD, EXCHANGE, Leash, tick
 
 ASK = Ask("P1")
+FINEST = 0.0005
 
 
 def test_who_asks_nothing_is_waited_for():
@@ -23,8 +24,8 @@ def test_who_asks_nothing_is_waited_for():
         client.ask(ASK)
         client.ask(ASK)
         at_once = machine.now
-    assert stood - before <= 1.01 * leash(1.0)
-    assert at_once - stood <= 2.02 * leash(1.0), "what was left out isn't caught up"
+    assert stood - before <= 1.01 * AHEAD
+    assert at_once - stood <= 2.02 * AHEAD, "what was left out isn't caught up"
 
 
 def test_who_goes_on_asking_has_the_wall_clock():
@@ -33,7 +34,7 @@ def test_who_goes_on_asking_has_the_wall_clock():
         for _ in range(60):
             client.ask(ASK)
             time.sleep(0.01)
-        assert machine.now > 6.0 * leash(1.0)
+        assert machine.now > 6.0 * AHEAD
 
 
 def test_without_a_client_time_goes_on():
@@ -45,7 +46,7 @@ def test_without_a_client_time_goes_on():
         time.sleep(0.01)
         left = machine.now
         time.sleep(0.5)
-        assert machine.now - left > 3.0 * leash(1.0)
+        assert machine.now - left > 3.0 * AHEAD
 
 
 @pytest.mark.parametrize("fault", ["freeze@0.02:0.4", "slow:0.4"])
@@ -68,9 +69,54 @@ def test_a_machine_off_the_leash_keeps_up_with_the_wall_clock():
         client.ask(ASK)
         before = machine.now
         time.sleep(0.5)
-        assert machine.now - before > 3.0 * leash(1.0)
+        assert machine.now - before > 3.0 * AHEAD
 
 
-def test_a_fast_machine_goes_as_far_as_two_event_loops_need():
-    assert leash(0.1) == leash(1.0) == leash(10.0) == 0.06
-    assert leash(100.0) == pytest.approx(0.5)
+@pytest.mark.parametrize("rate", [1.0, 8.0, 50.0])
+def test_who_has_the_leash_says_how_far_time_goes(rate):
+    machine = Echo()
+    with EmbeddedSimulator(machine, rate=rate) as simulator, Client(simulator.port) as client:
+        client.ask(ASK)
+        simulator.leash.until = machine.now + 0.5
+        time.sleep(1.0)
+        # less than the machine's finest step may be left
+        assert simulator.leash.until - FINEST <= machine.now <= simulator.leash.until + 1e-9
+        assert simulator.leash.until - FINEST <= simulator.leash.now() <= simulator.leash.until
+        client.ask(ASK)
+        assert machine.now <= simulator.leash.until + 1e-9, "a question doesn't let it go on"
+        simulator.leash.until = None
+        time.sleep(0.5)
+        client.ask(ASK)
+        assert machine.now > simulator.leash.now() - 0.5
+
+
+def test_a_request_that_waits_for_a_busy_computer_lets_no_time_pass():
+    """The client has asked, but the machine's thread gets no turn: what it missed isn't caught up before the answer."""
+    machine = Echo()
+    with EmbeddedSimulator(machine, rate=20.0) as simulator, Client(simulator.port) as client:
+        client.ask(ASK)
+        simulator._loop.call_soon_threadsafe(time.sleep, 0.3)
+        time.sleep(0.05)
+        before = machine.now
+        client.ask(ASK)
+        assert machine.now - before <= AHEAD + EXCHANGE
+
+
+def test_the_clock_never_goes_back_and_goes_on_without_a_machine():
+    leash = Leash(2.0, time.monotonic)
+    leash.tell(1.0)
+    time.sleep(0.05)
+    first = leash.now()
+    assert 1.0 < first <= 1.0 + 2.0 * tick(2.0) + 1e-9, "a tick ahead of the machine at most"
+    leash.tell(1.001)
+    assert leash.now() >= first
+    leash.until = 1.2
+    leash.stop()
+    time.sleep(0.2)
+    assert leash.now() > 1.3
+
+
+def test_time_passes_in_small_steps_at_any_rate():
+    assert tick(1.0) == tick(0.1) == 0.005
+    assert tick(20.0) * 20.0 == pytest.approx(EXCHANGE)
+    assert tick(1000.0) == 0.0005

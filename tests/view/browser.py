@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import queue
 import re
@@ -58,7 +59,7 @@ def browser_or_skip() -> tuple[str, str]:
 
 
 @contextmanager
-def opened_browser(profile: Path) -> Iterator[Any]:
+def opened_browser(profile: Path, *more: str) -> Iterator[Any]:
     """A browser with an empty profile, which reaches nothing but this machine."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
@@ -66,7 +67,7 @@ def opened_browser(profile: Path) -> Iterator[Any]:
     browser, driver = browser_or_skip()
     options = webdriver.ChromeOptions()
     options.binary_location = browser
-    for flag in (*_FLAGS, f"--user-data-dir={profile}"):
+    for flag in (*_FLAGS, f"--user-data-dir={profile}", *more):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL"})
     opened = webdriver.Chrome(service=Service(driver), options=options)
@@ -108,9 +109,13 @@ def viewed(*arguments: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
 
 
 def waited(look: Callable[[], T]) -> T:
-    """What a look gives as soon as that is something."""
+    """What a look gives as soon as that is something; a browser that is too busy to answer is asked again."""
+    from selenium.common.exceptions import TimeoutException
+
     since = time.monotonic()
-    while not (found := look()):
+    while True:
+        with contextlib.suppress(TimeoutException):
+            if found := look():
+                return found
         assert time.monotonic() - since < PATIENCE, "it never came"
         time.sleep(0.2)
-    return found

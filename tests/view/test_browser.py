@@ -93,6 +93,20 @@ def test_a_finding_leads_to_its_place_and_colours_the_bodies(page):
     waited(lambda: red(picture(browser)) > 1_500)
 
 
+def test_no_text_of_a_button_or_label_is_cut_off(page):
+    browser, _, _ = page
+    script = """
+        return [...document.querySelectorAll("button, button *, label, label *, [role=tab]")]
+            .filter(one => one.clientWidth > 0 && one.scrollWidth > one.clientWidth).map(one => one.textContent);
+    """
+    for tab, word in (("Findings", "Y0901 P0030"), ("Show", "other frames"), ("Commands", "P0020 MOVEL")):
+        press(browser, tab)
+        waited(lambda word=word: word in text_of(browser))
+        assert browser.execute_script(script) == []
+        if tab == "Findings":
+            assert "FINGERS goes 30 mm into BENCH" in text_of(browser)
+
+
 def test_a_command_leads_to_its_beginning_and_time_passes(page):
     browser, _, _ = page
     press(browser, "Commands")

@@ -8,8 +8,10 @@ import viser
 from view.stages import CRASH, stage_of
 from websockets.asyncio import server as websocket_server
 
-from yarclang.view.server import GuardedServer, is_called, is_own
-from yarclang.view.show import Door, PortTakenError, _names, show
+from yarclang.hosts import is_called, is_own
+from yarclang.view.door import Door, PortTakenError, _names
+from yarclang.view.server import GuardedServer
+from yarclang.view.show import show
 
 
 def test_it_is_served_and_ends(capfd):

@@ -23,7 +23,7 @@ def test_the_figures_of_an_instant():
     stage = stage_of(CRASH)
     when = stage.pieces[2].ends
     q = stage.track.at(np.array([when]))[0]
-    nearest = near_text(stage, near(stage.scene, q))
+    nearest = near_text(stage.scene, near(stage.scene, q))
     assert nearest == "-30.0 mm (FINGERS, BENCH)"
     text = instant_html(stage, when, nearest)
     assert "-200.0 620.0 300.0 mm, 0.0 0.0 0.0 deg" in text
@@ -35,9 +35,9 @@ def test_the_figures_of_an_instant():
 def test_nothing_near():
     stage = stage_of(CRASH)
     home = near(stage.scene, stage.robot.home[None])
-    assert near_text(stage, home) == "58.0 mm (FINGERS, link_5)"
-    assert near_text(stage, replace(home, pair=np.array([-1]))) == "over 200 mm"
-    assert near_text(replace(stage, scene=None), home) == "over 200 mm"
+    assert near_text(stage.scene, home) == "58.0 mm (FINGERS, link_5)"
+    assert near_text(stage.scene, replace(home, pair=np.array([-1]))) == "over 200 mm"
+    assert near_text(None, home) == "over 200 mm"
 
 
 def test_commands_and_findings():

@@ -43,7 +43,8 @@ def test_commands_stand_in_order_with_their_figures():
     pieces = stage_of(CRASH).pieces
     assert [piece.label for piece in pieces] == ["P0010", "P0020", "P0030", "P0040", "P0050"]
     assert [piece.moves for piece in pieces] == [True, True, True, False, True]
-    assert pieces[3].begins == pieces[3].ends == pieces[2].ends
+    assert pieces[3].begins == pieces[2].ends
+    assert pieces[3].ends == pieces[4].begins == pieces[3].begins + 1.0
     assert dict(pieces[3].facts) == {"stands for": "1 s"}
     assert dict(pieces[1].facts)["duration"] == "2.000 s"
     assert pieces[1].line == 7
@@ -54,7 +55,9 @@ def test_which_command_is_it():
     first, second, third, wait, last = stage.pieces
     assert stage.piece_at(0.0) == 0
     assert stage.piece_at((second.begins + second.ends) / 2.0) == 1
-    assert stage.piece_at(wait.begins) == 4  # what moves counts more than what stands
+    assert stage.piece_at(wait.begins) == 2  # what moves counts more than what stands
+    assert stage.piece_at((wait.begins + wait.ends) / 2.0) == 3
+    assert stage.piece_at(wait.ends) == 4
     assert stage.piece_at(last.ends) == 4
     assert stage.piece_at(-1.0) == -1
     assert first.begins < third.begins
@@ -208,3 +211,39 @@ def test_a_broken_zone_is_shown_beside_errors_of_planning(tmp_path):
     result = program_stage(SourceFile("made.yarc", text), tmp_path, Options())
     assert [one.code for one in result.diagnostics] == ["Y0908", "Y0501"]
     assert [one.code for one in result.value.marks] == ["Y0908", "Y0501"]
+
+
+def test_a_finding_in_a_module_stands_at_the_module_s_motion():
+    stage = stage_of(
+        "ROBOT INDUSTRIAL6\nUSE PICKPLACE\nOUTPUT GRIP M1\nFRAME {BOX} 300 900 1000 0 0 0 (mm,deg) {B}\n"
+        "P0010 MOVEJ 5 0 0 0 -30 0 [MIN] (deg,s)\nP0020 CALL PICKPLACE.PICK {TCP} {BOX} 100 (mm) GRIP 0.02 (s)\n"
+    )
+    marks = [one for one in stage.marks if one.code == "Y0601"]
+    assert len(marks) == 2
+    labels = [stage.pieces[one.piece].label for one in marks]
+    assert labels == ["P0020>P0010>P0030", "P0020>P0040>P0040"]
+
+
+def test_a_long_program_lists_its_worst_places_and_errors_first():
+    text = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [60%] (mm,deg,s) {B}\nFRAME {NOBODY} 0 0 0 0 0 0 {B}\n"
+    motions = "".join(f"P{n:04} MOVEJ {n % 7 * 3} 0 0 0 0 0\n" for n in range(10, 80))
+    stage = stage_of(text + motions)
+    assert not stage_of(CRASH).worst
+    assert 1 <= len(stage.worst) <= 10
+    first = stage.worst[0]
+    assert stage.pieces[first.piece].label in first.text
+    shares = [int(one.text.partition(" %")[0]) for one in stage.worst if " % " in one.text]
+    assert shares == sorted(shares, reverse=True)
+    # each look at a command gives its facts again
+    facts = stage.pieces[first.piece].facts
+    assert list(facts) == list(facts) != []
+    assert all(stage.piece_at((one.begins + one.ends) / 2.0) == n for n, one in enumerate(stage.pieces))
+    wrong = stage_of(text + motions + "P0090 MOVEL 9000 0 0 0 0 0\n")
+    assert [mark.severity for mark in wrong.marks] == sorted(
+        (mark.severity for mark in wrong.marks), key=["error", "warning", "note"].index
+    )
+    assert {mark.severity for mark in wrong.marks} >= {"error", "note"}
+    error = wrong.marks[0]
+    assert wrong.pieces[error.piece].label == "P0090"
+    # where the robot would begin it
+    assert error.place == pytest.approx(wrong.way.points[-1], abs=1e-6)

@@ -214,4 +214,4 @@ class _Maker(NameMaker):
         for code, finding in everything().items():
             if finding.severity != "error":
                 made = self.make(code, "finding", finding.title, finding.why, code, 0 if code in said else 1)
-                yield replace(made, span=replace(self.span, column=column))
+                yield replace(made, span=self.span._replace(column=column))

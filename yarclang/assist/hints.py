@@ -36,10 +36,10 @@ class ShortestTimes:
         self._known: dict[Any, float | None] = {}
 
     def of(self, view: View, number: int) -> float | None:
-        """The shortest time of a motion [s]; None where none works, or it isn't planned."""
+        """The shortest time of a motion [s]; None where none works, it isn't planned, or it has none of its own since it flows."""
         planned = view.motion(number)
         step, robot = view.step(number), view.robot
-        if planned is None or robot is None or not isinstance(step, Motion):
+        if planned is None or robot is None or not isinstance(step, Motion) or number in view.flowing:
             return None
         assert view.program is not None
         nobody = Origin("", "", SourceFile("", ""), Span(1, 1, 1, 1))

@@ -132,7 +132,9 @@ def pace_in(view: View, number: int) -> Pace | None:
         return None
     assert view.program is not None
     request = checked.opened.request
-    return pace_of(view.program, step, planned[0].path.start, planned[0], request)
+    return pace_of(
+        view.program, step, planned[0].path.start, planned[0], request, flows=number in view.flowing
+    )
 
 
 def first_motion(view: View, numbers: Iterable[int]) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from yarclang.assist.sketch import Sketch
 from yarclang.assist.unchanged import Unchanged, unchanged
@@ -95,14 +96,18 @@ class View:
         return None if found is None else (found, self._begins[number])
 
     @cached_property
+    def flowing(self) -> frozenset[int]:
+        """The steps whose motions begin or end without a stop."""
+        plan = self.checked.plan if self.checked else None
+        motions = plan.motions if plan else ()
+        begins = [later.step for before, later in pairwise(motions) if before.flows]
+        return frozenset((*begins, *(motion.step for motion in motions if motion.flows)))
+
+    @cached_property
     def _begins(self) -> dict[int, float]:
         """When the motions begin [s], by their steps."""
         plan = self.checked.plan if self.checked else None
-        return (
-            {motion.step: float(at) for motion, at in zip(plan.motions, plan.starts, strict=False)}
-            if plan
-            else {}
-        )
+        return {motion.step: plan.schedule.clocks[motion.step] for motion in plan.motions} if plan else {}
 
     def proved(self, number: int) -> CommandCertificate | None:
         """What was proved of a step."""

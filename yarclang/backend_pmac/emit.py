@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
+from yarclang.backend_pmac.move_lines import move_lines
 from yarclang.frozen import frozen
-from yarclang.memory import NO_MEMORY, Memory, recall
+from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
 from yarclang.pmac.variables import ARMED, ASTRAY, OUTPUTS_PLC, commanded_position
-from yarclang.progress import go_on
-
-_ROWS_AT_ONCE = 1000
-# the zeros first, then the point: half the time of one expression for both
-_ZEROS = re.compile(r"0+(?=[A-Z\n])")
-_POINT = re.compile(r"\.(?=[A-Z\n])")
+from yarclang.progress import each
 
 
 @frozen
@@ -43,7 +37,7 @@ class Emitted:
         for command in self.commands:
             place = self.places.get(command.step)
             lines = f"{before + place[0]} {before + place[1]}" if place else "- -"
-            flows = f" blend {command.overlap}" if command.overlap else ""
+            flows = "" if command.overlap is None else f" blend {command.overlap}"
             jerk = " any-jerk" if command.any_jerk and place else ""
             head.append(
                 f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}{flows}{jerk}"
@@ -62,15 +56,14 @@ def _told(barrier: Barrier) -> str:
 
 def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
     """The text of a program. It loads a buffer and moves nothing: whoever runs it sends R. `memory` keeps the lines of moves."""
+    moves = _moves(program, memory)
     pieces: list[str] = []
     places: dict[int, tuple[int, int]] = {}
     barriers: list[tuple[int, Barrier]] = []
     line = 1
     for item in program.body:
         if isinstance(item, Moves):
-            go_on()
-            key = ("moves", program.axes, program.decimals, item.values.tobytes())
-            pieces.append(recall(memory, key, partial(_moves, program, item.values)))
+            pieces.append(next(moves))
             end = line + len(item.values)
             places[item.step] = (places.get(item.step, (line, 0))[0], end - 1)
             line = end
@@ -93,7 +86,7 @@ def _words(program: PmacProgram, item: SegmentTime | Assignment | Rest | Stand |
         case Rest(milliseconds=milliseconds):
             return (f"DWELL{_number(milliseconds)}",)
         case Stand(point=point):
-            return ("RAPID", "ABS", _moves(program, point[None]).rstrip("\n"), "DWELL0", "SPLINE1")
+            return ("RAPID", "ABS", _point(program, point), "DWELL0", "SPLINE1")
         case Barrier():
             return barrier_lines(item, program.target, program.coordinate_system)
 
@@ -108,15 +101,26 @@ def _number(value: float) -> str:
     return f"{value:.9f}".rstrip("0").rstrip(".")
 
 
-def _moves(program: PmacProgram, values: NDArray[np.float64]) -> str:
-    """Move lines of `values` (k, axes), many rows in one formatting."""
-    row = "".join(f"{axis}%.{program.decimals}f" for axis in program.axes) + "\n"
-    pieces = []
-    for start in range(0, len(values), _ROWS_AT_ONCE):
-        block = values[start : start + _ROWS_AT_ONCE]
-        text = (row * len(block)) % tuple(block.ravel().tolist())
-        pieces.append(_POINT.sub("", _ZEROS.sub("", text)))
-    return "".join(pieces)
+def _moves(program: PmacProgram, memory: Memory) -> Iterator[str]:
+    """Yield the lines of all moves, one item of the body after the other."""
+    values = [item.values for item in program.body if isinstance(item, Moves)]
+    if isinstance(memory, Forgetful):
+        yield from each(move_lines(program.axes, program.decimals, values))
+        return
+    keys = [("moves", program.axes, program.decimals, one.tobytes()) for one in values]
+    known: list[str | None] = [memory.get(key) for key in keys]
+    missing = [one for one, text in zip(values, known, strict=True) if text is None]
+    made = each(move_lines(program.axes, program.decimals, missing))
+    for key, text in zip(keys, known, strict=True):
+        if text is None:
+            text = next(made)  # noqa: PLW2901 - what is known then
+            memory.keep(key, text)
+        yield text
+
+
+def _point(program: PmacProgram, point: NDArray[np.float64]) -> str:
+    """Return the move line to one point (axes,)."""
+    return next(move_lines(program.axes, program.decimals, [point[None]])).rstrip("\n")
 
 
 def _opening(program: PmacProgram) -> Iterator[str]:
@@ -161,7 +165,7 @@ def _open_rotary(program: PmacProgram) -> Iterator[str]:
         return
     yield "RAPID"
     yield "ABS"
-    yield _moves(program, program.start[None]).rstrip("\n")
+    yield _point(program, program.start)
     yield "DWELL0"
 
 

@@ -37,12 +37,11 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    least: dict[float, float] = {}  # the shorter the segments, the more decimals
-    for motion in plan.motions:
-        speed = _kept_speed(plan, motion)
-        least[speed] = min(least.get(speed, np.inf), motion.curve.segment)
-    needed = (decimals_for(robot, segment, tolerance, speed) for speed, segment in least.items())
-    decimals = max(needed, default=4)
+    # the shorter the segments, and the less a segment moves at a speed that is kept, the more decimals
+    steps = [(_kept_speed(plan, motion), motion.curve.segment) for motion in plan.motions]
+    slowest = min(steps, key=lambda one: one[0] * one[1], default=None)
+    needed = [] if slowest is None else [(np.inf, shortest), slowest]
+    decimals = max((decimals_for(robot, segment, tolerance, speed) for speed, segment in needed), default=4)
     body = tuple(_body(plan, decimals))
     if target == "rotary":
         body = _guarded(body, marks)
@@ -78,7 +77,11 @@ def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
     step, cell = plan.program.steps[motion.step], plan.program.cell
     speed = step.timing.speed if isinstance(step, Motion) else None
     slow = min((zone.speed for zone in cell.zones if zone.speed), default=np.inf) if cell else np.inf
-    return slow if speed is None or speed.length is None else min(slow, speed.length * motion.kept)
+    return (
+        slow
+        if speed is None or speed.length is None
+        else min(slow, speed.length * min(motion.kept, motion.least))
+    )
 
 
 def _commands(plan: MotionPlan) -> Iterator[Command]:
@@ -92,7 +95,7 @@ def _commands(plan: MotionPlan) -> Iterator[Command]:
             origin.label or "-",
             origin.name,
             origin.span.line,
-            overlaps.get(number, 0),
+            overlaps.get(number),
             number in plan.any_jerk,
         )
         if isinstance(step, Stop):
@@ -148,7 +151,7 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                 if curve.segment != written:
                     written = curve.segment
                     yield SegmentTime(curve.segment / MS)
-                flows = motion.overlap > 0
+                flows = motion.flows
                 following = motions.get(number + 1)
                 ends = not flows and (following is None or following.curve.segment != curve.segment)
                 yield Moves(number, lines[number][:-2] if ends else lines[number])

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import tomllib
+from collections.abc import Iterator
+
 import numpy as np
 
 from yarclang.robot.model import Array
 from yarclang.source import SourceFile
-from yarclang.toml.places import find_places
+from yarclang.toml.changes import printed, with_table, with_value, without
+from yarclang.toml.places import Path, find_places
 from yarclang.transforms import roll_pitch_yaw
-from yarclang.units import DEG, MM
+from yarclang.units import DEG, MM, UNITS, Unit
 
 
 def frame_line(name: str, pose: Array, parent: str) -> str:
@@ -19,7 +24,7 @@ def frame_line(name: str, pose: Array, parent: str) -> str:
 
 def with_offsets(robot_toml: SourceFile, offsets: Array) -> str:
     """The text of a robot.toml with these offsets a0 (n,) [counts], rounded to 0.01 count; all else stays as it is."""
-    return _with_value(robot_toml, "actuation", "a0", f"[{', '.join(_printed(offsets, 2))}]")
+    return with_value(robot_toml, ("actuation", "a0"), _rounded(offsets, 2))
 
 
 def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
@@ -27,25 +32,77 @@ def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
 
     A frame that the file has keeps its orientation; a new one has that of the flange.
     """
-    xyz = f"[{', '.join(_printed(flange_from_tip / MM, 3))}]"
+    xyz = _rounded(flange_from_tip / MM, 3)
     if ("frames", name) in find_places(robot_toml).keys:
-        return _with_value(robot_toml, f"frames.{name}", "xyz", xyz)
-    text = robot_toml.text if robot_toml.text.endswith("\n") else robot_toml.text + "\n"
-    return f'{text}\n[frames.{name}]\nparent = "FLANGE"\nxyz = {xyz}  # mm\nrpy = [0, 0, 0]  # deg\n'
+        return with_value(robot_toml, ("frames", name, "xyz"), xyz)
+    end = "\r\n" if "\r\n" in robot_toml.text else "\n"
+    text = robot_toml.text if robot_toml.text.endswith("\n") else robot_toml.text + end
+    rows = (
+        "",
+        f"[frames.{name}]",
+        'parent = "FLANGE"',
+        f"xyz = {printed(xyz)}  # mm",
+        "rpy = [0, 0, 0]  # deg",
+        "",
+    )
+    return text + end.join(rows)
 
 
-def _with_value(file: SourceFile, table: str, key: str, value: str) -> str:
-    """The text with another value of a table's key, or with the key, right below the table's header, where it isn't there."""
-    places = find_places(file)
-    path = tuple(table.split("."))
-    lines = file.text.split("\n")  # a carriage return stays at its line's end
-    if span := places.values.get((*path, key)):
-        behind = lines[span.end_line - 1][span.end_column - 1 :]
-        lines[span.line - 1 : span.end_line] = [lines[span.line - 1][: span.column - 1] + value + behind]
+def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, parent: str) -> str:
+    """The text of a cell.toml with a frame here, to 1 um and 0.0001 deg, in the units that hold there.
+
+    Args:
+        cell_toml: a text that tomllib accepts.
+        name: of the frame, as the file has it where it is there already: it keeps its parent then.
+        parent_from_frame: (4, 4) [m].
+        parent: of a new frame.
+
+    Raises:
+        ChangeError: the file's form doesn't allow it.
+    """
+    path: Path = ("frames", name)
+    data = tomllib.loads(cell_toml.text)
+    tables = data.get("frames", {})
+    table = tables.get(name) if isinstance(tables, dict) else None
+    own = table.get("units") if isinstance(table, dict) else None
+    units = {one.kind: one for text in (data.get("units"), own) for one in _units(text)}
+    if not {"length", "angle"} <= units.keys():
+        own, units = "mm,deg", {one.kind: one for one in _units("mm,deg")}
+        values: dict[str, object] = {"units": own}
     else:
-        header = places.keys[path].line
-        lines.insert(header, f"{key} = {value}" + "\r" * lines[header - 1].endswith("\r"))
-    return "\n".join(lines)
+        values = {}
+    length, angle = units["length"].factor, units["angle"].factor
+    values["xyz"] = _rounded(parent_from_frame[:3, 3] / length, _digits(length, _LENGTH))
+    values["rpy"] = _rounded(roll_pitch_yaw(parent_from_frame[:3, :3]) / angle, _digits(angle, _ANGLE))
+    if table is None:
+        return with_table(cell_toml, path, {"parent": parent, **values})
+    text = cell_toml.text
+    if isinstance(table, dict) and "quat" in table:
+        text = without(cell_toml, (*path, "quat"))
+    for key, value in values.items():
+        text = with_value(SourceFile(cell_toml.name, text), (*path, key), value)
+    return text
+
+
+_LENGTH, _ANGLE = 1e-6, 2e-6
+"""Steps in which lengths [m] and angles [rad] are written, about."""
+
+
+def _units(text: object) -> Iterator[Unit]:
+    for name in text.split(",") if isinstance(text, str) else ():
+        unit = UNITS.get(name.strip().lower())
+        if unit is not None:
+            yield unit
+
+
+def _digits(factor: float, step: float) -> int:
+    """Return the number of decimals that a value needs in a unit of so many m or rad."""
+    return max(0, math.ceil(math.log10(factor / step) - 1e-9))
+
+
+def _rounded(values: Array, decimals: int) -> list[float]:
+    rounded: list[float] = (np.round(values, decimals) + 0.0).tolist()
+    return rounded
 
 
 def _printed(values: Array, decimals: int) -> list[str]:

@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import CellFrame, Mount, Obstacle
-from yarclang.cell.schema import CellTable, ObstacleTable, ZoneTable
+from yarclang.cell.schema import BodyTable, CellTable, SensorTable, ZoneTable
 from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.shapes import Shape
@@ -35,7 +35,7 @@ class Surroundings:
     dropped: frozenset[Path]
 
 
-def read_obstacle(table: ObstacleTable, path: Path, around: Surroundings) -> Obstacle | None:
+def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
     """An obstacle; None with findings."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
@@ -52,7 +52,7 @@ def read_obstacle(table: ObstacleTable, path: Path, around: Surroundings) -> Obs
 
 
 def belong(
-    table: ObstacleTable | ZoneTable,
+    table: BodyTable | ZoneTable | SensorTable,
     path: Path,
     what: str,
     needed: Sequence[str],
@@ -74,11 +74,16 @@ def _a(what: str) -> str:
         "forbidden": "a forbidden zone",
         "slow": "a slow zone",
         "posture": "a zone for a posture",
+        "beam": "a light beam",
+        "proximity": "a proximity sensor",
+        "vacuum": "a vacuum sensor",
     }
     return spoken.get(what, f"a {what}")
 
 
-def mounted(table: ObstacleTable | ZoneTable, path: Path, units: Units, around: Surroundings) -> Mount | None:
+def mounted(
+    table: BodyTable | ZoneTable | SensorTable, path: Path, units: Units, around: Surroundings
+) -> Mount | None:
     """Where the origin of a body is."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
@@ -91,7 +96,7 @@ def mounted(table: ObstacleTable | ZoneTable, path: Path, units: Units, around: 
     return Mount(constant(under.transform @ pose), under.on_flange)
 
 
-def sized_shape(table: ObstacleTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
+def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
     """The shape of an obstacle [m]; the keys that it needs are there."""
     if table.shape == "mesh":
         place = (*path, "file")
@@ -101,7 +106,7 @@ def sized_shape(table: ObstacleTable, path: Path, units: Units, around: Surround
 
 
 def simple_shape(
-    table: ObstacleTable | ZoneTable, path: Path, units: Units, around: Surroundings
+    table: BodyTable | ZoneTable, path: Path, units: Units, around: Surroundings
 ) -> SimpleShape | None:
     """A shape without a file [m]; the keys that it needs are there."""
     measures = around.measures

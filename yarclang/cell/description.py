@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from yarclang.cell.model import Array, Cell, CellOutput
+from yarclang.cell.model import Array, Cell, CellOutput, Grip, Removal
 from yarclang.diagnostics import Diagnostic, Result, in_order
 from yarclang.frozen import frozen
 from yarclang.pmac.variables import signal_variable
@@ -22,8 +22,9 @@ from yarclang.toml.places import Path, find_places
 from yarclang.toml.reading import parse_toml, read_text
 
 if TYPE_CHECKING:
+    from yarclang.cell.bodies import Surroundings
     from yarclang.cell.measures import Measures
-    from yarclang.cell.schema import CellTable
+    from yarclang.cell.schema import CellTable, OutputTable
     from yarclang.toml.draft import Draft
 
 IsWord = Callable[[str], bool]
@@ -74,7 +75,9 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     from yarclang.cell.bodies import Surroundings, read_obstacle
     from yarclang.cell.frames import resolve_frames
     from yarclang.cell.measures import Measures
+    from yarclang.cell.parts import read_part
     from yarclang.cell.schema import CellTable, spelled_out
+    from yarclang.cell.sensors import read_sensor
     from yarclang.cell.zones import read_zone
     from yarclang.toml.draft import read_draft
 
@@ -99,11 +102,15 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         for name, entry in table.inputs.items()
         if (variable := _variable(entry.variable, ("inputs", name, "variable"), file, names.robot))
     }
+    parts = [read_part(one, ("parts", at), around) for at, one in enumerate(table.parts)]
     outputs = {
-        name.upper(): CellOutput(variable, entry.safe)
+        name.upper(): _output(variable, entry, ("outputs", name), around)
         for name, entry in table.outputs.items()
         if (variable := _variable(entry.variable, ("outputs", name, "variable"), file, names.robot))
     }
+    sensors = [
+        read_sensor(one, ("sensors", at), around, inputs, outputs) for at, one in enumerate(table.sensors)
+    ]
     findings = in_order(file.findings)
     if names.robot is None:
         return Result(None, findings)
@@ -117,6 +124,8 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         tuple(one for one in zones if one is not None),
         MappingProxyType(_places(file, table)),
         MappingProxyType(_zone_places(file, table)),
+        tuple(one for one in parts if one is not None),
+        tuple(one for one in sensors if one is not None),
     )
     return Result(cell, findings)
 
@@ -137,6 +146,14 @@ def _joints(table: CellTable, measures: Measures, robot: Robot | None) -> dict[s
     return found
 
 
+def _output(variable: str, entry: OutputTable, path: Path, around: Surroundings) -> CellOutput:
+    from yarclang.cell.parts import read_grip
+
+    does = read_grip(entry, path, around)
+    grip = does if isinstance(does, Grip) else None
+    return CellOutput(variable, entry.safe, grip, does if isinstance(does, Removal) else None)
+
+
 def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None) -> str | None:
     """The controller's variable of an input or output; None with a finding."""
     if text is None:
@@ -154,6 +171,7 @@ _WHAT = {
     "outputs": "output",
     "obstacles": "obstacle",
     "zones": "zone",
+    "parts": "part",
 }
 
 
@@ -165,7 +183,7 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
     for path, name in _named(draft.table):
         key, upper = str(path[0]), name.upper()
         what = _WHAT[key]
-        space = key if key == "frames" else "bodies" if key in ("obstacles", "zones") else "names"
+        space = key if key == "frames" else "bodies" if key in ("obstacles", "zones", "parts") else "names"
         at_key = space != "bodies"
         if not _NAME.fullmatch(upper):
             message = f'The {what} has the name "{name[:40]}", which a program can\'t write.'
@@ -193,7 +211,7 @@ def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
     """Everything that has a name, and where, in the order of the file's tables."""
     for key in ("frames", "joints", "inputs", "outputs"):
         yield from (((key, name), name) for name in getattr(table, key))
-    for key in ("obstacles", "zones"):
+    for key in ("obstacles", "zones", "parts"):
         for at, entry in enumerate(getattr(table, key)):
             if entry.name is not None:
                 yield (key, at, "name"), entry.name

@@ -45,25 +45,160 @@ class CellFrame:
     mount: Mount
 
 
+@frozen(eq=False)
+class Grip:
+    """What an output does to parts: at `value` it closes a gripper whose origin sits at `flange_from_grip` (4, 4) [m], at any other value it opens it.
+
+    A gripper that closes takes the part that is nearest to its origin, if that is no farther away than `reach` [m]. `frame` is the name of the gripper's frame.
+    """
+
+    frame: str
+    flange_from_grip: Array
+    reach: float
+    value: float
+
+
+@frozen(eq=False)
+class Removal:
+    """What an output does to parts that lie within `reach` [m] of a place in the cell, at `base_from_place` (4, 4): at `value` a machine there takes them away."""
+
+    frame: str
+    base_from_place: Array
+    reach: float
+    value: float
+
+
 @frozen
 class CellOutput:
-    """An output: the controller's variable, and its value at any stop, hold or fault (None: it stays as it is)."""
+    """An output: the controller's variable, and its value at any stop, hold or fault (None: it stays as it is); `grip` if it moves a gripper, `removal` if a
+    machine takes parts away at it.
+    """
 
     variable: str
     safe: float | None
+    grip: Grip | None = None
+    removal: Removal | None = None
 
 
 @frozen(eq=False)
 class Obstacle:
     """A body that the robot must not touch, or, with a mount on the flange, a body that it carries.
 
-    `margin` [m] is how far everything else stays away from it at least.
+    `margin` [m] is how far everything else stays away from it at least. `is_part` is True for what grippers take, whose `mass` [kg] is None if it isn't known; `is_sure` is False for a part that
+    may be at this place or at another one, as programs decide while they run.
     """
 
     name: str
     shape: Shape
     mount: Mount
     margin: float
+    mass: float | None = None
+    is_sure: bool = True
+    is_part: bool = False
+
+
+@frozen(eq=False)
+class Part:
+    """A body that grippers take and put down. `body` is where it lies when a program starts.
+
+    `count` parts of the kind come one after the other: the next one lies there as soon as the one before it was taken away.
+    """
+
+    body: Obstacle
+    count: int = 1
+
+
+@frozen
+class Touch:
+    """Two bodies that may come nearer to each other than their margins allow: down to `least` [m].
+
+    `other` is None for all that hangs on the flange. A `least` of minus infinity lets them overlap.
+    """
+
+    part: str
+    other: str | None
+    least: float
+
+
+@frozen
+class Item:
+    """A part at a place where it is, or, if it isn't `is_sure`, where it may be.
+
+    `pose` has the bytes of a transform (4, 4) [m]: base_from_part, or flange_from_part of a part that a gripper holds; `gripper` is then the variable of the
+    gripper's output. `number` counts the parts of a kind from 1.
+    """
+
+    part: Part
+    number: int
+    pose: bytes
+    gripper: str | None = None
+    is_sure: bool = True
+
+    @property
+    def name(self) -> str:
+        """Name in messages: BOX, or BOX 3 if several come one after the other."""
+        return f"{self.part.body.name} {self.number}" if self.part.count > 1 else self.part.body.name
+
+    @property
+    def transform(self) -> Array:
+        """The pose as a matrix (4, 4) [m]."""
+        return np.frombuffer(self.pose).reshape(4, 4)
+
+
+@frozen
+class Expected:
+    """Part `number` of a kind, which comes once the one before it was taken away by the SET that is step `taken`."""
+
+    part: Part
+    number: int
+    taken: int
+
+
+@frozen
+class Parts:
+    """Where the parts are, which grippers are closed for sure (by the variables of their outputs), and which parts are still to come."""
+
+    items: tuple[Item, ...]
+    closed: frozenset[str] = frozenset()
+    expected: tuple[Expected, ...] = ()
+
+    def held(self, gripper: str | None = None) -> tuple[Item, ...]:
+        """Return what a gripper holds, or all grippers."""
+        return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
+
+
+@frozen
+class Leaving:
+    """A gripper that has taken or put down parts, and hasn't left them yet: the names of the parts, True if it `closes`, and what may touch until it has left."""
+
+    moved: tuple[str, ...]
+    closes: bool
+    touches: tuple[Touch, ...]
+
+
+@frozen
+class Present:
+    """The parts of a cell when a program starts, if that isn't as the cell's file says.
+
+    `leaving` are the grippers beside whose parts the robot still stands. `goes_on` is True for a line of a session: the next line may close or open a gripper.
+    """
+
+    parts: Parts
+    leaving: tuple[Leaving, ...] = ()
+    goes_on: bool = False
+
+
+@frozen(eq=False)
+class Sensor:
+    """A sensor that drives an input: it is ON while a part or the robot is in its `region`, which sits at `mount`, or while the gripper of the output
+    `gripper` (a controller's variable) holds a part. `inverted` ones are OFF then.
+    """
+
+    input: str
+    inverted: bool
+    region: Sphere | Capsule | None = None
+    mount: Mount | None = None
+    gripper: str | None = None
 
 
 @frozen(eq=False)
@@ -122,6 +257,10 @@ class Cell:
     Names are in upper case. `frames` has parents before what hangs on them; `joints` are joint positions (n,) [rad or m]; `inputs` are
     the controller's variables. `places` says where a name stands in `source`, by the table (frames, joints, inputs, outputs) and the name; `zone_places`
     where the name of a zone does.
+
+    `parts` are what grippers take; the collision check doesn't see them here. Where they are at an instant of a program is a cell of its own
+    (`yarclang.handling.surroundings`), in which they are obstacles, and `touches` says which bodies may touch each other then. `present` says where they are when a
+    program starts; None: where the file has them.
     """
 
     source: SourceFile
@@ -133,3 +272,17 @@ class Cell:
     zones: tuple[Zone, ...]
     places: Mapping[tuple[str, str], Span]
     zone_places: Mapping[str, Span] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    touches: tuple[Touch, ...] = ()
+    present: Present | None = None
+
+    @property
+    def grips(self) -> Mapping[str, Grip]:
+        """The grippers, by the variables of their outputs."""
+        return {one.variable: one.grip for one in self.outputs.values() if one.grip is not None}
+
+    @property
+    def removals(self) -> Mapping[str, Removal]:
+        """The machines that take parts away, by the variables of their outputs."""
+        return {one.variable: one.removal for one in self.outputs.values() if one.removal is not None}

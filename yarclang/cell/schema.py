@@ -13,6 +13,9 @@ from yarclang.toml.tables import LARGEST, Document, Number, Positive, Table
 
 Margin = Annotated[float, Field(ge=0.0, le=LARGEST)]
 
+MOST_PARTS = 10_000
+"""The most parts of one kind."""
+
 
 class Placed(Table):
     """What has a place in a frame: x y z, and roll pitch yaw or a quaternion x y z w."""
@@ -46,16 +49,21 @@ class InputTable(Table):
 
 
 class OutputTable(Table):
-    """`[outputs]` NAME = "M1", or `[outputs.NAME]` with a variable and a safe value."""
+    """`[outputs]` NAME = "M1", or `[outputs.NAME]` with a variable, a safe value, and the gripper that it moves."""
 
     required = ("variable",)
-    wanted: ClassVar = {"safe": '"ON", "OFF" or a number'}
+    wanted: ClassVar = dict.fromkeys(("safe", "grips_at", "removes_at"), '"ON", "OFF" or a number')
     variable: str | None = None
     safe: Number | None = None
+    grips: str | None = None
+    grips_at: Number | None = None
+    removes: str | None = None
+    removes_at: Number | None = None
+    reach: Margin | None = None
 
 
-class ObstacleTable(Placed):
-    """`[[obstacles]]`; which sizes it has depends on its shape."""
+class BodyTable(Placed):
+    """What obstacles and parts share; which sizes it has depends on its shape."""
 
     required = ("name", "shape", "frame")
     name: str | None = None
@@ -66,6 +74,30 @@ class ObstacleTable(Placed):
     length: Positive | None = None
     file: str | None = None
     margin: Margin = 0.0
+
+
+class ObstacleTable(BodyTable):
+    """`[[obstacles]]`."""
+
+
+class PartTable(BodyTable):
+    """`[[parts]]`; its mass is in kg."""
+
+    mass: Positive | None = None
+    count: Annotated[int, Field(ge=1, le=MOST_PARTS)] = 1
+
+
+class SensorTable(Placed):
+    """`[[sensors]]`; what describes it depends on its kind."""
+
+    required = ("input", "kind")
+    input: str | None = None
+    kind: Literal["beam", "proximity", "vacuum"] | None = None
+    frame: str | None = None
+    to: list[Number] | None = None
+    range: Positive | None = None
+    gripper: str | None = None
+    inverted: bool = False
 
 
 class ZoneTable(Placed):
@@ -96,8 +128,12 @@ class CellTable(Document):
     outputs: dict[str, OutputTable] = Field(default={})
     obstacles: list[ObstacleTable] = Field(default=[])
     zones: list[ZoneTable] = Field(default=[])
+    parts: list[PartTable] = Field(default=[])
+    sensors: list[SensorTable] = Field(default=[])
     wanted: ClassVar = {
         "obstacles": "tables, each under [[obstacles]]",
+        "parts": "tables, each under [[parts]]",
+        "sensors": "tables, each under [[sensors]]",
         "zones": "tables, each under [[zones]]",
         "units": 'a text such as "mm,deg"',
     }
@@ -108,6 +144,8 @@ class CellTable(Document):
         "outputs": OutputTable,
         "obstacles": ObstacleTable,
         "zones": ZoneTable,
+        "parts": PartTable,
+        "sensors": SensorTable,
     }
     examples: ClassVar = {
         "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',
@@ -124,6 +162,11 @@ class CellTable(Document):
         "normal": "normal = [0, 0, 1], the direction into the half space.",
         "joints": "joints = { J1 = [-90, 90] }, the least and the largest value of each joint that matters.",
         "speed": "for example speed = 250, in the units of length and time.",
+        "input": 'for example input = "PART_READY", one of [inputs].',
+        "kind": 'kind = "beam", "proximity" or "vacuum".',
+        "to": "to = [x, y, z], where the beam ends.",
+        "range": "for example range = 30, around x y z.",
+        "gripper": 'for example gripper = "GRIP", one of [outputs] with grips.',
     }
 
 
@@ -139,9 +182,10 @@ def spelled_out(data: dict[str, Any]) -> dict[str, Any]:
             }
     outputs = made.get("outputs")
     for entry in outputs.values() if isinstance(outputs, dict) else ():
-        safe = entry.get("safe")
-        if isinstance(safe, str) and safe.upper() in _STATES:
-            entry["safe"] = _STATES[safe.upper()]
+        for key in ("safe", "grips_at", "removes_at"):
+            state = entry.get(key)
+            if isinstance(state, str) and state.upper() in _STATES:
+                entry[key] = _STATES[state.upper()]
     return made
 
 

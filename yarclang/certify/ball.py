@@ -67,7 +67,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
     ball = owner[cut.owner]
-    motion = frame_motion(robot.chain, cut, balls.flange_from_moving[ball])
+    motion = frame_motion(robot.chain, cut, balls.flange_from_moving[owner])
     corner = balls.corner[ball]
     rest = HERMITE * cut.d**4
     left, right = cut.left, cut.left + 1

@@ -142,15 +142,13 @@ def _of_frames(
     segments = np.concatenate(rows)
     cubics = Cubics.of_spline(layout.control, layout.at[segments], layout.time[segments])
     radius = np.array([_blend_of(layout, ball.corner).length or 0.0 for ball in balls])
-    slack = np.array(
-        [judged.tolerance_of(layout.places[ball.corner.first].motion).position for ball in balls]
-    )
+    slack = [judged.tolerance_of(layout.places[ball.corner.first].motion) for ball in balls]
     turn = np.array([ball.left.angle + ball.joined.angle for ball in balls])
     together = Balls(
         np.array([ball.flange_from_moving for ball in balls]),
         np.array([ball.pose for ball in balls]),
-        radius + slack,
-        turn + judged.tolerance.angle,
+        radius + np.array([one.position for one in slack]),
+        turn + np.array([one.angle for one in slack]),
     )
     position, angle = farthest(cubics, owner, together, judged.robot)
     for i, ball in enumerate(balls):

@@ -59,13 +59,12 @@ class Cubics:
         """Some of the segments."""
         return Cubics(self.x[rows], self.v[rows], self.a[rows], self.j[rows], self.h[rows])
 
-    def trimmed(self, row: int, begin: float, end: float) -> Cubics:
-        """The same, of which one segment begins and ends later and earlier, `begin` and `end` after its start [s]."""
+    def trimmed(self, rows: NDArray[np.int64], begin: Array, end: Array) -> Cubics:
+        """The same, of which the segments `rows` (K,), each once, begin and end later and earlier, `begin` and `end` (K,) after their starts [s]."""
         x, v, a, h = self.x.copy(), self.v.copy(), self.a.copy(), self.h.copy()
-        one = self.take(np.array([row]))
-        x[row : row + 1], v[row : row + 1] = one.at(np.array([begin]))
-        a[row] += begin * self.j[row]
-        h[row] = end - begin
+        x[rows], v[rows] = self.take(rows).at(begin)
+        a[rows] += begin[:, None] * self.j[rows]
+        h[rows] = end - begin
         return Cubics(x, v, a, self.j, h)
 
     def mapped(self, matrix: Array) -> Cubics:

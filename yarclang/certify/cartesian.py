@@ -14,6 +14,7 @@ from yarclang.certify.bounds import (
     path_fourth,
     segment_max,
 )
+from yarclang.certify.flows import covered_by_balls
 from yarclang.certify.pieces import Pieces, arm_bounds, frame_motion, hull
 from yarclang.certify.pose import angle_of_chord
 from yarclang.certify.programmed import Bounds, FramePaths, Motion, Poses, Rows
@@ -24,6 +25,8 @@ from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
 """Pieces are made so short that the remainder of the proof is at most this share of the tolerance."""
+_AT_ONCE = 8_192
+"""So many pieces are bounded at a time: memory doesn't grow with the length of a motion."""
 MOST_PIECES = 32
 """... but never more than this many a segment: a motion that needs more is far out of any limit."""
 
@@ -42,7 +45,7 @@ class Stretch:
     follow: Rows
     free: NDArray[np.bool_]
     tolerance: Array
-    angle: float
+    angle: Array
     speed: Programmed
 
 
@@ -61,7 +64,12 @@ class Followed:
 
 
 def follow(
-    stretch: Stretch, paths: FramePaths, robot: Robot, claims: tuple[Array, int] | None = None
+    stretch: Stretch,
+    paths: FramePaths,
+    robot: Robot,
+    claims: tuple[Array, int] | None = None,
+    *,
+    is_way: bool = False,
 ) -> Followed:
     """Proved bounds of the deviation from programmed paths of the moving frame.
 
@@ -81,6 +89,7 @@ def follow(
         robot: the arm.
         claims: of a single command, control values of s over time to try instead of the projection, and the number of its
             segment in which that B-spline begins.
+        is_way: True if `claims` are the share of the way of the frame's origin, not s: then the projection begins there.
 
     Returns:
         C bounds.
@@ -90,7 +99,8 @@ def follow(
     need = HERMITE * cubics.h**4 / REMAINDER_SHARE * arm.need
     pieces = np.clip(np.ceil(need**0.25), 1, MOST_PIECES).astype(np.int64)
     pieces = finer_for_speed(pieces, cubics.h, arm.origin, arm.rotation, stretch.speed, arm.command)
-    found = _followed(stretch, paths, robot, arm, pieces, claims)
+    law = _Law(claims, is_way)
+    found = _followed(stretch, paths, robot, arm, pieces, law)
     need_more = np.maximum(found.rest / stretch.tolerance, found.angle_rest / stretch.angle)
     beyond = (found.position > stretch.tolerance) | (found.angle > stretch.angle)
     again = np.flatnonzero(paths.lawful & beyond & (need_more > 2.0 * REMAINDER_SHARE))
@@ -98,8 +108,16 @@ def follow(
         factor = np.ones(len(stretch.first))
         factor[again] = np.minimum(need_more[again] / REMAINDER_SHARE, 1e6) ** 0.25
         pieces = np.clip(np.ceil(pieces * factor[arm.command]), 1, MOST_PIECES).astype(np.int64)
-        found = _followed(stretch, paths, robot, arm, pieces, claims)
+        found = _followed(stretch, paths, robot, arm, pieces, law)
     return found
+
+
+@frozen(eq=False)
+class _Law:
+    """What is claimed of s over time, as of `follow`."""
+
+    claims: tuple[Array, int] | None
+    is_way: bool
 
 
 @frozen(eq=False)
@@ -117,7 +135,7 @@ def _arm_bounds(stretch: Stretch, paths: FramePaths, robot: Robot) -> _Arm:
     command = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(cubics.h))))
     origin, rotation = arm_bounds(cubics, command, paths.flange_from_moving, robot)
     # a difference's norm is about sqrt 2 times the angle, and the programmed turn adds about as much again
-    turn = 2.0 * rotation / np.sqrt(2.0) / stretch.angle
+    turn = 2.0 * rotation / np.sqrt(2.0) / stretch.angle[command]
     return _Arm(command, origin, rotation, np.maximum(origin / stretch.tolerance[command], turn))
 
 
@@ -127,11 +145,11 @@ def _followed(
     robot: Robot,
     arm: _Arm,
     pieces: Rows,
-    claims: tuple[Array, int] | None,
+    law: _Law,
 ) -> Followed:
     cut = Pieces.cut(stretch.cubics, arm.command, pieces)
     go_on()
-    motion = frame_motion(robot.chain, cut, paths.flange_from_moving[cut.owner])
+    motion = frame_motion(robot.chain, cut, paths.flange_from_moving)
     go_on()
     speeds = _speeds(stretch, arm, cut, motion)
     go_on()
@@ -139,15 +157,14 @@ def _followed(
     position, angle, rest, angle_rest = (np.zeros(count) for _ in range(4))
     covered = np.tile([0.0, 1.0], (count, 1))
     nothing = stretch.follow[:, 0] >= stretch.follow[:, 1]
-    # blends that take all of a path: one half of it in the ball at either end
-    covered[nothing] = 0.5
+    covered[nothing] = covered_by_balls(stretch.free[nothing])[:, None]
     if nothing.any() or stretch.free.any():
         rows = cut.segment >= stretch.follow[cut.command, 0]
         rows &= cut.segment < stretch.follow[cut.command, 1]
         cut, motion = _only(cut, motion, rows)
     if len(cut.d):
         there = np.unique(cut.command)
-        bounds = _bounds(stretch, paths, arm, cut, motion, claims)
+        bounds = _bounds(stretch, paths, arm, cut, motion, law)
         position[there], angle[there], rest[there], angle_rest[there], covered[there] = bounds
     position[~paths.lawful] = angle[~paths.lawful] = np.inf
     return Followed(position, angle, rest, angle_rest, covered, speeds)
@@ -189,19 +206,17 @@ def _bounds(
     arm: _Arm,
     cut: Pieces,
     motion: Motion,
-    claims: tuple[Array, int] | None,
+    law: _Law,
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Deviations and remainders of position and angle, and what of the path is covered, of the commands that have pieces."""
-    if claims is None:
+    claimed = None if law.claims is None else _claimed(*law.claims, cut, stretch.cubics.h)
+    if claimed is None:
         s, s_rate = paths.project(motion, cut.owner, stretch.tolerance, stretch.angle)
+    elif law.is_way:
+        s, s_rate = paths.project(motion, cut.owner, stretch.tolerance, stretch.angle, claimed[0])
     else:
-        s, s_rate = _claimed(*claims, cut, stretch.cubics.h)
+        s, s_rate = claimed
     left, right, d = cut.left, cut.left + 1, cut.d
-    go_on()
-    path = paths.at(cut.owner, s)
-    go_on()
-    e, e_rate, turn, turn_rate = _errors(motion, path, s_rate)
-    go_on()
     bezier_s = np.stack(hermite_bezier(s[left], s_rate[left], s[right], s_rate[right], d), axis=1)
     begins = np.flatnonzero(np.diff(cut.command, prepend=-1))
     ends = np.append(begins[1:], len(d)) - 1
@@ -211,29 +226,72 @@ def _bounds(
     covered = np.where(free, covered, [0.0, 1.0])
     group = np.repeat(np.arange(len(begins)), ends - begins + 1)
     behind = catch_up(bezier_s, group, covered=covered)
+    parts = [
+        _bounds_of(paths, arm, cut, motion, (s, s_rate), bezier_s, behind, slice(begin, begin + _AT_ONCE))
+        for begin in range(0, len(d), _AT_ONCE)
+    ]
+    position, angle, rest, angle_rest = (
+        segment_max(np.nan_to_num(np.concatenate(x), nan=np.inf), begins) for x in zip(*parts, strict=True)
+    )
+    return position, angle, rest, angle_rest, covered
 
+
+def _bounds_of(
+    paths: FramePaths,
+    arm: _Arm,
+    cut: Pieces,
+    motion: Motion,
+    law: tuple[Array, Array],
+    bezier_s: Array,
+    behind: Array,
+    which: slice,
+) -> tuple[Array, Array, Array, Array]:
+    """Deviations and remainders of position and angle on some consecutive pieces.
+
+    Args:
+        paths: the programmed paths.
+        arm: what bounds the arm's part of the remainder.
+        cut: all pieces.
+        motion: the frames at the points between them.
+        law: s and its rate at these points, (N,) each.
+        bezier_s: (P, 4) the Bezier points of s on all pieces.
+        behind: (P,) as of `catch_up`.
+        which: the pieces.
+    """
+    first = cut.left[which.start]
+    left, segment, command = (x[which] for x in (cut.left, cut.segment, cut.command))
+    d = cut.d[which]
+    points = slice(first, left[-1] + 2)
+    left = left - first
+    right, bezier_s, behind = left + 1, bezier_s[which], behind[which]
+    s, s_rate = (x[points] for x in law)
+    go_on()
+    path = paths.at(cut.owner[points], s)
+    go_on()
+    frames = Motion(
+        motion.p[points], motion.velocity[points], motion.rotation[points], motion.angular[points], d
+    )
+    e, e_rate, turn, turn_rate = _errors(frames, path, s_rate)
+    go_on()
     low, high = bezier_s.min(axis=1), bezier_s.max(axis=1)
-    steep = paths.bounds(cut.command, low, high)
+    steep = paths.bounds(command, low, high)
     go_on()
     # between where the parameter is and where it was lifted to
     lifted = steep
     if not steep.everywhere:
         least = np.maximum(low - behind, np.minimum(low, 0.0))
         most = np.minimum(high + behind, np.maximum(high, 1.0))
-        lifted = paths.bounds(cut.command, least, most)
+        lifted = paths.bounds(command, least, most)
     go_on()
     rest, chord_rest = _remainders(bezier_s, d, steep)
-    rest = rest + HERMITE * d**4 * arm.origin[cut.segment]
-    chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[cut.segment]
+    rest = rest + HERMITE * d**4 * arm.origin[segment]
+    chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[segment]
     position = hull(e, e_rate, left, right, d) + rest + behind * lifted.position[:, 0]
     chord = hull(turn, turn_rate, left, right, d)
     lag = behind * lifted.rotation[:, 0] / np.sqrt(2.0)
     angle = np.minimum(angle_of_chord(chord + chord_rest) + lag, np.pi)
     angle_rest = angle_of_chord(chord + chord_rest) - angle_of_chord(chord)
-    position, angle, rest, angle_rest = (
-        segment_max(np.nan_to_num(x, nan=np.inf), begins) for x in (position, angle, rest, angle_rest)
-    )
-    return position, angle, rest, angle_rest, covered
+    return position, angle, rest, angle_rest
 
 
 def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, Array, Array]:

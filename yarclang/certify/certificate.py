@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import field
 from typing import Any, Literal
 
 from yarclang.certify.text import ControllerText
 from yarclang.frozen import frozen
+from yarclang.lasting import Lasting
 from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
@@ -32,6 +34,59 @@ class Load:
 
 
 IDLE = Load("", 0.0)
+
+QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jerk", "motor_velocity", "hold")
+
+
+@frozen(eq=False)
+class Peaks:
+    """The largest loads of N commands, as arrays: a long text has many.
+
+    Of each command and each of `QUANTITIES`, `joints` is the joint or motor that is used most, one of the quantity's `names`, and `shares` the share of its limit.
+    """
+
+    names: tuple[tuple[str, ...], ...]
+    joints: array[int]
+    shares: array[float]
+
+
+@frozen(eq=False)
+class Loads:
+    """The loads of one command: number `row` of `peaks`; all idle without."""
+
+    peaks: Peaks | None
+    row: int
+
+    def of(self, quantity: Quantity) -> Load:
+        """Return the load of one of `QUANTITIES`."""
+        if self.peaks is None:
+            return IDLE
+        number = _NUMBERS[quantity]
+        place = self.row * len(QUANTITIES) + number
+        share = self.peaks.shares[place]
+        return Load(self.peaks.names[number][self.peaks.joints[place]], share) if share > 0.0 else IDLE
+
+    def share_of(self, quantity: Quantity) -> float:
+        """Return the share of the load of one of `QUANTITIES`."""
+        if self.peaks is None:
+            return 0.0
+        share = self.peaks.shares[self.row * len(QUANTITIES) + _NUMBERS[quantity]]
+        return share if share > 0.0 else 0.0
+
+    def __eq__(self, other: object) -> bool:
+        """Return True for the same loads."""
+        return isinstance(other, Loads) and self._all == other._all
+
+    def __hash__(self) -> int:
+        """Return the hash of all loads."""
+        return hash(self._all)
+
+    @property
+    def _all(self) -> tuple[Load, ...]:
+        return tuple(map(self.of, QUANTITIES))
+
+
+_NUMBERS = {quantity: number for number, quantity in enumerate(QUANTITIES)}
 
 
 @frozen
@@ -172,7 +227,8 @@ class CommandCertificate:
     the command. The jerk of a time-optimal motion (profile TOPP), and of blends with one, is stated as well, and not judged: `jerk_judged`.
     `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves, `zone_clearance` how near what zones
     watch comes to borders that it must not cross (its bodies are what is watched, and the zone), `zone_speed` how fast it is in slow zones, where that is nearest to
-    what is allowed; None where there is nothing. `torque` is the largest share of a motor's effort, None of a robot whose masses or efforts aren't known.
+    what is allowed; None where there is nothing. `torque` is the largest share of a motor's effort, None of a robot whose masses or efforts aren't known. `module` is the module that `source_line` is in; empty for the program's own lines.
+    `carries` are the parts that grippers hold meanwhile; `tolerance` is the command's own, None where that of all counts.
     """
 
     step: int
@@ -185,12 +241,7 @@ class CommandCertificate:
     segment_time: float
     duration: float
     programmed_duration: float | None
-    position: Load
-    velocity: Load
-    acceleration: Load
-    jerk: Load
-    motor_velocity: Load
-    hold: Load
+    loads: Loads
     deviation: Deviation
     tool_speed: ToolSpeed | None = None
     blended: Blended | None = None
@@ -200,6 +251,39 @@ class CommandCertificate:
     zone_clearance: Clearance | None = None
     zone_speed: ZoneSpeed | None = None
     torque: Load | None = None
+    carries: tuple[str, ...] = ()
+    module: str = ""
+    tolerance: Tolerance | None = None
+
+    @property
+    def position(self) -> Load:
+        """The load of the joint that comes nearest to an end of its range."""
+        return self.loads.of("position")
+
+    @property
+    def velocity(self) -> Load:
+        """The load of the joint that is the fastest for its limit."""
+        return self.loads.of("velocity")
+
+    @property
+    def acceleration(self) -> Load:
+        """The load of the joint whose acceleration uses the largest share of its limit."""
+        return self.loads.of("acceleration")
+
+    @property
+    def jerk(self) -> Load:
+        """The load of the joint whose jerk uses the largest share of its limit."""
+        return self.loads.of("jerk")
+
+    @property
+    def motor_velocity(self) -> Load:
+        """The load of the motor that is the fastest for its limit."""
+        return self.loads.of("motor_velocity")
+
+    @property
+    def hold(self) -> Load:
+        """The load of the joint of which a hold in the worst moment asks most."""
+        return self.loads.of("hold")
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the unit in each name."""
@@ -209,6 +293,7 @@ class CommandCertificate:
             "name": self.name,
             "kind": self.kind,
             "source_line": self.source_line,
+            **({"module": self.module} if self.module else {}),
             "first_pmc_line": self.lines[0] if self.lines else None,
             "last_pmc_line": self.lines[1] if self.lines else None,
             "segments": self.segments,
@@ -230,6 +315,7 @@ class CommandCertificate:
             "zone_clearance": self.zone_clearance.to_json() if self.zone_clearance else None,
             "zone_speed": self.zone_speed.to_json() if self.zone_speed else None,
             "torque": self.torque.to_json() if self.torque else None,
+            "carries": list(self.carries),
         }
 
 
@@ -248,8 +334,13 @@ class Certificate:
 
     @property
     def duration(self) -> float:
-        """The duration of all motions [s]."""
-        return math.fsum(command.duration for command in self.commands)
+        """The known time of all motions and dwells [s], along the longest ways. `lasting` counts the waits as well."""
+        return self.lasting.most
+
+    @property
+    def lasting(self) -> Lasting:
+        """How long the text takes, by the judge's own reading."""
+        return self.text.schedule.lasting
 
     @property
     def position(self) -> float:
@@ -263,11 +354,18 @@ class Certificate:
 
     def worst(self, kind: Quantity) -> Load:
         """The largest load of a kind of all commands."""
-        loads: list[Load] = [getattr(command, kind) or IDLE for command in self.commands]
-        return max(loads, key=lambda load: load.share, default=IDLE)
+        if kind == "torque":
+            torques = [command.torque or IDLE for command in self.commands]
+            return max(torques, key=lambda load: load.share, default=IDLE)
+        loads = [command.loads for command in self.commands]
+        return max(loads, key=lambda one: one.share_of(kind)).of(kind) if loads else IDLE
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the unit in each name."""
+        return {**self.whole_to_json(), "commands": [command.to_json() for command in self.commands]}
+
+    def whole_to_json(self) -> dict[str, Any]:
+        """Plain data of the program as a whole, without its commands."""
         kinds: tuple[Quantity, ...] = (
             "position",
             "velocity",
@@ -280,20 +378,19 @@ class Certificate:
             kinds = (*kinds, "torque")
         return {
             "target": self.target,
-            "duration_s": self.duration,
+            **self.lasting.to_json(),
             "tolerance": {
                 "position_mm": self.tolerance.position / MM,
                 "angle_deg": self.tolerance.angle / DEG,
             },
             "deviation": {"position_mm": _number(self.position / MM), "angle_deg": _number(self.angle / DEG)},
             "loads": {kind: self.worst(kind).to_json() for kind in kinds},
-            "commands": [command.to_json() for command in self.commands],
         }
 
     def summary(self) -> str:
         """One line for the header of the controller's text, ASCII."""
-        judged = [command.jerk.share for command in self.commands if command.jerk_judged]
-        free = [command.jerk.share for command in self.commands if not command.jerk_judged]
+        judged = [command.loads.share_of("jerk") for command in self.commands if command.jerk_judged]
+        free = [command.loads.share_of("jerk") for command in self.commands if not command.jerk_judged]
         shares = {
             "velocity": self.worst("velocity").share,
             "acceleration": self.worst("acceleration").share,

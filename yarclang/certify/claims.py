@@ -21,6 +21,8 @@ class Claims:
             a chain reach half a blend beyond its own on either side. The deviation is measured from the path at these shares.
         kept: the share of its programmed speed that a motion reaches, if not all of it. The text is held to that share, and the judge
             reports it (Y0610).
+        least: the share of its programmed speed below which a motion in a chain doesn't fall, once that is reached. The speed has to be between it and
+            the whole, not always far above it; the judge reports it as well.
         any_jerk: steps whose law has no limit of the jerk. Each must be one by the profile that the program names; the certificate reports
             their jerk as not judged.
     """
@@ -28,4 +30,5 @@ class Claims:
     witnesses: Mapping[int, Array] = field(default_factory=dict)
     laws: Mapping[int, Array] = field(default_factory=dict)
     kept: Mapping[int, float] = field(default_factory=dict)
+    least: Mapping[int, float] = field(default_factory=dict)
     any_jerk: frozenset[int] = frozenset()

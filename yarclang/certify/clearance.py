@@ -8,13 +8,14 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.certificate import Clearance
-from yarclang.certify.layout import Layout
+from yarclang.certify.handled import Handled
+from yarclang.certify.layout import Layout, chunks
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.remedy import remedy
-from yarclang.certify.sweep import Sweep, moving_chunks, sweep_of
+from yarclang.certify.sweep import Sweep, sweep_of
 from yarclang.collision.meeting import Contact, contact
 from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
-from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.scene import Rows, Scene, scene_of, together
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
@@ -33,44 +34,64 @@ NOTHING_NEAR = Apart(None, None)
 
 
 def find_clearances(
-    layout: Layout, program: hir.Program, robot: Robot
+    layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, Apart], list[Diagnostic]]:
     """The smallest distances of every command by its step, and a finding for each that brings bodies too near to each other.
 
     Args:
         layout: the text's segments.
-        program: what it was compiled from; its cell has the obstacles.
+        program: what it was compiled from.
         robot: its links and kinematics.
+        handled: the cell as it is during each command.
     """
-    if not robot.shapes and not (program.cell and program.cell.obstacles):
+    cell = program.cell
+    if not robot.shapes and not handled.cells and not (cell and cell.obstacles):
         return {}, []
-    made = scene_of(robot, program.cell)
-    if made.value is None:
-        source = program.source
-        return {}, [
-            one if one.source else Diagnostic(one.code, one.message, source) for one in made.diagnostics
-        ]
-    scene = made.value
     apart: dict[int, Apart] = {}
     findings: list[Diagnostic] = []
-    for places in moving_chunks(layout) if len(scene.first) else ():
+    for places in chunks([place for place in layout.places if place.size]):
+        cells = [handled.at(place.step) for place in places]
+        scenes: list[Scene] = []
+        for around in dict.fromkeys(cells):
+            made = scene_of(robot, around)
+            if made.value is None:
+                source = program.source
+                return {}, [
+                    one if one.source else Diagnostic(one.code, one.message, source)
+                    for one in made.diagnostics
+                ]
+            scenes.append(made.value)
+        # one scene with all that is anywhere: many motions are proved at once, each with the pairs of its own
+        scene, pairs = together(scenes)
+        of_cell = dict(zip(dict.fromkeys(cells), pairs, strict=True))
+        own = [of_cell[cell] for cell in cells]
+        if not len(scene.first):
+            continue
         sweep = sweep_of(layout, places)
-        found = clearances(scene, sweep.course, sweep.spans)
-        for row, place in enumerate(places):
-            apart[place.step] = Apart(_clearance(scene, found, row, 1), _clearance(scene, found, row, 0))
+        found = clearances(scene, sweep.course, sweep.spans, own if len(scenes) > 1 else None)
+        kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
+        for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
+            told = (_clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0))
+            apart[place.step] = Apart(*told)
         for row, meetings in _by_motion(found.meetings):
             contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
             findings.append(_finding(scene, sweep, row, contacts, robot))
     return apart, list(grouped(findings))
 
 
-def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance | None:
-    """What was proved of a motion, of the pairs of one kind."""
-    if not (scene.of_cell == bool(kind)).any():
-        return None
+def _kinds(scene: Scene, own: Rows) -> set[int]:
+    """Return the kinds of the pairs that may not touch, among a motion's own: 1 with the cell, 0 of the robot alone."""
+    return {int(one) for one in scene.of_cell[own][~scene.touching[own]]}
+
+
+def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
+    """Return what was proved of a motion, of its pairs of one kind."""
     near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
     # beyond what is looked at closely, the bound says little and the names nothing
-    return Clearance(KNOWN) if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
+    return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
+
+
+_FAR = Clearance(KNOWN)
 
 
 def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meeting]]]:
@@ -110,7 +131,8 @@ def _finding(
     names.pop(f"{moving} and {other}")
     more = f"; as well too near: {', '.join(names)}" if names else ""
     message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
-    help_, fix = remedy(motion, _REMEDIES[code])
+    near = (min(one.begin for _, one in contacts), max(one.end for _, one in contacts))
+    help_, fix = remedy(motion, _REMEDIES[code], near, sweep.lasts(row))
     return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -24,6 +25,12 @@ NEARLY_KEPT = 5e-4
 """A claim to miss a programmed speed by no more than this share isn't needed: the motion is held to the whole speed."""
 
 
+def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
+    """Return the tolerance of a motion where `tolerance` counts for those that say nothing."""
+    leads_frame = isinstance(motion, hir.LineMove | hir.ArcMove | hir.PoseSplineMove)
+    return tolerance.of_motion(motion.tolerance, leads_frame=leads_frame)
+
+
 @frozen
 class Judged:
     """What the paths are judged by. `find` takes a code, a message and the number of a step."""
@@ -35,14 +42,19 @@ class Judged:
 
     def tolerance_of(self, motion: hir.Motion) -> Tolerance:
         """The motion's own tolerance where it has one."""
-        if motion.tolerance is None:
-            return self.tolerance
-        return Tolerance(motion.tolerance, self.tolerance.angle)
+        return tolerance_of(motion, self.tolerance)
 
     def share_of(self, step: int) -> float:
         """Return the share of its programmed speed to which a motion is held: 1, or what the planner claims to reach."""
-        kept = self.claims.kept.get(step, 1.0)
-        return kept if 0.0 < kept < 1.0 - NEARLY_KEPT else 1.0
+        return _share(self.claims.kept.get(step, 1.0))
+
+    def least_of(self, step: int) -> float:
+        """Return the share of its programmed speed below which a motion may not fall: that of `share_of`, or what the planner claims."""
+        return min(self.share_of(step), _share(self.claims.least.get(step, 1.0)))
+
+
+def _share(claimed: float) -> float:
+    return claimed if 0.0 < claimed < 1.0 - NEARLY_KEPT else 1.0
 
 
 @frozen(eq=False)
@@ -105,11 +117,18 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
             claimed = claimed_way(judged, place)
             end = q if claimed is None else claimed[-1]
         case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
-            return _End(goal_pose(goal, flange)[1] @ np.linalg.inv(goal.flange_from_moving), None)
+            return _End(goal_pose(goal, flange)[1] @ _inverse(goal.flange_from_moving.tobytes()), None)
         case hir.PoseSplineMove(waypoints=waypoints):
             last = waypoints[-1]
-            return _End(last.base_from_moving @ np.linalg.inv(last.flange_from_moving), None)
+            return _End(last.base_from_moving @ _inverse(last.flange_from_moving.tobytes()), None)
     return _End(flange_poses(chain, end[None])[0], end)
+
+
+@lru_cache(maxsize=16)
+def _inverse(pose: bytes) -> Array:
+    """Return the inverse (4, 4) of a pose (4, 4): most motions of a program lead the same frame."""
+    inverse: Array = np.asarray(np.linalg.inv(np.frombuffer(pose).reshape(4, 4)), dtype=np.float64)
+    return inverse
 
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:

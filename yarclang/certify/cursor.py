@@ -9,6 +9,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from yarclang.certify.numbers import read_numbers
 from yarclang.certify.text import Sent
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.pmac.requests import MOST_LINE
@@ -93,7 +94,6 @@ class Cursor(Lines):
         self.decimals = 0
         move = "".join(letter + _NUMBER for letter in controller.axes) + "\n"
         self._block = re.compile(f"(?:{move})++")
-        self._blank = str.maketrans(dict.fromkeys((*controller.axes, "\n"), " "))
 
     def take(self) -> str:
         """The next line, which the controller is sent.
@@ -149,10 +149,7 @@ class Cursor(Lines):
         found = self._block.match(text, place)
         if found is None:
             return np.empty((0, len(self._axes))), 0, 0
-        block, decimals = found.group(), 0
-        while re.search(rf"\.[0-9]{{{decimals + 1}}}", block):
-            decimals += 1
-        points = np.fromstring(block.translate(self._blank), sep=" ").reshape(-1, len(self._axes))
+        points, decimals = read_numbers(found.group(), len(self._axes))
         points.setflags(write=False)  # it is remembered
         return points, found.end() - place, decimals
 

@@ -9,7 +9,7 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.certificate import Deviation
 from yarclang.certify.corner import Judged, check_claims, claimed_joints, claimed_way, find_starts, shown
-from yarclang.certify.flows import find_flows, speeds_around
+from yarclang.certify.flows import covered_by_balls, find_flows, speeds_asked
 from yarclang.certify.frames import frame_moves, moving_frame
 from yarclang.certify.joint import JointLines, by_kind, frame_off, joint_weights, straight_deviations
 from yarclang.certify.layout import Layout, Place, row_chunks
@@ -35,13 +35,13 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
         chosen[type(place.motion)].append((row, place))
     for rows in row_chunks(chosen[hir.JointMove]):
         _joint_moves(judged, layout, rows, flanges, proofs)
-    around = speeds_around(judged, layout, proofs.flows)
+    asked = speeds_asked(judged, layout, proofs.flows)
     for kind in (hir.LineMove, hir.ArcMove):
         for rows in row_chunks(chosen[kind]):
-            frame_moves(judged, layout, rows, flanges, around, proofs)
+            frame_moves(judged, layout, rows, flanges, asked, proofs)
     for one in chosen[hir.PoseSplineMove]:
         go_on()
-        frame_moves(judged, layout, [one], flanges, around, proofs)
+        frame_moves(judged, layout, [one], flanges, asked, proofs)
     for row, place in (*chosen[hir.SplineMove], *chosen[hir.AvoidMove]):
         go_on()
         proofs.deviations[place.step] = _spline_move(judged, layout, row, place, proofs)
@@ -110,7 +110,7 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
             proofs.curves[row] = NaturalSpline.through(np.stack([starts.q[row], goals[i]]))
             begin, stop = flows.follow[row]
             if place.size and begin == stop:
-                off, proofs.covered[row] = np.zeros_like(off), 0.5
+                off, proofs.covered[row] = np.zeros_like(off), covered_by_balls(flows.free[row])
             elif flows.is_cut(row) or (off * weights).max() > 1.0:
                 # control points next to a blend may be off a line that the motion itself keeps to
                 bound = _along_spline(judged, layout, row, np.stack([starts.q[row], goals[i]]), proofs)
@@ -171,7 +171,7 @@ def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs:
         proofs.covered[row] = bound.covered
     elif place.size:
         position, angle, rest = 0.0, 0.0, (0.0, 0.0)
-        proofs.covered[row] = 0.5
+        proofs.covered[row] = covered_by_balls(proofs.flows.free[row])
     else:
         position, angle = by_kind(np.abs(points - start).max(axis=0), robot)
         rest = 0.0, 0.0

@@ -9,7 +9,7 @@ from yarclang.certify.bounds import Cubics
 from yarclang.certify.cartesian import Followed, Stretch, follow
 from yarclang.certify.certificate import Deviation, ToolSpeed
 from yarclang.certify.corner import Judged
-from yarclang.certify.flows import cruise
+from yarclang.certify.flows import Asked
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.pose import distance
 from yarclang.certify.posespline import PoseSpline
@@ -20,12 +20,14 @@ from yarclang.robot.model import Array
 
 Rows = list[tuple[int, Place]]
 
+NO_WAY = 1e-6
+"""A path that is shorter than this [m], and turns by less [rad], leads nowhere."""
 STILL = 1e-9
 """The origin of a frame that goes no farther than this [m] stands still: its speed is that of the turn."""
 
 
 def frame_moves(
-    judged: Judged, layout: Layout, rows: Rows, flanges: Array, around: Array, proofs: Proofs
+    judged: Judged, layout: Layout, rows: Rows, flanges: Array, asked: Asked, proofs: Proofs
 ) -> None:
     """Motions of one kind along paths of the moving frame."""
     moving = [(row, place) for row, place in rows if place.size]
@@ -37,15 +39,18 @@ def frame_moves(
     numbers = np.array([row for row, _ in moving])
     paths = _paths(moving, proofs)
     ends = distance(flanges[numbers] @ paths.flange_from_moving, paths.goal)
-    stretch = _stretch(judged, layout, moving, paths, around, proofs)
+    stretch = _stretch(judged, layout, moving, paths, asked, proofs)
     found = None
     row, place = moving[0]
     # what is proved of a motion must not depend on how many there are: laws are for splines, which come one by one
     has_law = isinstance(place.motion, hir.PoseSplineMove) and not proofs.flows.is_cut(row)
     law = law_of(judged, place) if has_law else None
-    if law is not None:
-        found = follow(stretch, paths, judged.robot, law)
-    if found is None or found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle:
+    # with a speed, the law is nearly always that of the way of the frame's origin
+    ways = [True, False] if law is not None and np.isfinite(stretch.speed.top[0]) else [False]
+    for is_way in ways if law is not None else []:
+        if found is None or _is_beyond(found, stretch):
+            found = follow(stretch, paths, judged.robot, law, is_way=is_way)
+    if found is None or _is_beyond(found, stretch):
         found = follow(stretch, paths, judged.robot)
     proofs.covered[numbers] = found.covered
     for i, (row, place) in enumerate(moving):
@@ -59,6 +64,11 @@ def frame_moves(
             float(found.angle_rest[i]),
         )
         proofs.speeds[place.step] = _tool_speed(found, i)
+
+
+def _is_beyond(found: Followed, stretch: Stretch) -> bool:
+    """Return True if the first of some commands is farther from its path than it may be."""
+    return bool(found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle[0])
 
 
 def _stays(place: Place, flange: Array, proofs: Proofs) -> None:
@@ -104,37 +114,40 @@ def _paths(moving: Rows, proofs: Proofs) -> FramePaths:
 
 
 def _stretch(
-    judged: Judged, layout: Layout, moving: Rows, paths: FramePaths, around: Array, proofs: Proofs
+    judged: Judged, layout: Layout, moving: Rows, paths: FramePaths, asked: Asked, proofs: Proofs
 ) -> Stretch:
     numbers = np.array([row for row, _ in moving])
     flows = proofs.flows
     whole = flows.whole[numbers]
-    rows_of = np.concatenate([np.arange(begin, stop) for begin, stop in whole])
-    cubics = Cubics.of_spline(layout.control, layout.at[rows_of], layout.time[rows_of])
     sizes = whole[:, 1] - whole[:, 0]
     first = np.cumsum(sizes) - sizes
+    rows_of = np.arange(sizes.sum()) + np.repeat(whole[:, 0] - first, sizes)
+    cubics = Cubics.of_spline(layout.control, layout.at[rows_of], layout.time[rows_of])
     follows = flows.follow[numbers] - whole[:, :1]
-    for i, row in enumerate(numbers):
-        if flows.is_cut(row):
-            cubics = flows.cut(cubics, row, int(first[i]), int(first[i] + sizes[i]) - 1)
+    cubics = flows.cut(cubics, numbers, first, first + sizes)
     count = len(moving)
     own = np.arange(count)
-    reach = paths.bounds(own, np.zeros(count), np.ones(count)).position[:, 0]
+    steep = paths.bounds(own, np.zeros(count), np.ones(count))
+    reach, turned = steep.position[:, 0], steep.rotation[:, 0]
     turns = reach < STILL
-    speeds = np.array([cruise(judged, place) for _, place in moving])
+    top = np.where(turns, asked.top[numbers, 1], asked.top[numbers, 0])
+    # where the frame stands already, it has no speed
+    top[(reach < NO_WAY) & (turned < NO_WAY)] = np.nan
     wanted = Programmed(
-        np.where(turns, speeds[:, 1], speeds[:, 0]),
+        top * asked.share[numbers],
+        top,
         turns,
-        np.where(turns[:, None], np.inf, around[numbers]),
+        np.where(turns[:, None], np.inf, asked.around[numbers]),
+        asked.held[numbers] & ~turns[:, None],
     )
-    tolerances = np.array([judged.tolerance_of(place.motion).position for _, place in moving])
+    tolerances = [judged.tolerance_of(place.motion) for _, place in moving]
     return Stretch(
         cubics,
         first,
         follows + first[:, None],
         proofs.flows.free[numbers],
-        tolerances,
-        judged.tolerance.angle,
+        np.array([one.position for one in tolerances]),
+        np.array([one.angle for one in tolerances]),
         wanted,
     )
 

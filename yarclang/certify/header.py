@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from sys import intern
 
 from yarclang.certify.cursor import Lines, Refusal, check_characters, shown
 from yarclang.certify.text import Barred, Entry, Unreadable
 from yarclang.frozen import frozen
+from yarclang.lasting import Lasting
 from yarclang.pmac.header import COLUMNS, LOADING, Header
 
 _FIRST = re.compile(r"; yarcc (\S{1,40}): (.*)")
@@ -16,8 +18,10 @@ _PROGRAM = re.compile(r"; program ([0-9a-f]{64})")
 _MADE_WITH = re.compile(r"; made with (.*)")
 _START = re.compile(r"; start ([-A-Z0-9.]+) \((.*)\)")
 _TIME = r"[0-9]{1,4}(?:\.[0-9]{1,12})?"
+_SECONDS = r"[0-9]{1,9}\.[0-9]{3}"
 _DURATION = re.compile(
-    rf"; duration ([0-9]{{1,9}}\.[0-9]{{3}}) s(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
+    rf"; duration (?:({_SECONDS}) to )?({_SECONDS}) s(?: and (?:([0-9]{{1,9}}) to )?([0-9]{{1,9}}) waits?)?"
+    rf"(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
 )
 _LONGEST = re.compile(rf"; longest segment asked for ({_TIME}) ms")
 _LOADING = {
@@ -98,7 +102,7 @@ def _read_header(lines: Lines) -> Header:
     (program,) = _matched(lines, _PROGRAM, "the program's hash")
     (made_with,) = _matched(lines, _MADE_WITH, "what the text was made with")
     start, units = _matched(lines, _START, "the start")
-    duration, least, most = _matched(lines, _DURATION, "the duration")
+    shortest, known, fewest, waits, least, most = _matched(lines, _DURATION, "the duration")
     longest = ""
     if lines.peek().startswith("; longest"):
         (longest,) = _matched(lines, _LONGEST, "the longest segment that was asked for")
@@ -120,7 +124,7 @@ def _read_header(lines: Lines) -> Header:
         made_with=made_with,
         start=start,
         units=units,
-        duration=float(duration),
+        lasting=Lasting(float(shortest or known), float(known), int(fewest or waits or 0), int(waits or 0)),
         segments=tuple(one for one in (least, most) if one),
         longest=longest,
         certificate=certificate,
@@ -149,7 +153,7 @@ def _read_entry(lines: Lines) -> Entry:
         at,
         int(step),
         "" if index == "-" else index,
-        name,
+        intern(name),
         int(source_line),
         int(first) if first else None,
         int(last) if last else None,

@@ -17,6 +17,7 @@ from yarclang.certify.deviations import find_deviations
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place, lay_out
 from yarclang.certify.read import read
+from yarclang.certify.slowed import slowed
 from yarclang.certify.stretches import Proved, recalled
 from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.certify.unsourced import told_program, unjudged
@@ -73,10 +74,13 @@ def certify(
     judge.any_jerk(content, claims.any_jerk)
     judge.rests(content, start, {output.signal.variable for output in program.outputs})
     judge.flow(content)
+    judge.follow(layout)
     _judge_motion(judge, content, layout, start)
     judged = Judged(robot, tolerance, claims, judge.find)
-    proofs = recalled(memory, judge, layout, claims, lambda part: _prove(judge, judged, part))
-    judge.slowed(layout, {step: proof.speed for step, proof in proofs.items()}, judged.share_of)
+    proofs = recalled(memory, judge, layout, claims, lambda one, part: _prove(one, claims, part))
+    speeds = {step: proof.speed for step, proof in proofs.items()}
+    loads = {step: proof.loads for step, proof in proofs.items()}
+    judge.findings.extend(slowed(layout, speeds, judged.least_of, loads))
     tell("certifying: zones", 0)
     # how close a speed in a zone is told depends on what it is looked at with
     zones = {} if judge.breaks_limits else judge.zones(layout)
@@ -84,7 +88,7 @@ def certify(
         _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES), memory)
         for place in layout.places
     )
-    return _certified(judge, content, layout, start, commands)
+    return _certified(judge, content, start, commands)
 
 
 def _judge_motion(judge: Judge, content: ControllerText, layout: Layout, start: Array) -> None:
@@ -97,18 +101,18 @@ def _judge_motion(judge: Judge, content: ControllerText, layout: Layout, start: 
 def _certified(
     judge: Judge,
     content: ControllerText,
-    layout: Layout,
     start: Array,
     commands: tuple[CommandCertificate, ...],
 ) -> Result[Certificate]:
     """The certificate and all findings; what the header says is compared where nothing worse was found."""
     if not has_errors(judge.findings):
-        judge.claims(content, layout, start)
+        judge.claims(content, start)
     return Result(Certificate(content.target, commands, judge.tolerance, content), tuple(judge.findings))
 
 
-def _prove(judge: Judge, judged: Judged, layout: Layout) -> dict[int, Proved]:
+def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
     """What is proved of each step of a layout, but for zones."""
+    judged = Judged(judge.robot, judge.tolerance, claims, judge.find)
     tell("certifying: limits", 0)
     loads = judge.limits(layout)
     tell("certifying: paths", 0)
@@ -156,7 +160,8 @@ def _row(
     if zones is not NO_ZONES or isinstance(memory, Forgetful):
         return make()
     origin = place.motion.origin
-    key = ("row", proved, place.step, place.lines, origin.place, origin.index, origin.name, origin.span.line)
+    called = (origin.place, origin.index, origin.name, origin.span.line, origin.source.module)
+    key = ("row", proved, place.step, place.lines, called)
     return recall(memory, key, make)
 
 
@@ -214,4 +219,4 @@ def certify_text(
     )
     if not has_errors(judge.findings):
         judge.findings.append(unjudged(content, source, cell))
-    return _certified(judge, content, layout, start, commands)
+    return _certified(judge, content, start, commands)

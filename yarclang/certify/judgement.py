@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Mapping, Set
 from dataclasses import field
 from types import MappingProxyType
 
@@ -13,24 +13,25 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.assignments import check_assignments
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, ToolSpeed
+from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, Loads, ToolSpeed
 from yarclang.certify.clearance import NOTHING_NEAR, Apart, find_clearances
+from yarclang.certify.corner import tolerance_of
 from yarclang.certify.flow import check_flow, check_rests
 from yarclang.certify.guard import check_guard
+from yarclang.certify.handled import Handled, follow
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
-from yarclang.certify.limits import NO_LOADS, POSITION_UNITS, RELATIVE, Loads, check_limits
+from yarclang.certify.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
 from yarclang.certify.speed import KEPT
 from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
 from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
-from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.diagnostics import Diagnostic
 from yarclang.frozen import frozen
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import Span
 from yarclang.units import DEG, MM, MS
-from yarclang.written import slower
 
 _REMEDIES = {
     "Y1159": "allow more (--tolerance), or take shorter segments (--tm)",
@@ -62,10 +63,30 @@ class Judge:
     findings: list[Diagnostic]
     lines: Mapping[int, int] = field(default_factory=dict)
     """Of each step, the line to show of a text that is judged without its source."""
+    _handled: list[Handled] = field(default_factory=list)
+    only: Set[int] | None = None
+    """The steps of which something may be found; None: all."""
+
+    def of_part(self, only: Set[int]) -> Judge:
+        """Return a judge of a part of the text, who finds something of some steps only."""
+        return Judge(self.program, self.robot, self.tolerance, [], self.lines, self._handled, only)
+
+    @property
+    def handled(self) -> Handled:
+        """The cell as it is during each motion."""
+        return self._handled[-1] if self._handled else Handled(self.program.cell, {}, {})
+
+    def follow(self, layout: Layout) -> None:
+        """Follow the parts of the cell through the whole text."""
+        handled, findings = follow(layout, self.program, self.robot)
+        self._handled.append(handled)
+        self.findings.extend(findings)
 
     def find(self, code: str, message: str, step: int | None) -> None:
         """Add a finding about a step of the program."""
         help_ = _REMEDIES.get(code, "")
+        if self.only is not None and step not in self.only:
+            return
         if step is None:
             self.findings.append(Diagnostic(code, message, self.program.source, help=help_))
             return
@@ -142,7 +163,7 @@ class Judge:
             reason = f"another geometry, limits or settings than {robot.name} has now"
         self.find("Y1163", f"the text was made for {header.robot} as it was then: {reason}", None)
 
-    def claims(self, content: ControllerText, layout: Layout, start: Array) -> None:
+    def claims(self, content: ControllerText, start: Array) -> None:
         """Compare the header's start and duration, which people read, with what the text does."""
         header, units = content.header, self.robot.axis_units
         said = _numbers(header.start, self.robot.controller.axes)
@@ -157,11 +178,15 @@ class Judge:
                 f"the header says that the text starts at {header.start}: it starts at {stands}",
                 None,
             )
-        duration = math.fsum(_duration(layout, place) for place in layout.places)
-        if abs(duration - header.duration) > 0.5e-3 + 1e-9 * duration:
+        takes, claimed = content.schedule.lasting, header.lasting
+        # of times that are printed as one, only the longest is said
+        least = takes.least if takes.varies else takes.most
+        off = max(abs(least - claimed.least), abs(takes.most - claimed.most))
+        waits = (takes.fewest, takes.waits) != (claimed.fewest, claimed.waits)
+        if off > 0.5e-3 + 1e-9 * takes.most or waits:
             self.find(
                 "Y1153",
-                f"the header says that the motions take {header.duration:.3f} s: they take {duration:.3f} s",
+                f"the header says that the program takes {claimed.text()}: it takes {takes.text()}",
                 None,
             )
 
@@ -264,9 +289,10 @@ class Judge:
         for places in chunks([place for place in layout.places if place.size]):
             segments = slice(places[0].first, places[-1].last)
             cubics = Cubics.of_spline(layout.control, layout.at[segments], layout.time[segments])
-            for place, found in zip(places, check_limits(layout, places, cubics, self.robot), strict=True):
-                loads[place.step] = found
-                for excess in found.excesses:
+            found = check_limits(layout, places, cubics, self.robot)
+            for place, (load, excesses) in zip(places, found, strict=True):
+                loads[place.step] = load
+                for excess in excesses:
                     if excess.quantity == "jerk" and not self._jerk_counts(layout, place):
                         continue
                     code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
@@ -279,12 +305,17 @@ class Judge:
         """True if a jerk beyond the limit lies outside of all that has no limit: the motion, or a blend with such a motion."""
         if place.any_jerk:
             return False
-        before, behind = _beside_any_jerk(layout, place)
+        before, behind = _beside_any_jerk(place)
         peaks = np.abs(layout.cubics(place.first + before, place.last - behind).j) / self.robot.limits.jerk
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
     def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:
-        """A programmed speed is kept, from when it is reached up to when it is left, and nowhere exceeded."""
+        """Judge that a programmed speed is kept, from when it is reached up to when it is left, and nowhere exceeded.
+
+        Args:
+            layout: the text's commands.
+            speeds: what was proved, by steps.
+        """
         for place in layout.places:
             speed = speeds.get(place.step)
             if speed is None or math.isnan(speed.programmed):
@@ -310,46 +341,21 @@ class Judge:
                     place.step,
                 )
 
-    def slowed(
-        self, layout: Layout, speeds: Mapping[int, ToolSpeed | None], shares: Callable[[int], float]
-    ) -> None:
-        """Report each programmed speed that isn't reached.
-
-        Args:
-            layout: the text's commands.
-            speeds: what was proved, by steps.
-            shares: the share of its programmed speed to which a motion was held, by its step.
-        """
-        found: list[Diagnostic] = []
-        for place in layout.places:
-            share, speed, origin = shares(place.step), speeds.get(place.step), place.motion.origin
-            if share == 1.0 or speed is None or math.isnan(speed.programmed):
-                continue
-            text, fix = slower(share, origin)
-            message = (
-                "the limits leave no room to get to this speed on this way: "
-                f"the moving frame goes at {share * 100:.3g} % of it"
-            )
-            help_ = f"{text} is reached; a longer way, gentler corners and larger blends make room"
-            span = origin.time_span or origin.span
-            found.append(Diagnostic("Y0610", message, origin.source, span, help_, fix, origin.place))
-        self.findings.extend(grouped(found))
-
     def clearances(self, layout: Layout) -> dict[int, Apart]:
         """Robot, cell and what the robot carries stay apart."""
-        apart, findings = find_clearances(layout, self.program, self.robot)
+        apart, findings = find_clearances(layout, self.program, self.robot, self.handled)
         self.findings.extend(findings)
         return apart
 
     def zones(self, layout: Layout) -> dict[int, InZones]:
         """What zones watch keeps to them."""
-        told, findings = find_zones(layout, self.program, self.robot)
+        told, findings = find_zones(layout, self.program, self.robot, self.handled)
         self.findings.extend(findings)
         return told
 
     def torques(self, layout: Layout) -> dict[int, Load]:
         """No motor has to give more than it can, as far as masses and efforts are known."""
-        loads, findings = find_torques(layout, self.robot)
+        loads, findings = find_torques(layout, self.robot, self.handled)
         self.findings.extend(findings)
         return loads
 
@@ -380,21 +386,19 @@ class Judge:
             segment_time=float(layout.time[place.first]) if place.size else 0.0,
             duration=_duration(layout, place),
             programmed_duration=step.timing.duration,
-            position=loads.loads["position"],
-            velocity=loads.loads["velocity"],
-            acceleration=loads.loads["acceleration"],
-            jerk=loads.loads["jerk"],
-            motor_velocity=loads.loads["motor_velocity"],
-            hold=loads.hold,
+            loads=loads,
             deviation=deviation,
             tool_speed=speed,
             blended=blended,
-            jerk_judged=not place.any_jerk and not any(_beside_any_jerk(layout, place)),
+            jerk_judged=not place.any_jerk and not any(_beside_any_jerk(place)),
             clearance=apart.cell,
             own_clearance=apart.own,
             zone_clearance=zones.clearance,
             zone_speed=zones.speed,
             torque=torque,
+            carries=self.handled.carried.get(place.step, ()),
+            module=step.origin.source.module,
+            tolerance=None if step.tolerance is None else tolerance_of(step, self.tolerance),
         )
 
 
@@ -402,14 +406,9 @@ def _title(origin: hir.Origin) -> str:
     return f"{origin.label} {origin.name}".strip()
 
 
-def _beside_any_jerk(layout: Layout, place: Place) -> tuple[int, int]:
+def _beside_any_jerk(place: Place) -> tuple[int, int]:
     """How many segments of a command, at its start and its end, lie in blends with motions whose jerk has no limit."""
-    if place.before is None and place.behind is None:
-        return 0, 0
-    moving = [other for other in layout.places if other.size]
-    at = moving.index(place)
-    before = place.before is not None and moving[at - 1].any_jerk
-    behind = place.behind is not None and moving[at + 1].any_jerk
+    before, behind = place.beside_any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 
 

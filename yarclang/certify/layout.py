@@ -10,6 +10,7 @@ stand in one sequence; the header's map says where, and how many segments belong
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class Place:
 
     `lines` are the first and the last of its move lines in the text; None for a step without. `before` and `behind` are the
     segments of the blends at its start and its end, half of which belong to it; None where it starts or ends at rest. `any_jerk` says that the
-    map gives its jerk no limit.
+    map gives its jerk no limit, `beside_any_jerk` so of the motions which it flows out of, and into.
     """
 
     step: int
@@ -43,6 +44,7 @@ class Place:
     before: int | None = None
     behind: int | None = None
     any_jerk: bool = False
+    beside_any_jerk: tuple[bool, bool] = (False, False)
 
     @property
     def size(self) -> int:
@@ -249,7 +251,7 @@ def _blends(
         if entry.last in last_lines:
             return entry.step, f"the sequence ends where it shall flow into the next one (line {entry.at})"
         between = program.steps[entry.step + 1 : moving[place + 1].step]
-        if not all(isinstance(step, hir.SetOutput | hir.Motion) for step in between):
+        if not all(isinstance(step, hir.SetOutput) for step in between):
             return entry.step, f"the map blends over what is done at rest (line {entry.at})"
     return None
 
@@ -292,10 +294,23 @@ def _with_places(
         segments.control,
         segments.at,
         segments.time,
-        tuple(places),
+        tuple(_with_neighbours(places)),
         np.array(begins).reshape(shape),
         np.array(ends).reshape(shape),
     )
+
+
+def _with_neighbours(places: list[Place]) -> list[Place]:
+    """The same places, with what they say of those beside them."""
+    if not any(place.any_jerk for place in places):
+        return places
+    moving = [(row, place) for row, place in enumerate(places) if place.size]
+    found = list(places)
+    for number, (row, place) in enumerate(moving):
+        before = place.before is not None and moving[number - 1][1].any_jerk
+        behind = place.behind is not None and moving[number + 1][1].any_jerk
+        found[row] = replace(place, beside_any_jerk=(before, behind))
+    return found
 
 
 def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:

@@ -5,17 +5,18 @@ On a segment the jerk is constant, so each of them has its extremes in closed fo
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import Cubics, segment_max
-from yarclang.certify.certificate import IDLE, Load, Quantity
+from yarclang.certify.certificate import QUANTITIES, Loads, Peaks, Quantity
 from yarclang.certify.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.model import Array, Robot
-
-QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jerk", "motor_velocity")
 
 RELATIVE = 1e-9
 """What the comparison with a limit forgives as rounding, as a share of the limit."""
@@ -35,20 +36,13 @@ class Excess:
     time: float
 
 
-@frozen
-class Loads:
-    """The loads of one command and the limits that it breaks."""
-
-    loads: dict[Quantity, Load]
-    hold: Load
-    excesses: tuple[Excess, ...]
+NO_LOADS = Loads(None, 0)
 
 
-NO_LOADS = Loads(dict.fromkeys(QUANTITIES, IDLE), IDLE, ())
-
-
-def check_limits(layout: Layout, places: list[Place], cubics: Cubics, robot: Robot) -> list[Loads]:
-    """Loads of neighbouring commands.
+def check_limits(
+    layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
+) -> list[tuple[Loads, tuple[Excess, ...]]]:
+    """Return the loads of neighbouring commands, and the limits that they break.
 
     Args:
         layout: the text's segments.
@@ -79,26 +73,20 @@ def check_limits(layout: Layout, places: list[Place], cubics: Cubics, robot: Rob
     peaks = {quantity: segment_max(share, first) for quantity, share in shares.items()}
     holds, pasts = segment_max(hold, first), segment_max(past, first)
 
-    answer = []
-    for row, place in enumerate(places):
-        broken = {quantity: peak[row] > 1.0 + RELATIVE for quantity, peak in peaks.items()}
-        broken["position"] = pasts[row] > POSITION_UNITS
+    broken = {quantity: peak > 1.0 + RELATIVE for quantity, peak in peaks.items()}
+    broken["position"] = pasts > POSITION_UNITS
+    measures = {**shares, "position": past}
+    excesses: dict[int, tuple[Excess, ...]] = {}
+    for row in np.flatnonzero(np.any([joints.any(axis=1) for joints in broken.values()], axis=0)).tolist():
+        place = places[row]
         rows = slice(place.first - base, place.last - base)
-        measures = {**shares, "position": past}
-        answer.append(
-            Loads(
-                {quantity: _load(peak[row], _names(quantity, robot)) for quantity, peak in peaks.items()},
-                _load(holds[row], robot.joint_names),
-                tuple(
-                    _excess(
-                        quantity, joints, measures[quantity][rows], robot, float(layout.time[place.first])
-                    )
-                    for quantity, joints in broken.items()
-                    if joints.any()
-                ),
-            )
+        excesses[row] = tuple(
+            _excess(quantity, joints[row], measures[quantity][rows], robot, float(layout.time[place.first]))
+            for quantity, joints in broken.items()
+            if joints[row].any()
         )
-    return answer
+    told = _largest({**peaks, "hold": holds}, robot)
+    return [(Loads(told, row), excesses.get(row, ())) for row in range(len(places))]
 
 
 def _names(quantity: Quantity, robot: Robot) -> tuple[str, ...]:
@@ -107,9 +95,13 @@ def _names(quantity: Quantity, robot: Robot) -> tuple[str, ...]:
     return robot.joint_names
 
 
-def _load(shares: Array, names: tuple[str, ...]) -> Load:
-    worst = int(np.argmax(shares))
-    return Load(names[worst], float(shares[worst])) if shares[worst] > 0.0 else IDLE
+def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
+    """Return the largest of the shares (N, n) of each command."""
+    all_shares = np.array([shares[quantity] for quantity in QUANTITIES])
+    joints = np.argmax(all_shares, axis=2)
+    most = np.take_along_axis(all_shares, joints[:, :, None], axis=2)[:, :, 0]
+    names = tuple(_names(quantity, robot) for quantity in QUANTITIES)
+    return Peaks(names, array("h", joints.T.ravel().tolist()), array("d", most.T.ravel().tolist()))
 
 
 def _excess(

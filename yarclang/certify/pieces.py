@@ -11,6 +11,9 @@ from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Array, Chain, Robot
 
+_AT_ONCE = 8_192
+"""Points at which frames and Jacobians are computed at a time."""
+
 
 @frozen(eq=False)
 class Pieces:
@@ -39,7 +42,9 @@ class Pieces:
         left = np.arange(len(segment)) + of
         last = np.append(begins[1:], len(segment)) + np.arange(len(begins))
         q, rate = (np.empty((len(segment) + len(begins), cubics.x.shape[1])) for _ in range(2))
-        q[left], rate[left] = cubics.take(segment).at(number * d)
+        for begin in range(0, len(segment), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            q[left[part]], rate[left[part]] = cubics.take(segment[part]).at((number * d)[part])
         closing = np.append(np.flatnonzero(np.diff(command)), len(command) - 1)
         q[last], rate[last] = cubics.take(closing).at(cubics.h[closing])
         owner = np.empty(len(q), dtype=np.int64)
@@ -48,19 +53,23 @@ class Pieces:
 
 
 def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion:
-    """Moving frames at the points between pieces, each on its `flange_from_moving` (N, 4, 4)."""
-    flange, jacobian = poses_and_jacobians(chain, cut.q, np.eye(4))
-    go_on()
-    twist = (jacobian @ cut.rate[:, :, None])[:, :, 0]
-    arm = (flange[:, :3, :3] @ flange_from_moving[:, :3, 3:])[:, :, 0]
-    angular = twist[:, 3:]
-    return Motion(
-        flange[:, :3, 3] + arm,
-        twist[:, :3] + np.cross(angular, arm),
-        flange[:, :3, :3] @ flange_from_moving[:, :3, :3],
-        angular,
-        cut.d,
+    """Moving frames at the points between pieces, each on its owner's `flange_from_moving` (C, 4, 4)."""
+    count = len(cut.q)
+    motion = Motion(
+        np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3)), cut.d
     )
+    for begin in range(0, count, _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        flange, jacobian = poses_and_jacobians(chain, cut.q[part], np.eye(4))
+        go_on()
+        moving = flange_from_moving[cut.owner[part]]
+        twist = (jacobian @ cut.rate[part, :, None])[:, :, 0]
+        arm = (flange[:, :3, :3] @ moving[:, :3, 3:])[:, :, 0]
+        motion.p[part] = flange[:, :3, 3] + arm
+        motion.velocity[part] = twist[:, :3] + np.cross(twist[:, 3:], arm)
+        motion.rotation[part] = flange[:, :3, :3] @ moving[:, :3, :3]
+        motion.angular[part] = twist[:, 3:]
+    return motion
 
 
 def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: Robot) -> tuple[Array, Array]:

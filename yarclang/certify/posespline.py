@@ -15,14 +15,24 @@ from numpy.typing import NDArray
 
 from yarclang import hir
 from yarclang.certify.programmed import Bounds, Motion, Poses, Rows
-from yarclang.certify.project import guess_by_length, project
-from yarclang.certify.spline import SAME, NaturalSpline
+from yarclang.certify.project import guess_by_length, places_of, project
+from yarclang.certify.spline import NaturalSpline
 from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
-CELLS = 16
-"""Into how many cells each span is cut."""
+FEWEST_CELLS, CELLS = 4, 16
+"""Into how many cells each span is cut, at least and at most."""
+
+CELLS_IN_ALL = 16_384
+"""Cells of a curve, as long as its spans have fewer than the most: the more way-points, the shorter are spans, and the less bent."""
+
+_CELLS_AT_ONCE = 1_024
+"""Cells that are bounded at a time: their polynomials stay in the processor's cache."""
+SAME = 1e-6
+"""Poses whose chord [m] isn't longer count once."""
+STILL = 1e-9
+"""The origin of a frame that goes no farther than this [m] stands still."""
 HALF_TURN = np.pi - 1e-9
 """Neighbours that are turned by more than this have no short way between them."""
 
@@ -31,8 +41,8 @@ HALF_TURN = np.pi - 1e-9
 class PoseSpline:
     """One such curve, over s = u / u_total.
 
-    `spline` has position and quaternion (x, y, z, w) as (m, 7) over u; of the bounds, `cells` (K, 4, 2) are those of position and
-    rotation over u on each cell, `jumps` (m, 2) those of the third derivatives at the way-points.
+    `spline` has position and quaternion (x, y, z, w) as (m, 7) over u; of the bounds, `cells` (K + 1, 4, 2) are those of position and
+    rotation over u on each cell, the last one twice, as many on each span; `jumps` (m + 1, 2) are those of the third derivatives at the way-points before each one, added up.
     """
 
     flange_from_moving: Array
@@ -56,15 +66,22 @@ class PoseSpline:
         apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
         turn = 4.0 * np.arctan2(*apart)
         steps = np.hypot(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1), hir.TURN_CHORD * turn)
-        far = steps > SAME
-        if not far.any():
-            return None
-        kept = np.concatenate([[True], far])
-        y = np.concatenate([poses[kept, :3, 3], q[kept]], axis=1)
-        spline = NaturalSpline.over(steps[far], y)
+        if (steps <= SAME).any():
+            kept = np.concatenate([[True], steps > SAME])
+            return PoseSpline.through(poses[kept], flange_from_moving, free) if kept.sum() > 1 else None
+        spline = NaturalSpline.over(steps, np.concatenate([poses[:, :3, 3], q], axis=1))
         lawful = np.array([bool((turn < HALF_TURN).all())])
-        cells, jumps = _cells(spline), _jumps(spline)
-        return PoseSpline(flange_from_moving[None], poses[-1:], spline, cells, jumps, lawful, free)
+        cells = _cells(spline)
+        jumps = np.concatenate([np.zeros((1, 2)), np.cumsum(_jumps(spline), axis=0)])
+        return PoseSpline(
+            flange_from_moving[None],
+            poses[-1:],
+            spline,
+            np.concatenate([cells, cells[-1:]]),
+            jumps,
+            lawful,
+            free,
+        )
 
     @property
     def total(self) -> float:
@@ -93,24 +110,37 @@ class PoseSpline:
         spin = (2.0 * _matrix(q, rate) - rotation * n_rate) / n
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
 
+    def _lengths(self) -> tuple[Array, Array]:
+        """Places s (N,) and about the way of the frame's origin up to them [m]: by Simpson's rule."""
+        s = places_of(self.spline.s / self.total)
+        way = np.zeros(len(s))
+        for begin in range(0, len(s) - 1, _AT_ONCE):
+            go_on()
+            u = s[begin : begin + _AT_ONCE + 1] * self.total
+            middle = (u[1:] + u[:-1]) / 2.0
+            at, between = (np.linalg.norm(self.spline.at(one)[1][:, :3], axis=1) for one in (u, middle))
+            way[begin + 1 : begin + len(u)] = np.diff(u) * (at[:-1] + 4.0 * between + at[1:]) / 6.0
+        return s, np.cumsum(way)
+
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - there is only one
         """The largest of the cells between; the polynomials of the ends go on beyond them, and are bounded only up to there."""
-        count = len(self.cells)
+        count = len(self.cells) - 1
+        each = count // (len(self.spline.s) - 1)
         u = np.stack([low, high]) * self.total
         span = self.spline.span(u)
         share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
-        cell = np.clip(span * CELLS + np.floor(share * CELLS).astype(np.int64), 0, count - 1)
+        cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
         # to the neighbours as well: the floor of a quotient may be one off
         first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
         most = _range_max(self.cells, first, last)
-        beyond = (low < -BEYOND) | (high > 1.0 + BEYOND)
+        before, behind = _margins(self.spline)
+        beyond = (u[0] < -before) | (u[1] > self.total + behind)
         most = np.where(beyond[:, None, None], np.inf, most) * self.total ** np.arange(1.0, 5.0)[:, None]
-        added = np.concatenate([np.zeros((1, 2)), np.cumsum(self.jumps, axis=0)])
         knot = (
             np.searchsorted(self.spline.s, u[0], side="left"),
             np.searchsorted(self.spline.s, u[1], side="right"),
         )
-        jump = np.maximum(added[knot[1]] - added[knot[0]], 0.0) * self.total**3
+        jump = np.maximum(self.jumps[knot[1]] - self.jumps[knot[0]], 0.0) * self.total**3
         return Bounds(most[:, :, 0], most[:, :, 1], jump[:, 0], jump[:, 1])
 
     def project(
@@ -118,15 +148,27 @@ class PoseSpline:
         motion: Motion,
         owner: Rows,  # noqa: ARG002 - there is only one
         position: Array,
-        angle: float,
+        angle: Array,
+        share: Array | None = None,
     ) -> tuple[Array, Array]:
         """Least squares of the differences of position and rotation matrix, each against its tolerance."""
-        weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle))])
-        rate = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
-        y = np.concatenate([motion.p, motion.rotation.reshape(-1, 9)], axis=1) * weights
-        rate = np.concatenate([motion.velocity, rate], axis=1) * weights
+        weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle[0]))])
+        y, rate = (np.empty((len(motion.p), 12)) for _ in range(2))
+        y[:, :3], y[:, 3:] = motion.p, motion.rotation.reshape(-1, 9)
+        rate[:, :3] = motion.velocity
+        for begin in range(0, len(y), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            turning = np.cross(motion.angular[part, :, None], motion.rotation[part], axis=1)
+            rate[part, 3:] = turning.reshape(-1, 9)
+        y *= weights
+        rate *= weights
         curve = _Weighed(self, weights)
-        guess, pace = guess_by_length(curve, y, 1.0, self.free)
+        s, lengths = (None, np.zeros(1)) if share is None else self._lengths()
+        if s is None or share is None or lengths[-1] < STILL:
+            guess, pace = guess_by_length(curve, y, self.spline.s / self.total, self.free)
+        else:
+            guess = np.interp(share * lengths[-1], lengths, s)
+            pace = float(np.linalg.norm(np.diff(y, axis=0), axis=1).sum())
         return project(curve, y, rate, guess, pace, motion.d)
 
 
@@ -134,7 +176,10 @@ _AT_ONCE = 8_192
 """Places of a curve that are computed between two looks at whether to go on: some 10 ms."""
 
 BEYOND = 1e-3
-"""How far beyond its ends, as a share of the whole, a curve is bounded."""
+"""How far beyond its ends, as a share of the whole, a curve is bounded at most."""
+
+BEYOND_SHORT = 1e-4
+"""How far beyond a span at an end that is shorter than this [m]: cubics grow without bound."""
 
 
 @frozen(eq=False)
@@ -191,23 +236,35 @@ def _matrix(a: Array, b: Array) -> Array:
 
 
 def _cells(spline: NaturalSpline) -> Array:
-    """Bounds (K, 4, 2) of the first four derivatives over u, of position and rotation, on the cells of all spans; those at
+    """Bounds (K, 4, 2) of the first four derivatives over u, of position and rotation, on the cells of all spans, as many on each; those at
     the ends reach a little beyond them.
     """
-    widths = np.diff(spline.s)
-    edge = np.arange(CELLS + 1) / CELLS
+    spans = len(spline.s) - 1
+    each = min(CELLS, max(FEWEST_CELLS, CELLS_IN_ALL // spans))
+    size = max(1, _CELLS_AT_ONCE // each)
+    parts = [_cells_of(spline, begin, min(begin + size, spans), each) for begin in range(0, spans, size)]
+    return np.concatenate(parts)
+
+
+def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
+    """Those on `each` cells of the spans from `first` up to `last` (not included)."""
+    go_on()
+    widths = np.diff(spline.s[first : last + 1])
+    edge = np.arange(each + 1) / each
     start = np.tile(edge[:-1], (len(widths), 1))
-    width = np.full((len(widths), CELLS), 1.0 / CELLS)
-    margin = 2.0 * BEYOND * spline.s[-1]
-    start[0, 0] -= margin / widths[0]
-    width[0, 0] += margin / widths[0]
-    width[-1, -1] += margin / widths[-1]
+    width = np.full((len(widths), each), 1.0 / each)
+    before, behind = _margins(spline)
+    if first == 0:
+        start[0, 0] -= 2.0 * before / widths[0]
+        width[0, 0] += 2.0 * before / widths[0]
+    if last == len(spline.s) - 1:
+        width[-1, -1] += 2.0 * behind / widths[-1]
     u0 = start * widths[:, None]
     size = (width * widths[:, None])[:, :, None]
     chord = widths[:, None]
-    b0, b1 = spline.bend[:-1], spline.bend[1:]
-    slope = np.diff(spline.y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
-    power = np.stack([spline.y[:-1], slope, b0 / 2.0, (b1 - b0) / chord / 6.0])[:, :, None]
+    y, b0, b1 = spline.y[first : last + 1], spline.bend[first:last], spline.bend[first + 1 : last + 1]
+    slope = np.diff(y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    power = np.stack([y[:-1], slope, b0 / 2.0, (b1 - b0) / chord / 6.0])[:, :, None]
     t = u0[:, :, None]
     # the cubics about the start of each cell, over the share of the cell
     local = np.stack(
@@ -215,9 +272,9 @@ def _cells(spline: NaturalSpline) -> Array:
             power[0] + t * (power[1] + t * (power[2] + t * power[3])),
             (power[1] + t * (2.0 * power[2] + t * 3.0 * power[3])) * size,
             (power[2] + t * 3.0 * power[3]) * size**2,
-            np.broadcast_to(power[3], (*u0.shape, spline.y.shape[1])) * size**3,
+            np.broadcast_to(power[3], (*u0.shape, y.shape[1])) * size**3,
         ]
-    ).reshape(4, -1, spline.y.shape[1])
+    ).reshape(4, -1, y.shape[1])
     size = size.reshape(-1)
     q = local[..., 3:]
     n, matrices = np.zeros((7, len(size))), np.zeros((7, len(size), 3, 3))
@@ -242,6 +299,13 @@ def _cells(spline: NaturalSpline) -> Array:
             cells[:, k - 1, 0] = top / size**k
         cells[:, k - 1, 1] = bound[k] / size**k
     return cells
+
+
+def _margins(spline: NaturalSpline) -> tuple[float, float]:
+    """How far before its start and beyond its end a curve is bounded, in u."""
+    first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
+    most = BEYOND * float(spline.s[-1])
+    return min(most, max(first, BEYOND_SHORT)), min(most, max(last, BEYOND_SHORT))
 
 
 def _derivative(power: Array, times: int) -> Array:
@@ -273,9 +337,8 @@ def _jumps(spline: NaturalSpline) -> Array:
     return jumps
 
 
-def _range_max(table: Array, first: Rows, last: Rows) -> Array:
-    """The largest of the rows `first` up to `last` (not included) of a table, for each pair."""
-    padded = np.concatenate([table, table[-1:]])
+def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
+    """The largest of the rows `first` up to `last` (not included) of a table, for each pair; the table has one row more, which is never the last."""
     pairs = np.stack([first, last], axis=1).ravel()
     most: Array = np.maximum.reduceat(padded, pairs, axis=0)[::2]
     return most

@@ -85,14 +85,17 @@ class FramePaths(Protocol):
         """Bounds between `low` and `high` (P,) of the paths `owner` (P,)."""
         ...
 
-    def project(self, motion: Motion, owner: Rows, position: Array, angle: float) -> tuple[Array, Array]:
+    def project(
+        self, motion: Motion, owner: Rows, position: Array, angle: Array, share: Array | None = None
+    ) -> tuple[Array, Array]:
         """A good s and s' for each point of an executed motion (N,); any would be lawful.
 
         Args:
             motion: the points, those of one path behind each other in order of time.
             owner: (N,) whose they are.
             position: (C,) [m] and
-            angle: [rad] what counts as much as what.
+            angle: (C,) [rad] what counts as much as what.
+            share: (N,) about how much of the way of the frame's origin lies behind it, if that is known.
         """
         ...
 
@@ -169,7 +172,14 @@ class Lines:
         position[:, 0] = np.linalg.norm(self.way, axis=1)[owner]
         return Bounds(position, self.turns.bounds(owner), straight=True, everywhere=True)
 
-    def project(self, motion: Motion, owner: Rows, position: Array, angle: float) -> tuple[Array, Array]:
+    def project(
+        self,
+        motion: Motion,
+        owner: Rows,
+        position: Array,
+        angle: Array,
+        share: Array | None = None,  # noqa: ARG002 - a closed form needs no guess
+    ) -> tuple[Array, Array]:
         """Least squares of both errors, each against its tolerance."""
         turns = self.turns
         pull = self.way / position[:, None] ** 2
@@ -177,7 +187,7 @@ class Lines:
         norm = (np.linalg.norm(self.way, axis=1) / position) ** 2 + (turns.theta / angle) ** 2
         norm[norm == 0.0] = np.inf  # it shall stand still: s = 0
         offset = motion.p - self.origin[owner]
-        strength = turns.theta[owner] / angle**2
+        strength = turns.theta[owner] / angle[owner] ** 2
         s = np.einsum("ni,ni->n", offset, pull[owner]) + turns.turned(motion.rotation, owner) * strength
         rate = np.einsum("ni,ni->n", motion.velocity, pull[owner])
         rate = rate + np.einsum("ni,ni->n", motion.angular, twist_pull[owner])
@@ -238,7 +248,14 @@ class Arcs:
         position = radius * self.sweep[owner, None] ** np.arange(1.0, 5.0)
         return Bounds(position, self.turns.bounds(owner), everywhere=True)
 
-    def project(self, motion: Motion, owner: Rows, position: Array, angle: float) -> tuple[Array, Array]:
+    def project(
+        self,
+        motion: Motion,
+        owner: Rows,
+        position: Array,
+        angle: Array,
+        share: Array | None = None,
+    ) -> tuple[Array, Array]:
         """The mean of where position and turn say that the frame is, each by its length against its tolerance."""
         turns = self.turns
         square = np.einsum("ci,ci->c", self.spoke, self.spoke)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +11,9 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 _STIFFNESS = 1e-3
+_PLACES, _BETWEEN = 1024, 4
+_AT_ONCE = 8_192
+"""Places of a curve that are computed at a time."""
 _ROUNDS = 5
 
 
@@ -43,16 +47,27 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
     s = guess
     for _ in range(_ROUNDS):
         go_on()
-        at, slope = curve.at(s)
-        system = bands.copy()
-        system[0] += (slope**2).sum(axis=1) + 1e-9 * stiffness
-        pull = ((y - at) * slope).sum(axis=1)
+        system, pull = bands.copy(), np.empty(len(s))
+        for part in _parts(len(s)):
+            at, slope = curve.at(s[part])
+            system[0, part] += (slope**2).sum(axis=1) + 1e-9 * stiffness
+            pull[part] = ((y[part] - at) * slope).sum(axis=1)
         s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
     go_on()
-    slope = curve.at(s)[1]
     about = np.gradient(s, np.concatenate([[0.0], np.cumsum(d)]))
-    steep = (slope**2).sum(axis=1)
-    return s, ((rate * slope).sum(axis=1) + stiffness * about) / (steep + stiffness)
+    s_rate = np.empty(len(s))
+    for part in _parts(len(s)):
+        slope = curve.at(s[part])[1]
+        steep = (slope**2).sum(axis=1)
+        s_rate[part] = ((rate[part] * slope).sum(axis=1) + stiffness * about[part]) / (steep + stiffness)
+    return s, s_rate
+
+
+def _parts(count: int) -> Iterator[slice]:
+    """Yield slices that cover `count` rows."""
+    for begin in range(0, count, _AT_ONCE):
+        go_on()
+        yield slice(begin, begin + _AT_ONCE)
 
 
 def _third_differences(size: int) -> Array:
@@ -76,29 +91,45 @@ def _times(bands: Array, x: Array) -> Array:
 
 def table_of_lengths(curve: Curve, s: Array) -> Array:
     """The length of the curve up to each of `s` (N,), about: that of the polygon through its points."""
-    steps = np.linalg.norm(np.diff(curve.at(s)[0], axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    lengths, behind = np.zeros(len(s)), 0.0
+    for begin in range(0, len(s) - 1, _AT_ONCE):
+        go_on()
+        steps = np.linalg.norm(np.diff(curve.at(s[begin : begin + _AT_ONCE + 1])[0], axis=0), axis=1)
+        lengths[begin + 1 : begin + 1 + len(steps)] = behind + np.cumsum(steps)
+        behind = lengths[begin + len(steps)]
+    return lengths
 
 
 def guess_by_length(
-    curve: Curve, y: Array, end: float, free: tuple[bool, bool] = (False, False)
+    curve: Curve, y: Array, knots: Array, free: tuple[bool, bool] = (False, False)
 ) -> tuple[Array, float]:
     """Where s is about, by the length of the way so far, and the curve's typical pace.
 
     Args:
-        curve: from s = 0 to `end`.
+        curve: from s = 0 to the last of `knots`.
         y: (N, m) the motion's points, in order of time.
-        end: the last s.
+        knots: (k,) the places of the curve's way-points, from 0 on.
         free: whether the motion joins the curve elsewhere than at its start (in its first half), and leaves it before its end.
     """
-    s = np.linspace(0.0, end, 1025)
+    end = float(knots[-1])
+    s = places_of(knots)
     lengths = table_of_lengths(curve, s)
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(y, axis=0), axis=1))])
     first, last = 0.0, lengths[-1]
-    half = len(s) // 2
+    half = int(np.searchsorted(s, end / 2.0))
     if free[0]:
         first = lengths[np.argmin(np.linalg.norm(curve.at(s[:half])[0] - y[0], axis=1))]
     if free[1]:
         last = lengths[half + np.argmin(np.linalg.norm(curve.at(s[half:])[0] - y[-1], axis=1))]
     way = first + run * ((last - first) / max(run[-1], 1e-300))
     return np.interp(way, lengths, s), float(lengths[-1] / end)
+
+
+def places_of(knots: Array) -> Array:
+    """Places (N,) that show a curve with way-points at `knots` (k,): equal distances, and, where there are many way-points, some between each two."""
+    s = np.linspace(0.0, float(knots[-1]), _PLACES + 1)
+    if (len(knots) - 1) * _BETWEEN <= _PLACES:
+        return s
+    between = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_BETWEEN) / _BETWEEN)
+    both: Array = np.sort(np.concatenate([s, between.ravel()]))
+    return both

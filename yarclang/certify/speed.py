@@ -16,18 +16,31 @@ SHARP = 1e-4
 """Pieces are made so short that the bounds of a programmed speed are at most this share of it apart from the truth."""
 MOST_PIECES = 32
 
+_LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2, 0], [1, 4, 6, 4, 1]]) / [
+    [1.0],
+    [16.0],
+    [16.0],
+    [16.0],
+    [16.0],
+]
+_RIGHT = _LEFT[::-1, ::-1]
+_QUARTERS = np.concatenate([one @ other for other in (_LEFT, _RIGHT) for one in (_LEFT, _RIGHT)])
+"""From five Bernstein coefficients those of the four quarters (20, 5) (de Casteljau)."""
+
 
 @frozen(eq=False)
 class Programmed:
-    """The speeds that C commands shall have: `cruise` (C,), NaN where none is programmed, of the frame's origin [m/s], or,
-    where its path only turns (`turns` (C,)), of the turn [rad/s].
+    """The speeds that C commands shall have: at most `top` (C,), NaN where none is programmed, of the frame's origin [m/s], or,
+    where its path only turns (`turns` (C,)), of the turn [rad/s]; at least `cruise` (C,) from when that is first reached up to when it is last left.
 
-    `around` (C, 2) is the most that is allowed in the blend before and in that behind.
+    `around` (C, 2) is the most that is allowed in the blend before and in that behind. `held` (C, 2) says that it is reached from the begin, and up to the end.
     """
 
     cruise: Array
+    top: Array
     turns: NDArray[np.bool_]
     around: Array
+    held: NDArray[np.bool_]
 
 
 @frozen(eq=False)
@@ -101,6 +114,8 @@ def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> 
             _dot(v1, v1),
         ]
     )
+    # where the speed changes much, those of its quarters are nearer to it
+    squares = _QUARTERS @ squares
     rest = HERMITE_RATE * d**3 * fourth
     low = np.maximum(np.sqrt(np.maximum(squares.min(axis=0), 0.0)) - rest, 0.0)
     return low, np.sqrt(squares.max(axis=0)) + rest
@@ -128,22 +143,53 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
     begins = np.flatnonzero(np.diff(command, prepend=-1))
     largest[command[begins]] = segment_max(high, begins)
     ends = np.append(begins[1:], len(command))
-    for begin, end in zip(begins, ends, strict=True):
-        own = int(command[begin])
-        cruise = wanted.cruise[own]
-        if not np.isfinite(cruise):
+    cruise, top = wanted.cruise[command], wanted.top[command]
+    before, behind = segment < follow[command, 0], segment >= follow[command, 1]
+    allowed = np.where(before, wanted.around[command, 0], np.where(behind, wanted.around[command, 1], top))
+    inside = ~before & ~behind
+    with np.errstate(invalid="ignore"):
+        beyond_it = segment_max(high / allowed, begins)
+        kept = inside & (low >= cruise * (1.0 - KEPT)) & (high <= top * (1.0 + KEPT))
+    # from the first piece on, up to the last, on which the speed is kept
+    place = np.arange(len(command))
+    first = np.minimum.reduceat(np.where(kept, place, len(command)), begins)
+    last = segment_max(np.where(kept, place, -1), begins)
+    sizes = ends - begins
+    since = np.where(wanted.held[command, 0], 0, np.repeat(first, sizes))
+    until = np.where(wanted.held[command, 1], len(command), np.repeat(last, sizes))
+    between = inside & (place >= since) & (place <= until)
+    slowest = np.minimum.reduceat(np.where(between, low, np.inf), begins)
+    fastest = segment_max(np.where(between, high, -np.inf), begins)
+    is_inside, is_kept = np.logical_or.reduceat(inside, begins), last >= 0
+    for row, own in enumerate(command[begins].tolist()):
+        if not np.isfinite(wanted.cruise[own]):
             continue
-        slow, fast, where = low[begin:end], high[begin:end], segment[begin:end]
-        before, behind = where < follow[own, 0], where >= follow[own, 1]
-        allowed = np.where(before, wanted.around[own, 0], np.where(behind, wanted.around[own, 1], cruise))
-        beyond[own] = (fast / allowed).max()
-        inside = ~before & ~behind
-        (kept,) = np.nonzero(inside & (slow >= cruise * (1.0 - KEPT)) & (fast <= cruise * (1.0 + KEPT)))
-        if len(kept):
-            least[own] = slow[kept[0] : kept[-1] + 1].min()
-            most[own] = fast[kept[0] : kept[-1] + 1].max()
-        elif not inside.any():
-            least[own] = most[own] = cruise  # all of it is blends
-        elif (peak := fast[inside].max()) >= cruise * (1.0 - KEPT):
-            least[own] = most[own] = peak  # for an instant only
+        beyond[own] = beyond_it[row]
+        if not is_inside[row]:
+            least[own] = most[own] = wanted.cruise[own]  # all of it is blends
+        elif is_kept[row]:
+            least[own], most[own] = slowest[row], fastest[row]
+        else:
+            own_pieces = begins[row] + np.flatnonzero(inside[begins[row] : ends[row]])
+            least[own], most[own] = _for_an_instant(
+                low[own_pieces], high[own_pieces], wanted.cruise[own], wanted.held[own]
+            )
     return Speeds(wanted.turns, wanted.cruise, largest, least, most, beyond)
+
+
+def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the least and the largest speed of a command that keeps its speed on no whole piece; NaN if it never reaches it.
+
+    Args:
+        low: (P,) the least speed on each piece outside of blends.
+        high: (P,) the largest.
+        cruise: the speed.
+        held: (2,) whether it is held from the begin up to where it is reached, and from there up to the end.
+    """
+    peak = float(high.max())
+    if peak < cruise * (1.0 - KEPT):
+        return np.nan, np.nan
+    at = int(np.argmax(high))
+    before_it = low[:at] if held[0] else low[:0]
+    after_it = low[at + 1 :] if held[1] else low[:0]
+    return float(np.concatenate([[peak], before_it, after_it]).min()), peak

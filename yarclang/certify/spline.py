@@ -75,15 +75,14 @@ def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
 
     Its diagonal dominates, so no pivoting.
     """
-    diagonal, right = diagonal.copy(), right.copy()
-    for i in range(1, len(diagonal)):
-        factor = beside[i - 1] / diagonal[i - 1]
-        diagonal[i] -= factor * beside[i - 1]
-        right[i] -= factor * right[i - 1]
-    right[-1] /= diagonal[-1]
-    for i in reversed(range(len(diagonal) - 1)):
-        right[i] = (right[i] - beside[i] * right[i + 1]) / diagonal[i]
-    return right
+    from scipy.linalg import solveh_banded
+
+    if len(diagonal) == 1:  # LAPACK's wrapper has no system of one equation
+        return right / diagonal[:, None]
+    band = np.zeros((2, len(diagonal)))
+    band[0, 1:], band[1] = beside, diagonal
+    solved: Array = solveh_banded(band, right, check_finite=False)
+    return solved
 
 
 @frozen(eq=False)
@@ -176,7 +175,7 @@ def _bound(
     end = float(spline.s[-1])
     if law is None:
         curve = _Weighed(spline, weights)
-        guess, pace = guess_by_length(curve, q * weights, end, free)
+        guess, pace = guess_by_length(curve, q * weights, spline.s, free)
         s, s_rate = project(curve, q * weights, rate * weights, guess, pace, d)
     else:
         s, s_rate = _claimed(law * end, float(cubics.h[0]), pieces)

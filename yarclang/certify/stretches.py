@@ -1,20 +1,27 @@
-"""Stretches of a text from rest to rest: what is proved of one depends on its own numbers and commands alone, wherever it stands in the text."""
+"""Stretches of a text from rest to rest: what is proved of one depends on its own numbers and commands alone, wherever it stands in the text.
+
+What is proved of a motion in a long stretch depends on a few motions around it alone: such a stretch is cut into windows.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from zlib import crc32
 
 import numpy as np
 
-from yarclang.certify.certificate import Blended, Deviation, Load, ToolSpeed
+from yarclang import hir
+from yarclang.certify.certificate import Blended, Deviation, Load, Loads, ToolSpeed
 from yarclang.certify.claims import Claims
 from yarclang.certify.clearance import Apart
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place
-from yarclang.certify.limits import Loads
 from yarclang.frozen import frozen
 from yarclang.identity import flat, key_of
 from yarclang.memory import Forgetful, Memory
+from yarclang.parallel import mapped
+from yarclang.progress import tell, within
 from yarclang.robot.model import Array
 
 
@@ -30,14 +37,26 @@ class Proved:
     torque: Load | None
 
 
+WINDOW = 128
+"""Rows that are proved at once: enough for whole-array work."""
+AROUND = 3
+"""A motion is cut where it meets those next to it, and they where they meet the ones behind; where they begin, the one before says."""
+
+Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
+
+
+@frozen
+class _Window:
+    """Rows that are proved together: `own`, and `around` them those whose ends count, too."""
+
+    own: range
+    around: range
+
+
 def recalled(
-    memory: Memory,
-    judge: Judge,
-    layout: Layout,
-    claims: Claims,
-    prove: Callable[[Layout], Mapping[int, Proved]],
+    memory: Memory, judge: Judge, layout: Layout, claims: Claims, prove: Prove
 ) -> Mapping[int, Proved]:
-    """What is proved of each step: of stretches that were proved before, what was proved then.
+    """What is proved of each step: of what was proved before, what was proved then; long texts by windows, on all cores.
 
     Only what has no finding is kept: with one, all is proved anew, since findings count what they have in common.
 
@@ -48,30 +67,108 @@ def recalled(
         claims: the planner's.
         prove: proves the motions of a layout, by their steps.
     """
-    if isinstance(memory, Forgetful):
-        return prove(layout)
+    forgets = isinstance(memory, Forgetful)
+    if forgets and len(layout.places) < 2 * WINDOW:
+        return prove(judge, layout)
     proofs: dict[int, Proved] = {}
-    missing: list[tuple[Hashable, range]] = []
-    context, said = (judge.robot, judge.program.cell, judge.tolerance), _Said(layout, claims)
-    for rows in _stretches(layout.places):
-        key: Hashable = ("proved", *context, said.key(rows))
-        found: tuple[Proved, ...] | None = memory.get(key)
+    missing: list[tuple[Hashable, _Window]] = []
+    said, handled = None if forgets else _Said(layout, claims), judge.handled
+    for window in _windows(layout):
+        key: Hashable = None
+        found: tuple[Proved, ...] | None = None
+        if said is not None:
+            first = window.around.start
+            cells = tuple(
+                dict.fromkeys((row - first, handled.at(layout.places[row].step)) for row in window.around)
+            )
+            inner = (window.own.start - first, window.own.stop - first)
+            key = ("proved", judge.robot, cells, judge.tolerance, inner, said.key(window.around))
+            found = memory.get(key)
         if found is None:
-            missing.append((key, rows))
+            missing.append((key, window))
         else:
-            proofs |= {layout.places[row].step: one for row, one in zip(rows, found, strict=True)}
-    if not missing:
-        return proofs
-    before = len(judge.findings)
-    made = prove(layout if not proofs else _part(layout, [rows for _, rows in missing]))
-    if len(judge.findings) > before:
-        if not proofs:
-            return made
-        del judge.findings[before:]
-        return prove(layout)
-    for key, rows in missing:
-        memory.keep(key, tuple(made[layout.places[row].step] for row in rows))
-    return {**proofs, **made}
+            proofs |= _by_step(layout, window, found)
+    batches = list(_batches(missing))
+    made = mapped(
+        lambda batch: _proved(judge, layout, batch, prove), [[one for _, one in batch] for batch in batches]
+    )
+    tell("certifying", 0, len(batches))
+    for number, (batch, proved) in enumerate(zip(batches, made, strict=True)):
+        if proved is None:
+            # with a finding
+            return prove(judge, layout)
+        tell("certifying", number + 1, len(batches))
+        for (key, window), one in zip(batch, proved, strict=True):
+            memory.keep(key, one)
+            proofs |= _by_step(layout, window, one)
+    return proofs
+
+
+def _by_step(layout: Layout, window: _Window, proved: Sequence[Proved]) -> dict[int, Proved]:
+    return {layout.places[row].step: one for row, one in zip(window.own, proved, strict=True)}
+
+
+def _proved(
+    judge: Judge, layout: Layout, windows: Sequence[_Window], prove: Prove
+) -> list[tuple[Proved, ...]] | None:
+    """Prove windows of a layout; None where something is found."""
+    steps = [[layout.places[row].step for row in window.own] for window in windows]
+    apart = judge.of_part({step for own in steps for step in own})
+    with within():
+        made = prove(apart, _part(layout, windows))
+    if apart.findings:
+        return None
+    return [tuple(made[step] for step in own) for own in steps]
+
+
+def _batches(missing: Sequence[tuple[Hashable, _Window]]) -> Iterator[list[tuple[Hashable, _Window]]]:
+    """Yield windows that are proved at once: short ones together, as many in one text as in another."""
+    batch: list[tuple[Hashable, _Window]] = []
+    rows = 0
+    for one in missing:
+        if batch and rows + len(one[1].own) > WINDOW:
+            yield batch
+            batch, rows = [], 0
+        batch.append(one)
+        rows += len(one[1].own)
+    if batch:
+        yield batch
+
+
+def _windows(layout: Layout) -> Iterator[_Window]:
+    """Yield the stretches of a layout; of a long one, parts."""
+    for rows in _stretches(layout.places):
+        begin = rows.start
+        while rows.stop - begin >= 2 * WINDOW and (end := _end_of(layout, begin, rows.stop)):
+            yield _Window(range(begin, end), range(max(begin - AROUND, rows.start), end + AROUND))
+            begin = end
+        yield _Window(range(begin, rows.stop), range(max(begin - AROUND, rows.start), rows.stop))
+
+
+def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
+    """Where a window that begins with a row may end: behind `WINDOW` rows and before twice as many, at a place that is chosen by what it is told to do."""
+    best, found = -1, None
+    for row in range(begin + WINDOW, min(begin + 2 * WINDOW, stop - WINDOW + 1)):
+        end = _end_by_itself(layout.places[row - AROUND].motion)
+        # where the motions before a window begin has to be known without those before them
+        if end is None or not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
+            continue
+        chance = crc32(end.tobytes())
+        if chance > best:
+            best, found = chance, row
+    return found
+
+
+def _end_by_itself(motion: hir.Motion) -> Array | None:
+    """Where a motion is told to end, if that is the same place wherever it begins."""
+    match motion:
+        case hir.JointMove(goal=hir.JointGoal(q=q)):
+            return q
+        case hir.LineMove(goal=hir.PoseGoal() as goal) | hir.ArcMove(goal=hir.PoseGoal() as goal):
+            return goal.base_from_moving
+        case hir.PoseSplineMove(waypoints=waypoints):
+            return waypoints[-1].base_from_moving
+    return None
 
 
 def _stretches(places: Sequence[Place]) -> Iterator[range]:
@@ -134,7 +231,9 @@ class _Said:
             None if witness is None else (witness.shape, witness.tobytes()),
             None if law is None else law.tobytes(),
             self._claims.kept.get(place.step),
+            self._claims.least.get(place.step),
             place.any_jerk,
+            place.beside_any_jerk,
         )
 
 
@@ -142,12 +241,13 @@ _NUMBER = 8
 """Bytes of a number of `Layout.at` and `Layout.time`."""
 
 
-def _part(layout: Layout, stretches: Sequence[range]) -> Layout:
-    """Some stretches one behind the other, as if nothing were between."""
+def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
+    """Some windows one behind the other, as if nothing were between."""
     control: list[Array] = [layout.control[:0]]
-    at, time, places = [layout.at[:0]], [layout.time[:0]], []
+    at, time, places = [layout.at[:0]], [layout.time[:0]], list[Place]()
     points, segments = 0, 0
-    for rows in stretches:
+    for window in windows:
+        rows = window.around
         own = _segments(layout, rows)
         span = _control(layout, own)
         control.append(layout.control[span])
@@ -156,20 +256,14 @@ def _part(layout: Layout, stretches: Sequence[range]) -> Layout:
         shift = segments - own.start
         for row in rows:
             one = layout.places[row]
-            places.append(
-                Place(
-                    one.step,
-                    one.motion,
-                    one.first + shift,
-                    one.last + shift,
-                    one.lines,
-                    one.before,
-                    one.behind,
-                    one.any_jerk,
-                )
-            )
+            places.append(replace(one, first=one.first + shift, last=one.last + shift))
+        # what a cut row flows out of, or into, isn't there
+        if rows.start < window.own.start:
+            places[-len(rows)] = replace(places[-len(rows)], before=None)
+        if rows.stop > window.own.stop:
+            places[-1] = replace(places[-1], behind=None)
         points, segments = points + span.stop - span.start, segments + own.stop - own.start
-    chosen = [row for rows in stretches for row in rows]
+    chosen = [row for window in windows for row in window.around]
     return Layout(
         np.concatenate(control),
         np.concatenate(at),

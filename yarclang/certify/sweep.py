@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.cell.model import Cell
 from yarclang.certify.bounds import Cubics
+from yarclang.certify.handled import Handled
 from yarclang.certify.layout import Layout, Place, chunks
 from yarclang.collision.course import Course
 from yarclang.frozen import frozen
@@ -35,9 +38,12 @@ class Sweep:
         return float(self.course.begins[self.spans[row, 1]]) - self.starts(row)
 
 
-def moving_chunks(layout: Layout) -> Iterator[list[Place]]:
-    """The commands that move something, in chunks."""
-    return chunks([place for place in layout.places if place.size])
+def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | None, list[Place]]]:
+    """Yield the commands that move something, in chunks, each with the cell as it is during these commands."""
+    moving = [place for place in layout.places if place.size]
+    for _, group in groupby(moving, lambda place: id(handled.at(place.step))):
+        for places in chunks(list(group)):
+            yield handled.at(places[0].step), places
 
 
 def sweep_of(layout: Layout, places: list[Place]) -> Sweep:

@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
+from yarclang.lasting import Mark, Part, Schedule, schedule_of
 from yarclang.pmac.header import Header
 from yarclang.pmac.program import Target
 from yarclang.robot.model import Array
+from yarclang.units import MS
+
+_MARKS: dict[str, Mark] = {"wait": "wait", "hold": "hold", "when": "when", "else": "else", "end": "end"}
 
 TM_STEPS_PER_MS = 4096
 """TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
@@ -98,6 +102,16 @@ class Run:
     lines: NDArray[np.int64]
     puts: tuple[Put, ...] = ()
 
+    @property
+    def segment(self) -> float:
+        """TM [s]."""
+        return self.segment_ms * MS
+
+    @property
+    def duration(self) -> float:
+        """The time that it takes [s]. A sequence begins and ends with a segment of its own (TUM 289)."""
+        return (len(self.lines) + 2) * self.segment
+
 
 @frozen
 class Dwelt:
@@ -183,3 +197,21 @@ class ControllerText:
     def runs(self) -> tuple[Run, ...]:
         """The sequences of moves."""
         return tuple(item for item in self.course if isinstance(item, Run))
+
+    @property
+    def schedule(self) -> Schedule:
+        """When each item of the course begins, and how long all of it takes."""
+        return schedule_of(_part(item) for item in self.course)
+
+
+def _part(item: Run | Dwelt | Put | Barred | Stood) -> Part:
+    """Return the time that an item of the course takes [s], or what it waits for."""
+    match item:
+        case Run():
+            return item.duration
+        case Dwelt(milliseconds=milliseconds):
+            return float(milliseconds) * MS
+        case Barred(kind=kind):
+            return _MARKS[kind]
+        case _:
+            return 0.0

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import Cubics, segment_max
 from yarclang.certify.certificate import IDLE, Load
-from yarclang.certify.layout import Layout, Place, chunks
+from yarclang.certify.handled import Handled
+from yarclang.certify.layout import Layout, Place
 from yarclang.certify.limits import RELATIVE
 from yarclang.certify.moments import pose_text
+from yarclang.certify.sweep import moving_chunks
 from yarclang.certify.torque_bounds import torque_bends
 from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
 from yarclang.frozen import frozen
+from yarclang.handling.surroundings import load_cases
 from yarclang.robot.dynamics import holding_torques, torques
 from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.units import UNITS
@@ -42,32 +46,48 @@ class _Samples:
     first: NDArray[np.int64]
 
 
-def find_torques(layout: Layout, robot: Robot) -> tuple[dict[int, Load], list[Diagnostic]]:
+def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
     """The largest share of an effort of every command by its step, and a finding for each that asks for more than there is.
 
     Args:
         layout: the text's segments.
         robot: its masses and efforts; without, nothing is judged.
+        handled: the cell as it is during each command; what a gripper holds is moved, too.
     """
     dynamics = robot.dynamics
     if dynamics is None or not dynamics.is_checked:
         return {}, []
     loads: dict[int, Load] = {place.step: IDLE for place in layout.places}
     findings: list[Diagnostic] = []
-    for places in chunks([place for place in layout.places if place.size]):
-        base = places[0].first
-        cubics = layout.cubics(base, places[-1].last)
-        starts = np.array([place.first - base for place in places])
-        samples = _sampled(cubics, starts, robot, dynamics)
-        peaks = segment_max(samples.share, samples.first)
-        ends = [*samples.first[1:].tolist(), len(samples.row)]
-        for number, place in enumerate(places):
-            worst = int(np.argmax(peaks[number]))
-            loads[place.step] = Load(robot.joint_names[worst], float(peaks[number, worst]))
-            if peaks[number, worst] > 1.0 + RELATIVE:
-                chosen = slice(int(samples.first[number]), ends[number])
-                findings.append(_finding(layout, place, samples, chosen, robot, dynamics))
+    for cell, places in moving_chunks(layout, handled):
+        worst: dict[int, Diagnostic] = {}
+        for case in load_cases(robot, cell):
+            _judge_load(layout, places, replace(robot, dynamics=case), (loads, worst))
+        findings += worst.values()
     return loads, list(grouped(findings))
+
+
+def _judge_load(
+    layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
+) -> None:
+    """Look at what commands ask of the motors with one load; of several loads the worst is kept, of each step."""
+    dynamics, (loads, findings) = robot.dynamics, found
+    assert dynamics is not None  # only then torques are looked at
+    base = places[0].first
+    cubics = layout.cubics(base, places[-1].last)
+    starts = np.array([place.first - base for place in places])
+    samples = _sampled(cubics, starts, robot, dynamics)
+    peaks = segment_max(samples.share, samples.first)
+    ends = [*samples.first[1:].tolist(), len(samples.row)]
+    for number, place in enumerate(places):
+        worst = int(np.argmax(peaks[number]))
+        share = float(peaks[number, worst])
+        if share <= loads[place.step].share:
+            continue
+        loads[place.step] = Load(robot.joint_names[worst], share)
+        if share > 1.0 + RELATIVE:
+            chosen = slice(int(samples.first[number]), ends[number])
+            findings[place.step] = _finding(layout, place, samples, chosen, robot, dynamics)
 
 
 def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:

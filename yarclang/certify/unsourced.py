@@ -85,6 +85,8 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
         missing.append("its surroundings")
     elif cell.zones:
         missing.append("which frame is the tool that zones watch ({TCP} was taken)")
+    if cell is not None and cell.parts:
+        missing.append("its parts, which grippers carry")
     if free := [entry.at for entry in content.entries if entry.any_jerk]:
         missing.append(
             f"the jerk of {len(free)} commands"

@@ -10,6 +10,7 @@ from yarclang import hir
 from yarclang.cell.model import JointWindow
 from yarclang.certify.certificate import Clearance, ZoneSpeed
 from yarclang.certify.frames import moving_frame
+from yarclang.certify.handled import Handled
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.remedy import remedy
@@ -44,7 +45,7 @@ NO_ZONES = InZones(None, None)
 
 
 def find_zones(
-    layout: Layout, program: hir.Program, robot: Robot
+    layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, InZones], list[Diagnostic]]:
     """What was proved of every command by its step, and a finding for each zone that it breaks.
 
@@ -52,16 +53,16 @@ def find_zones(
         layout: the text's segments.
         program: what it was compiled from; its cell has the zones.
         robot: its links and kinematics.
+        handled: the cell as it is during each command.
     """
-    cell = program.cell
-    if cell is None or not cell.zones:
+    if program.cell is None or not program.cell.zones:
         return {}, []
-    made = scene_of(robot, cell)
-    if made.value is None:
-        return {}, []  # that bodies can't be read is told with the collisions
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
-    for places in moving_chunks(layout):
+    for cell, places in moving_chunks(layout, handled):
+        made = scene_of(robot, cell)
+        if made.value is None or cell is None:
+            return {}, []  # that bodies can't be read is told with the collisions
         for moving, run in _runs(places, robot):
             judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
             told |= judge.judged()
@@ -185,7 +186,8 @@ class _Judge:
             f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} s, "
             f"{pose_text(self.robot, place.motion.origin, q)}{more}"
         )
-        self._find(code, message, place, *remedy(place.motion, _REMEDIES[code]))
+        when = (min(one.begin for _, one in stays), max(one.end for _, one in stays))
+        self._find(code, message, place, *remedy(place.motion, _REMEDIES[code], when, self.sweep.lasts(row)))
 
     def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
         """The code of a breach, and what is wrong where it is worst."""

@@ -5,13 +5,16 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from yarclang.cli.parameter import ParamType
 from yarclang.pmac.requests import PORT
+
+if TYPE_CHECKING:
+    from yarclang.simulator.leash import Leash
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -28,10 +31,11 @@ _HOST = re.compile(rf"(?=.{{1,253}}$){_LABEL}(?:\.{_LABEL})*\.?", re.ASCII | re.
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Of a controller."""
+    """Of a controller. `leash` is the time of a simulator in this process."""
 
     host: str
     port: int
+    leash: Leash | None = field(default=None, compare=False, repr=False)
 
     def __str__(self) -> str:
         """As it is given on a command line."""
@@ -78,14 +82,14 @@ class AddressType(ParamType["Address | None"]):
         return Address(host, int(port))
 
 
-def run_option(function: F) -> F:
-    """--run NAME."""
+def run_option(function: F, *, which: str = "Which run") -> F:
+    """--run NAME; `which` begins its help."""
     return click.option(
         "--run",
         "run",
         metavar="NAME",
         shell_complete=_runs,
-        help="Which run, where there are several: its name, its robot, or its process.",
+        help=f"{which}, where there are several: its name, its robot, or its process.",
     )(function)
 
 

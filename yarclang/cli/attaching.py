@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from yarclang.cli.address import Address
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME, controller
+from yarclang.cli.table import checked_table
+from yarclang.cli.terminal import has_keys
 from yarclang.client import Gone, Refused
 from yarclang.client import Robot as Asked
 from yarclang.coordinator.attached import Attached, Here, There
+from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.opened import Ground, opened
 from yarclang.pipeline.cells import is_same_file
@@ -23,6 +27,12 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.transports.runs import Run, find_runs, run_on
+
+if TYPE_CHECKING:
+    from yarclang.simulated_cell.playing import SimulatedCell
+
+_ALONE = ("run", "exec")
+"""Doors that carry one program out; at the others somebody gives orders."""
 
 _QUICK = 1.5
 """Who takes longer to greet doesn't serve [s]."""
@@ -46,11 +56,13 @@ class Place:
         address: of the controller.
         served: by whom; None: the door starts a coordinator of its own.
         own: whether the controller is a simulator that lives as long as the door.
+        surroundings: the machines around the robot of such a simulator.
     """
 
     address: Address
     served: Served | None = None
     own: bool = False
+    surroundings: SimulatedCell | None = None
 
     def __str__(self) -> str:
         """As people call it."""
@@ -96,10 +108,14 @@ def place_of(
     rate: float | None = None,
     *,
     tells: bool = True,
+    surroundings: SimulatedCell | None = None,
 ) -> Iterator[Place]:
     """Yield where a door works that starts a coordinator of its own: see `controller`."""
-    with controller(to, robot, stands, rate, tells=tells) as address:
-        yield Place(address, own=to is None)
+    from yarclang.simulated_cell.playing import SimulatedCell
+
+    around = (surroundings or SimulatedCell()) if to is None else None
+    with controller(to, robot, stands, rate, tells=tells, surroundings=around) as address:
+        yield Place(address, own=to is None, surroundings=around)
 
 
 def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -> Place:
@@ -109,7 +125,7 @@ def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -
         Trouble: it serves another robot.
         click.UsageError: an option is for a coordinator of its own.
     """
-    for name in ("log", "no_log", "rate", "patience"):
+    for name in ("log", "no_log", "rate", "patience", "set", "inputs"):
         if options.get(name):
             option = name.replace("_", "-")
             raise click.UsageError(
@@ -137,6 +153,10 @@ def check_cell(robot: Attached, named: str) -> None:
         raise Trouble(what, "leave --cell out, or serve the robot with this cell", "Y1373")
 
 
+Attach = Callable[[str], Awaitable[Attached]]
+"""Makes a client of a coordinator, by the name that others know it by."""
+
+
 @asynccontextmanager
 async def attached(
     place: Place,
@@ -161,12 +181,56 @@ async def attached(
         ControlError: another process of this computer drives the controller.
         Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
     """
-    if place.served is not None:
-        there = await There.attach(place.served.run.path, name)
+    async with reached(place, robot, options, what=what, folder=folder, door=name) as attach:
+        one = await attach(name)
         try:
-            yield there
+            yield one
         finally:
-            await there.leave()
+            if place.served is not None:  # what is in this process ends with its coordinator
+                await one.leave()
+
+
+def _attaching(served: Served, address: Address, robot: Robot | None) -> Attach:
+    """Return what makes clients of a coordinator that serves a robot; where that has ended, of the one that serves the same robot now."""
+    known = served
+
+    async def there(name: str) -> Attached:
+        nonlocal known
+        try:
+            return await There.attach(known.run.path, name)
+        except Trouble:
+            again = await asyncio.to_thread(served_at, None if served.simulated else address, lambda: robot)
+            if again is None or again.fingerprint != served.fingerprint:
+                raise
+            known = again
+            return await There.attach(known.run.path, name)
+
+    return there
+
+
+def tell_whether_ready(coordinator: Coordinator) -> None:
+    """Say on the terminal what keeps a robot from moving that is there all the same."""
+    if coordinator.engine.lost:
+        click.echo(f"there is no connection yet: {coordinator.engine.lost}; it is tried again", err=True)
+    elif coordinator.inspection is not None and coordinator.inspection.errors:
+        click.echo(checked_table(coordinator.inspection.errors), err=True)
+        click.echo("the robot isn't ready: nothing moves before all of this is as it must be", err=True)
+
+
+@asynccontextmanager
+async def reached(
+    place: Place,
+    robot: Robot | None,
+    options: dict[str, Any],
+    *,
+    what: str,
+    folder: Path | None = None,
+    door: str = "",
+    patient: bool = False,
+) -> AsyncIterator[Attach]:
+    """Yield what makes clients of the coordinator of a robot, as `attached` does one; each is left by whoever has made it. `door` is whose they are; `patient`: a coordinator that the door starts is there also while its controller isn't ready."""
+    if place.served is not None:
+        yield _attaching(place.served, place.address, robot)
         return
     assert robot is not None  # who starts a coordinator knows whose
     address = place.address
@@ -182,6 +246,16 @@ async def attached(
         pace=options.get("rate") or 1.0,
         patience=options.get("patience"),
         simulated=place.own,
+        surroundings=place.surroundings,
+        leash=address.leash,
+        patient=patient,
+        unattended=place.own and door in _ALONE and not has_keys(),
     )
     async with opened(robot, ground) as coordinator:
-        yield Here(coordinator, name)
+        if patient:
+            tell_whether_ready(coordinator)
+
+        async def here(name: str) -> Attached:
+            return Here(coordinator, name)
+
+        yield here

@@ -10,6 +10,7 @@ import click
 
 from yarclang.cli.address import SIM, Address, AddressType
 from yarclang.cli.options import PositiveNumber, file_argument
+from yarclang.cli.parameter import ParamType
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -39,9 +40,43 @@ def patience_option(function: F) -> F:
     )(function)
 
 
+class _Setting(ParamType[str]):
+    """INPUT=VALUE; the input is looked for when the program is known."""
+
+    name = "INPUT=VALUE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The text itself; another form is wrong usage."""
+        from yarclang.simulated_cell.script import check_setting
+
+        try:
+            check_setting(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        return str(value)
+
+
+def inputs_option(function: F) -> F:
+    """--inputs SCRIPT.toml."""
+    return click.option(
+        "--inputs",
+        type=click.Path(dir_okay=False),
+        metavar="SCRIPT.toml",
+        help="What the machines around a simulated robot do with its inputs, and when (docs/language.md: Simulated inputs).",
+    )(function)
+
+
 def motion_options(function: F) -> F:
-    """--log, --no-log, --patience and --rate."""
+    """--log, --no-log, --patience, --rate, --set and --inputs."""
     for option in (
+        inputs_option,
+        click.option(
+            "--set",
+            "set",
+            multiple=True,
+            type=_Setting(),
+            help="An input of the simulated robot and its value from the start: ON, OFF or a number. May be given several times.",
+        ),
         click.option(
             "--rate",
             type=PositiveNumber("N"),
@@ -89,3 +124,8 @@ def check_controller_usage(to: Address | None, options: dict[str, Any]) -> None:
         raise click.UsageError("--log and --no-log exclude each other")
     if options["rate"] and to is not None:
         raise click.UsageError("--rate is for the simulator: a controller's time can't be hurried")
+    for name in ("set", "inputs"):
+        if options[name] and to is not None:
+            raise click.UsageError(
+                f"--{name} is for a simulated robot: what is connected to a controller sets its inputs"
+            )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import shlex
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,13 +13,22 @@ from yarclang.cli.address import Address
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Array, Robot
 
+if TYPE_CHECKING:
+    from yarclang.simulated_cell.playing import SimulatedCell
+
 SIMULATED_REPLY_TIME = 20.0
 """A simulator of our own isn't lost before [s]: where it is late, this computer has much to do."""
 
 
 @contextlib.contextmanager
 def controller(
-    to: Address | None, robot: Robot, stands: Array, rate: float | None = None, *, tells: bool = True
+    to: Address | None,
+    robot: Robot,
+    stands: Array,
+    rate: float | None = None,
+    *,
+    tells: bool = True,
+    surroundings: SimulatedCell | None = None,
 ) -> Iterator[Address]:
     """The address to talk to.
 
@@ -28,6 +38,7 @@ def controller(
         stands: (n,) where a simulated robot stands [rad or m].
         rate: how fast a simulator's time passes.
         tells: whether it is said that the robot is simulated.
+        surroundings: the machines around a simulated robot.
 
     Raises:
         Trouble: the robot is simulated, and its controller's settings aren't proved.
@@ -41,10 +52,12 @@ def controller(
 
     machine = commissioned(robot, proved_settings(robot).text)
     stand(machine, robot, stands)
+    if surroundings is not None:
+        surroundings.attach(machine)
     if tells:
         click.echo(f"{robot.name} is simulated", err=True)
     with EmbeddedSimulator(machine, rate=rate or 1.0) as simulator:
-        yield Address("127.0.0.1", simulator.port)
+        yield Address("127.0.0.1", simulator.port, simulator.leash)
 
 
 def robot_argument(robot: Robot, given: str | None) -> str:

@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 import time
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from yarclang.cli.screen import Screen
+from yarclang.coordinator.describing import lasting_of, signal_of
 from yarclang.coordinator.messages.events import (
     BaseEvent,
+    InputChanged,
+    OutputSet,
     PartBegan,
     Paused,
     Position,
     ProgressMade,
     StateChanged,
     Told,
+    WaitEnded,
 )
 from yarclang.coordinator.messages.replies import ProgramCommand, ProgramDescribed, Status
 from yarclang.coordinator.picture import Picture
+from yarclang.lasting import known
 from yarclang.report.runs.text import PLAIN_EACH, View, notice_text, time_text
 from yarclang.robot.model import Array
 from yarclang.runtime.notices import Changed, Progress, Remark
+from yarclang.runtime.signals import signal_text
 from yarclang.runtime.state import State
 
 _SAME = 1e-6
@@ -45,6 +52,12 @@ class Axes:
         return cls(tuple(one.name for one in status.joints))
 
 
+_MANY, _FEW = 200, 4
+"""Of a program of more commands than this, so many that have begun are written as one."""
+_SELDOM = 1.0
+"""How often the commands of such a program are written [s]."""
+
+
 class Display:
     """Shows a run: on a terminal with one line that changes, else with a line now and then."""
 
@@ -53,13 +66,16 @@ class Display:
         self._picture = picture
         self._joints = joints
         self._program = program
-        self._view = View(joints, program.duration_s)
+        self._lasting = lasting_of(program.takes)
+        self._view = View(joints, self._lasting)
         self._command = ""
         self._instead = ""
         self._behind = 0.0
         self._brief = False
         self._written = 0.0
         self._ahead: list[ProgramCommand] = []
+        self._next = 0
+        """Which of these begins next."""
 
     def take(self, event: BaseEvent) -> None:
         """Show an event."""
@@ -77,6 +93,8 @@ class Display:
                     self._screen.say(notice_text(change))
             case Told(time_s=time, text=text, warning=warning):
                 self._screen.say(notice_text(Remark(time, text, warning)))
+            case OutputSet() | WaitEnded() | InputChanged():
+                self._screen.say(signal_text(signal_of(event)))
             case PartBegan():
                 self._begin(event)
             case Paused(title=title, number=number, of=of):
@@ -95,7 +113,8 @@ class Display:
         self._command = ""
         ends = part.offset_s + part.duration_s
         self._behind = 0.0 if part.to_the_start else program.duration_s - ends
-        self._view = self._view.performing(part.duration_s if part.to_the_start else program.duration_s)
+        self._view = self._view.performing(known(part.duration_s) if part.to_the_start else self._lasting)
+        self._next = 0
         self._ahead = [
             one for one in program.commands if part.offset_s - _SAME <= one.begins_s < ends - _SAME
         ]
@@ -117,12 +136,10 @@ class Display:
         if self._instead:
             begun = [] if self._command else [self._instead]
         elif self._program.by_legs:  # which commands are executed isn't known before
-            command = _command_at(self._program, progress.done) if progress.command else None
+            command = _command_of(self._program, progress) if progress.command else None
             begun = [self._command_line(command)] if command and progress.command != self._command else []
         else:
-            # at the end, all have begun, also those that nobody was told of
-            begun = [self._command_line(one) for one in self._ahead if one.begins_s <= progress.done + _SAME]
-            del self._ahead[: len(begun)]
+            begun = self._begun(progress.done, now)
         self._command = progress.command
         for line in begun:
             self._screen.say(line)
@@ -132,10 +149,26 @@ class Display:
             self._written = now
             self._screen.say(self._view.line)
 
+    def _begun(self, done: float, now: float) -> list[str]:
+        """The commands that have begun since the last ones were written, `done` [s] into the program at `now`; at the end all, also those that nobody was told of.
+
+        Of a long program they are written seldom, and then as one.
+        """
+        count = bisect_right(self._ahead, done + _SAME, self._next, key=lambda one: one.begins_s)
+        last = count == len(self._ahead)
+        if len(self._ahead) > _MANY and not last and now - self._written < _SELDOM:
+            return []
+        begun, self._next = self._ahead[self._next : count], count
+        if len(self._ahead) <= _MANY or len(begun) < _FEW:
+            return [self._command_line(one) for one in begun]
+        times = f"{time_text(begun[0].begins_s)} to {time_text(begun[-1].ends_s)}"
+        whole = self._lasting.text(time_text)
+        return [f"{begun[0].title} to {begun[-1].title}, {len(begun):,} commands  {times} of {whole}"]
+
     def _command_line(self, command: ProgramCommand) -> str:
         """A command, and when it is executed."""
-        begins, ends, of = map(time_text, (command.begins_s, command.ends_s, self._program.duration_s))
-        return f"{command.title}  {begins} to {ends} of {of}"
+        begins, ends = time_text(command.begins_s), time_text(command.ends_s)
+        return f"{command.title}  {begins} to {ends} of {self._lasting.text(time_text)}"
 
     def _left_out(self, change: Changed, before: State) -> bool:
         """How it ends is told when all of it is known. Again and again, only what is out of the ordinary counts."""
@@ -152,9 +185,9 @@ def _progress(event: ProgressMade) -> Progress:
     return Progress(event.time_s, event.done_s, event.left_s, event.command, event.line)
 
 
-def _command_at(program: ProgramDescribed, done: float) -> ProgramCommand | None:
-    """The command that is executed at a time [s]."""
-    return next(
-        (one for one in program.commands if one.ends_s > done),
-        program.commands[-1] if program.commands else None,
-    )
+def _command_of(program: ProgramDescribed, progress: Progress) -> ProgramCommand | None:
+    """The command that is executed: of those with one name and line, such as in a loop, the one at that time."""
+    found = [
+        one for one in program.commands if (one.title, one.line) == (progress.command, progress.source_line)
+    ]
+    return next((one for one in found if one.ends_s > progress.done), found[-1] if found else None)

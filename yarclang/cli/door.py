@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.garbage import end_quietly
+
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
 
@@ -21,6 +23,7 @@ class Door(click.Command):
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
+        end_quietly()
         return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:

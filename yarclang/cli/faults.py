@@ -36,7 +36,7 @@ class Placed(Protocol):
 
     @property
     def note(self) -> str:
-        """Why the source isn't known."""
+        """Why the source isn't known; of a command in a module, the module's line."""
 
 
 def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
@@ -45,7 +45,11 @@ def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
         # of the whole source only this line is known, and no other is shown
         source = SourceFile(where.file, "\n" * (where.line - 1) + where.text + "\n")
         span = Span.on_line(where.line, where.column, where.end_column)
-        return finding_text(Diagnostic(code, what, source, span, remedy))
+        lines = [
+            finding_text(Diagnostic(code, what, source, span)),
+            *([f"  {where.note}"] if where.note else []),
+        ]
+        return "\n".join((*lines, *([f"  help: {remedy}"] if remedy else [])))
     severity = click.style(f"error {code}".rstrip(), fg="red", bold=True)
     lines = [f"{severity}: {what}"]
     if where is not None:

@@ -27,9 +27,9 @@ def _codes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[
     return [code for code in everything() if code.startswith(incomplete.upper())]
 
 
-def file_argument(name: str, **settings: Any) -> Callable[[F], F]:
+def file_argument(name: str, *, required: bool = True, **settings: Any) -> Callable[[F], F]:
     """The programs to read, completed as paths; - is standard input."""
-    return click.argument(name, required=True, type=click.Path(allow_dash=True), **settings)
+    return click.argument(name, required=required, type=click.Path(allow_dash=True), **settings)
 
 
 def robot_argument(name: str, **settings: Any) -> Callable[[F], F]:
@@ -166,6 +166,17 @@ def format_option(function: F) -> F:
         type=click.Choice(["text", "json"]),
         default="text",
         help="How to write the findings.",
+    )(function)
+
+
+def jobs_option(function: F) -> F:
+    """-j, --jobs N."""
+    return click.option(
+        "-j",
+        "--jobs",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="How many processes may work on long programs (default: one for each core). What comes of it is the same.",
     )(function)
 
 

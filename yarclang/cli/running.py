@@ -39,7 +39,7 @@ class Wanted:
     """What is to be run: a program that was loaded in this process, or the order to load it there where the robot is.
 
     `robot` is whose it is, where that must be known, `name` what people call it, `where` and `again` are for the commands that are recommended: the options that name controller
-    and robot, and the command line without --from (empty: none can be given; None: the simulator is gone with the run).
+    and robot, and the command line without --from (empty: none can be given).
     """
 
     loaded: Loaded | None
@@ -47,7 +47,7 @@ class Wanted:
     robot: Robot | None
     name: str
     where: str
-    again: str | None
+    again: str
 
 
 def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
@@ -98,6 +98,10 @@ def _say(text: str, *, err: bool = True) -> None:
 
 def _say_error(what: str, remedy: str) -> None:
     _say(error_text(what, remedy))
+
+
+_HOW = {"MOVEJ_LSPB": "all joints straight", "MOVEL_LSPB": "along the line on which the robot stands"}
+"""How an approach goes, by its command."""
 
 
 class _Run:
@@ -214,7 +218,7 @@ class _Run:
             show_findings(findings_of(way.findings))
             self._wrong(way.text, "there is no slow joint motion to the start: jog the robot there", ending)
             return None
-        how = "round what is in the way" if "SPLINE" in way.title else "all joints straight"
+        how = _HOW.get(way.title.split()[-1], "round what is in the way")
         where = joints_text(way.end, robot.welcome.status)
         self.screen.say(f"{way.text}\nan approach takes {way.duration_s:.1f} s, {how} to {where}")
         if options["dry_run"]:

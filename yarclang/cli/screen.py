@@ -9,16 +9,15 @@ import sys
 import textwrap
 import threading
 from queue import SimpleQueue
+from typing import TextIO
 
 import click
-
-from yarclang.report.runs.text import over
 
 _WIDTH = 80
 """Columns of a terminal that doesn't say how many it has."""
 
 _STAYS = "\xa0"
-_TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms|%)\b)|(?<=\bJ\d) (?=[-+]?\d)")
+_TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms)\b|%)|(?<=\bJ\d) (?=[-+]?\d)")
 """A space that no line ends at: between a joint and its value, and a value and its unit."""
 
 _VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
@@ -28,6 +27,9 @@ class Screen:
     """Standard error, written by a thread of its own: a terminal that was stopped by Ctrl-S, or is gone, delays no robot."""
 
     def __init__(self) -> None:
+        from yarclang.report.runs.text import over  # takes 0.1 s, and only a screen needs it
+
+        self._over = over
         self.live = sys.stderr.isatty()
         self._shown = False
         self._queue: SimpleQueue[str | None] = SimpleQueue()
@@ -44,7 +46,7 @@ class Screen:
         """Put a line in the place of the one that changes."""
         if self._queue.empty():
             width = self._width()
-            self._queue.put(over(_cut(text, width - 1), width))
+            self._queue.put(self._over(_cut(text, width - 1), width))
             self._shown = True
 
     def ask(self, text: str) -> None:
@@ -68,20 +70,47 @@ class Screen:
         width = self._width()
         lines: list[str] = []
         for line in text.split("\n"):
-            indent = " " * (len(line) - len(line.lstrip(" ")) + 4)
+            indent = len(line) - len(line.lstrip(" ")) + 4
             long = click.unstyle(line)
             if len(long) < width or "yarc run" in line:  # what somebody may copy stays whole
                 lines.append(line)
             else:
-                kept = _TOGETHER.sub(_STAYS, line)
-                lines += textwrap.wrap(kept, width - 1, subsequent_indent=indent, break_on_hyphens=False)
-        return "\n".join(lines).replace(_STAYS, " ")
+                lines += wrapped(line, width - 1, indent)
+        return "\n".join(lines)
 
     def _width(self) -> int:
         try:
             return os.get_terminal_size(sys.stderr.fileno()).columns or _WIDTH
         except (OSError, ValueError):
             return _WIDTH
+
+
+def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:
+    """Return a text in lines of at most so many characters, which end where words end.
+
+    Args:
+        text: one line.
+        width: characters; None for no limit.
+        indent: of all lines but the first one.
+    """
+    if width is None:
+        return [text]
+    kept = _TOGETHER.sub(_STAYS, text)
+    lines = textwrap.wrap(kept, width, subsequent_indent=" " * indent, break_on_hyphens=False)
+    return [line.replace(_STAYS, " ") for line in lines]
+
+
+def width_of(stream: TextIO) -> int | None:
+    """Return the columns of the terminal that a stream writes to, COLUMNS first; None if it writes to no terminal: a file's lines are as long as they need to be."""
+    if not stream.isatty():
+        return None
+    wanted = os.environ.get("COLUMNS", "")
+    if wanted.isascii() and wanted.isdigit() and int(wanted) > 0:
+        return int(wanted)
+    try:
+        return os.get_terminal_size(stream.fileno()).columns or _WIDTH
+    except (OSError, ValueError):
+        return _WIDTH
 
 
 def _cut(line: str, width: int) -> str:

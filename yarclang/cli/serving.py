@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
 from yarclang.cli.address import Address
+from yarclang.cli.attaching import tell_whether_ready
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
 from yarclang.cli.screen import Screen
+from yarclang.cli.terminations import terminations
 from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.messages import events
 from yarclang.coordinator.opened import Ground, opened
@@ -23,25 +22,24 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.private import folder, own_name
+from yarclang.simulated_cell.playing import SimulatedCell
 
-_ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
-
-async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own: bool) -> int:
+async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own: SimulatedCell | None) -> int:
     """Own a robot until a termination comes; then it comes to rest on its path.
 
     Args:
         robot: that hangs on the controller.
         address: of the controller.
         options: of the command line.
-        own: whether the controller is a simulator of our own.
+        own: the machines around the robot, if the controller is a simulator of our own.
 
     Returns:
         The exit status.
 
     Raises:
         ControlError: another process of this computer drives the controller.
-        Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
+        Trouble: the robot's settings aren't proved.
     """
     ground = Ground(
         address.host,
@@ -51,16 +49,20 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
         tm=options["tm"],
         cell=options["cell"],
         log=NO_LOG if options["no_log"] else options["log"],
-        reply_time=SIMULATED_REPLY_TIME if own else REPLY_TIME,
+        reply_time=SIMULATED_REPLY_TIME if own is not None else REPLY_TIME,
         pace=options["rate"] or 1.0,
         patience=options["patience"],
-        simulated=own,
+        simulated=own is not None,
+        surroundings=own,
+        leash=address.leash,
         serves=True,
+        patient=True,
     )
     screen = Screen()  # a terminal that is stopped, or gone, delays no robot
     try:
-        with _terminations() as ends:
+        with terminations() as ends:
             async with opened(robot, ground) as coordinator:
+                tell_whether_ready(coordinator)
                 if coordinator.cell is not None:
                     screen.say(cell_text(coordinator.cell))
                 with coordinator.subscribe(positions=False) as stream:
@@ -74,20 +76,6 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
     finally:
         screen.close()
     return 0
-
-
-@contextmanager
-def _terminations() -> Iterator[asyncio.Event]:
-    """Yield what is set when somebody wants the end."""
-    ends = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in _ENDING:
-        loop.add_signal_handler(number, ends.set)
-    try:
-        yield ends
-    finally:
-        for number in _ENDING:
-            loop.remove_signal_handler(number)
 
 
 async def _tell(stream: Subscription, screen: Screen) -> None:

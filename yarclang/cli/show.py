@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterable
 
 import click
@@ -10,8 +11,46 @@ import click
 from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_text
 
+MOST_ALIKE = 20
+"""Warnings and notes of one code in one file that are written to a terminal; a chain of 100,000 lines may have hundreds."""
 
-def show_findings(diagnostics: Iterable[Diagnostic]) -> None:
-    """Write findings to standard error, each with its place and the source line."""
+
+def show_without_notes(diagnostics: Iterable[Diagnostic], file: str) -> None:
+    """Write errors and warnings as `show_findings` does, and notes as one line: for commands that use a program that `yarc check` and yarcc have examined."""
+    found = list(diagnostics)
+    show_findings(one for one in found if one.severity != "note")
+    notes = [one for one in found if one.severity == "note"]
+    if notes:
+        codes = ", ".join(dict.fromkeys(one.code for one in notes))
+        count = f"{len(notes)} note{'s' * (len(notes) != 1)}"
+        click.echo(
+            f"{count} ({codes}): yarc check {file} shows {'them' if len(notes) != 1 else 'it'}", err=True
+        )
+
+
+def show_findings(diagnostics: Iterable[Diagnostic], *, whole: bool = False) -> None:
+    """Write findings to standard error, each with its place and the source line.
+
+    Args:
+        diagnostics: in the order in which they are written.
+        whole: True to write all of them. Else of warnings and notes of one code in one file only the first `MOST_ALIKE`, and how many more there are.
+    """
+    left_out: dict[tuple[str, str, str], list[Diagnostic]] = {}
+    counts: Counter[tuple[str, str, str]] = Counter()
     for diagnostic in diagnostics:
+        name = diagnostic.source.name if diagnostic.source else ""
+        alike = diagnostic.severity, diagnostic.code, name
+        counts[alike] += 1
+        if counts[alike] > MOST_ALIKE and not whole and diagnostic.severity != "error":
+            left_out.setdefault(alike, []).append(diagnostic)
+            continue
         click.echo(finding_text(diagnostic), err=True, color=False if os.environ.get("NO_COLOR") else None)
+    for (severity, code, name), more in left_out.items():
+        where = f" in {name}" if name else ""
+        lines = [one.span.line for one in more if one.span is not None]
+        between = f", lines {min(lines)} to {max(lines)}" if lines else ""
+        plural = "s" * (len(more) != 1)
+        click.echo(
+            f"and {len(more):,} more {severity}{plural} {code}{where}{between}: yarc check --format json lists all",
+            err=True,
+        )

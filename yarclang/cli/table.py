@@ -1,4 +1,4 @@
-"""The certificate as a table, a command a row."""
+"""The certificate as a table: a command a row, or, of a long program, a line of the source a row."""
 
 from __future__ import annotations
 
@@ -6,80 +6,332 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from yarclang.certify.certificate import IDLE, Certificate, Clearance, CommandCertificate, Load, bound_text
+from yarclang.cli.columns import (
+    LEAST_PLACE,
+    LONGEST_PLACE,
+    SHORTEST_PLACE,
+    Column,
+    cut,
+    numbers_of,
+    renamed,
+    whole_width,
+)
+from yarclang.cli.screen import wrapped
+from yarclang.diagnostics import static_place
 from yarclang.report.distances import when_text, whole_tenths
+from yarclang.report.nearest import Nearest, nearest_places, source_command
 from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
+    from yarclang.cell.model import Cell
+    from yarclang.robot.model import Robot
     from yarclang.runtime.inspection import Checked
 
-_HEAD = (
-    "command",
-    "",
-    "time s",
-    "TM ms",
-    "position",
-    "velocity",
-    "accel.",
-    "jerk",
-    "motor",
-    "hold",
-    "path mm",
-    "path deg",
-)
+SHORT = 10
+"""Commands of which a table always shows each by itself."""
+
+MANY = 40
+"""Motions that flow into each other of which a table shows no one by itself."""
+
 _CLEAR = "clear mm"
 """Of programs in a cell with obstacles: the smallest distance, proved, and the two that come so near."""
 _ZONES = "zones mm"
 """Of programs in a cell with zones that may not be left or entered: the smallest distance from such a border, proved, what comes so near, to which zone, and when."""
+_NAMES = "names"
+_LEAST_WANTED = (
+    "hold",
+    "TM ms",
+    "path deg",
+    "jerk",
+    "motor",
+    "position",
+    "path mm",
+    _NAMES,
+    "accel.",
+    _ZONES,
+    _CLEAR,
+    "torque",
+)
+"""Columns that a narrow terminal does without, the first one first; `names` are those of bodies beside their distances."""
+
+_COLUMN_OF = {
+    "clearance": _CLEAR,
+    "zone border": _ZONES,
+    "speed": "velocity",
+    "acceleration": "accel.",
+    "motor speed": "motor",
+}
+"""Column of a quantity that is measured, where it has another name."""
+
+_LOADED = "*"
+"""Mark of a motion on which the robot carries a part."""
 
 
-def certificate_table(certificate: Certificate) -> str:
-    """Duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance and the distance from zones, for each command."""
-    rows = [_HEAD, *(tuple(_row(command)) for command in certificate.commands)]
-    if any(command.torque for command in certificate.commands):
-        torques = ["torque", *(_load(command.torque or IDLE) for command in certificate.commands)]
-        rows = [(*row, cell) for row, cell in zip(rows, torques, strict=True)]
-    for name, found in (
-        (_CLEAR, [command.clearance for command in certificate.commands]),
-        (_ZONES, [command.zone_clearance for command in certificate.commands]),
-    ):
-        if any(found):
-            clear = [name, *(_clearance(one) for one in found)]
-            rows = [(*row, cell) for row, cell in zip(rows, clear, strict=True)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = [
-        "  ".join(
-            cell.ljust(width) if column < 2 else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    lines.insert(1, "-" * max(len(line) for line in lines))
+def certificate_table(
+    certificate: Certificate,
+    *,
+    full: bool = True,
+    width: int | None = None,
+    robot: Robot | None = None,
+    cell: Cell | None = None,
+) -> str:
+    """Return duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance and the distance from zones.
+
+    A motion on which the robot carries a part is marked.
+
+    Args:
+        certificate: what was proved.
+        full: True for a row a command, with all columns. Else a program of more than `SHORT` commands has a row for each line of its source: the longest
+            time and the worst of each column, of all times that the line is carried out; and one for a whole chain of more than `MANY` motions.
+        width: of the terminal, in characters. Unless `full`, a table without room has numbers instead of long joint names, and then fewer columns. None for a
+            table that is as wide as it needs to be.
+        robot: has the names of the joints, and the limits: the column of what comes nearest to its limit stays. None if no column is worth more than another.
+        cell: has the margins of obstacles and zones.
+    """
+    groups = [[command] for command in certificate.commands]
+    is_folded = not full and len(groups) > SHORT
+    if is_folded:
+        groups = _folded(certificate.commands)
+    columns = _columns(certificate, groups, is_folded=is_folded and len(groups) < len(certificate.commands))
+    left_out: list[str] = []
+    numbers: dict[str, str] = {}
+    if width is not None and not full:
+        if robot is not None and whole_width(columns) > width:
+            numbers = numbers_of(robot.joint_names)
+            columns = [renamed(column, numbers) for column in columns]
+        nearest = () if robot is None else nearest_places(certificate, robot, cell)
+        worst = next((_COLUMN_OF.get(one.what, one.what) for one in nearest if one.is_judged), "")
+        columns, left_out = _fitted(columns, width, worst)
+    lines = ["  ".join(cells).rstrip() for cells in zip(*(column.lines() for column in columns), strict=True)]
+    lines[1] = "-" * max(len(line) for index, line in enumerate(lines) if index != 1)
+    if any(command.carries for command in certificate.commands):
+        lines += wrapped(f"{_LOADED} the robot carries a part.", width)
+    shown = " ".join(cell for column in columns for cell in column.cells)
+    if used := [f"{number}\xa0{name}" for name, number in numbers.items() if f"{number} " in shown]:
+        lines += wrapped(", ".join(used) + ".", width)
+    said = []
+    if len(groups) < len(certificate.commands):
+        of, times = f"{len(groups)} lines of the source", f"{len(certificate.commands):,} times"
+        if any(map(_is_chain, groups)):
+            of = f"{of}, or chains of more than {MANY}"
+        said.append(f"{of}, carried out {times}: the longest time and the worst of each column.")
+    if left_out:
+        said.append(f"No room for {', '.join(left_out)}.")
+    if said:
+        said.append("--full shows all.")
+        lines += wrapped(" ".join(said), width)
     return "\n".join(lines)
 
 
-def _row(command: CommandCertificate) -> Iterator[str]:
-    yield command.index or f"line {command.source_line}"
-    yield command.name
-    yield f"{command.duration:.3f}"
-    yield f"{command.segment_time * 1e3:.4g}" if command.segments else "-"
-    for load in (command.position, command.velocity, command.acceleration):
-        yield _load(load)
-    # in parentheses where it isn't judged: a time-optimal law has no limit of the jerk
-    yield _load(command.jerk) if command.jerk_judged else f"({_load(command.jerk)})"
-    yield _load(command.motor_velocity)
-    yield _load(command.hold)
-    yield bound_text(command.deviation.position / MM)
-    yield bound_text(command.deviation.angle / DEG)
+def _folded(commands: Sequence[CommandCertificate]) -> list[list[CommandCertificate]]:
+    """Return commands by rows: long chains, and of all others those of one line of the source."""
+    rows: dict[tuple[str, int, str], list[CommandCertificate]] = {}
+    found: list[list[CommandCertificate]] = []
+    for chain in _chains(commands):
+        if len(chain) > MANY:
+            found.append(chain)
+            continue
+        for command in chain:
+            row = rows.get(key := source_command(command))
+            if row is None:
+                row = rows[key] = []
+                found.append(row)
+            row.append(command)
+    return found
 
 
-def _clearance(clearance: Clearance | None) -> str:
+def _chains(commands: Sequence[CommandCertificate]) -> Iterator[list[CommandCertificate]]:
+    """Yield the commands that flow into each other together."""
+    chain: list[CommandCertificate] = []
+    for command in commands:
+        chain.append(command)
+        if command.blended is None:
+            yield chain
+            chain = []
+    if chain:
+        yield chain
+
+
+def _is_chain(group: Sequence[CommandCertificate]) -> bool:
+    """Return True for a row of a long chain: its lines differ."""
+    return len(group) > MANY and source_command(group[0]) != source_command(group[1])
+
+
+def nearest_table(certificate: Certificate, robot: Robot, cell: Cell | None, width: int | None = None) -> str:
+    """Return the places that come nearest to what they are held to, the nearest first; empty for a program of up to `SHORT` commands.
+
+    Args:
+        certificate: what was proved.
+        robot: has the limits.
+        cell: has the margins of obstacles and zones.
+        width: of the terminal, in characters; None for lines of any length.
+    """
+    if len(certificate.commands) <= SHORT:
+        return ""
+    places = nearest_places(certificate, robot, cell)
+    columns = (
+        Column("share", tuple(_share(one) for one in places)),
+        Column("nearest to a limit", tuple(one.what for one in places), "left"),
+        Column("figure", tuple(one.figure for one in places), "left"),
+        Column("at", tuple(_full_place(one.command) for one in places), "left"),
+    )
+    whole = sum(column.width for column in columns) + 2 * (len(columns) - 1)
+    if width is None or whole <= width:
+        rows = ["  ".join(cells).rstrip() for cells in zip(*(one.lines() for one in columns), strict=True)]
+        rows[1] = "-" * max(len(row) for index, row in enumerate(rows) if index != 1)
+        return "\n".join(rows)
+    lines = [*wrapped("share  nearest to a limit, and at which command", width), "-" * min(width, 47)]
+    for share, what, figure, place in zip(*(one.cells for one in columns), strict=True):
+        lines += wrapped(f"{share:>5}  {what}: {figure}", width, 7)
+        lines += wrapped(f"{' ' * 7}at {place}", width, 10)
+    return "\n".join(lines)
+
+
+def _share(one: Nearest) -> str:
+    return "-" if one.share is None else f"{one.share * 100:.0f}%"
+
+
+def _full_place(command: CommandCertificate) -> str:
+    """Return where a command is, and its name; of one in a module, the program's line that led there, and the module's own."""
+    if not command.module:
+        return f"{command.index or f'line {command.source_line}'} {command.name}"
+    return f"{command.index.partition('>')[0]}, {command.module} line {command.source_line}: {command.name}"
+
+
+def _columns(
+    certificate: Certificate, groups: Sequence[Sequence[CommandCertificate]], *, is_folded: bool
+) -> list[Column]:
+    """Return the columns of a table, with a row for each group of commands."""
+
+    def loads(name: str, key: str) -> Column:
+        worst = [
+            max((getattr(one, key) or IDLE for one in group), key=lambda load: load.share) for group in groups
+        ]
+        return Column(name, tuple(map(_load, worst)))
+
+    def column(name: str, cells: list[str]) -> Column:
+        return Column(name, tuple(cells))
+
+    columns = [
+        Column("command", tuple(map(_place, groups)), "left"),
+        Column("", tuple(map(_name, groups)), "left"),
+    ]
+    if is_folded:
+        columns.append(column("times", [f"{len(group):,}" for group in groups]))
+    columns += [
+        column("time s", [f"{_time(group):.3f}" for group in groups]),
+        column("TM ms", [_segment(group) for group in groups]),
+        loads("position", "position"),
+        loads("velocity", "velocity"),
+        loads("accel.", "acceleration"),
+        column("jerk", [_jerk(group) for group in groups]),
+        loads("motor", "motor_velocity"),
+        loads("hold", "hold"),
+        column("path mm", [bound_text(max(one.deviation.position for one in group) / MM) for group in groups]),
+        column("path deg", [bound_text(max(one.deviation.angle for one in group) / DEG) for group in groups]),
+    ]  # fmt: skip
+    if any(command.torque for command in certificate.commands):
+        columns.append(loads("torque", "torque"))
+    if any(command.clearance for command in certificate.commands):
+        columns.append(column(_CLEAR, [_least([one.clearance for one in group]) for group in groups]))
+    if any(command.zone_clearance for command in certificate.commands):
+        columns.append(column(_ZONES, [_least([one.zone_clearance for one in group]) for group in groups]))
+    return columns
+
+
+def _time(group: Sequence[CommandCertificate]) -> float:
+    """Return how long a chain takes, or the longest of many times that a line takes [s]."""
+    times = [one.duration for one in group]
+    return sum(times) if _is_chain(group) else max(times)
+
+
+def _name(group: Sequence[CommandCertificate]) -> str:
+    """Return what the command of a row is called, with a mark if it carries a part at any time."""
+    return f"{group[0].name} {_LOADED}" if any(one.carries for one in group) else group[0].name
+
+
+def _place(group: Sequence[CommandCertificate]) -> str:
+    """Return what a row is called: of one command its place; of many what their places have in common, without the rounds of loops, else their line."""
+    first = group[0]
+    if _is_chain(group):
+        begin, end = (one.index.partition(">")[0] or f"line {one.source_line}" for one in (first, group[-1]))
+        return f"{begin} to {end}"
+    line = f"{first.module} line {first.source_line}".strip()
+    if len(group) == 1:
+        return first.index or line
+    places = {static_place(one.index) for one in group}
+    place = places.pop() if len(places) == 1 else ""
+    return place if place and not first.module else line
+
+
+def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column], list[str]]:
+    """Choose the columns that a terminal has room for.
+
+    Args:
+        columns: all of them, the place first.
+        width: of the terminal, in characters.
+        worst: name of the column that stays as long as there is room for anything; empty for none.
+
+    Returns:
+        The columns, the place cut if need be, and the names of the others.
+    """
+    place, *others = columns
+    longest = min(place.width, LONGEST_PLACE)
+    left_out: list[str] = []
+
+    def room() -> int:
+        return width - sum(column.width + 2 for column in others)
+
+    order = [name for name in _LEAST_WANTED if name != worst]
+    if worst:
+        order += [name for name in ("velocity", worst) if name not in order]
+    for name in order:
+        if name == worst and room() >= LEAST_PLACE:
+            break
+        if room() >= min(longest, SHORTEST_PLACE):
+            break
+        if name == _NAMES:
+            others = [_without_names(column) for column in others]
+        elif any(column.name == name for column in others):
+            others = [column for column in others if column.name != name]
+            left_out.append(name)
+    most = max(min(longest, room()), LEAST_PLACE)
+    return [Column(place.name, tuple(cut(cell, most) for cell in place.cells), "left"), *others], left_out
+
+
+def _without_names(column: Column) -> Column:
+    """Return a column of distances without what comes so near; any other one as it is."""
+    if column.name not in (_CLEAR, _ZONES):
+        return column
+    cells = (cell if cell.startswith("over") else cell.partition(" ")[0] for cell in column.cells)
+    return Column(column.name, tuple(cells), column.side)
+
+
+def _segment(group: Sequence[CommandCertificate]) -> str:
+    """Return the longest segment time of the commands that have segments."""
+    times = [one.segment_time for one in group if one.segments]
+    return f"{max(times) * 1e3:.4g}" if times else "-"
+
+
+def _jerk(group: Sequence[CommandCertificate]) -> str:
+    """Return the worst jerk, in parentheses if it isn't judged: a time-optimal law has no limit of the jerk."""
+    worst = max(group, key=lambda one: one.jerk.share)
+    return _load(worst.jerk) if worst.jerk_judged else f"({_load(worst.jerk)})"
+
+
+def _least(found: Sequence[Clearance | None]) -> str:
+    """Return the smallest of some distances."""
+    told = [one for one in found if one is not None]
+    return _clearance(min(told, key=lambda one: one.distance) if told else None, with_time=len(found) == 1)
+
+
+def _clearance(clearance: Clearance | None, *, with_time: bool) -> str:
     if clearance is None:
         return "-"
     if not clearance.first:
         return f"over {clearance.distance / MM:g}"
-    return (
-        f"{whole_tenths(clearance.distance / MM)} {clearance.first}, {clearance.second}{when_text(clearance)}"
-    )
+    when = when_text(clearance) if with_time else ""
+    return f"{whole_tenths(clearance.distance / MM)} {clearance.first}, {clearance.second}{when}"
 
 
 def _load(load: Load) -> str:

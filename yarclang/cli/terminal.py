@@ -25,6 +25,11 @@ SILENT = 3.0
 _ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
+def has_keys() -> bool:
+    """Return True if somebody can type."""
+    return sys.stdin is not None and sys.stdin.isatty()
+
+
 class Terminal:
     """Ctrl-C holds, and aborts the second time; Enter goes on behind a hold; a termination ends on the path.
 
@@ -47,7 +52,7 @@ class Terminal:
         self._asked_to_hold = False
         self._asked_to_abort = False
         self._answer: asyncio.Future[str] | None = None
-        self._keys = sys.stdin is not None and sys.stdin.isatty()
+        self._keys = has_keys()
 
     def __enter__(self) -> Terminal:
         loop = asyncio.get_running_loop()

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from yarclang.cli.estimate import Estimate, left_text, stage_of
 from yarclang.diagnostics import Diagnostic
 from yarclang.files import replace_file
 from yarclang.progress import told_to
@@ -27,7 +28,8 @@ _EACH = 0.1
 class Progress:
     """A progress bar on standard error for all that is told of work in its block: only on a terminal, and only for long work.
 
-    A thread draws the bar, so that long steps between two reports show as well.
+    Of a compilation the bar tells how much is done of all its stages, and the time left; of other work, how much of what is being done. A thread draws it, so
+    that long steps between two reports show as well.
     """
 
     def __init__(self) -> None:
@@ -36,6 +38,7 @@ class Progress:
         self._told: tuple[str, int, int] | None = None
         self._bar: Any = None
         self._task: Any = None
+        self._estimate = Estimate()
         self._lock = threading.Lock()
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._draw, name="progress", daemon=True)
@@ -58,9 +61,17 @@ class Progress:
 
     def __call__(self, what: str, done: int, total: int) -> None:
         """Say what is being done, and how much of it is done."""
+        if (stage := stage_of(what)) is not None:
+            self._estimate.tell(stage, done, total, time.monotonic())
         self._told = what, done, total
         if self._wanted and self._bar is None:
             self._draw_now()
+
+    def file(self, number: int, count: int) -> None:
+        """Say that `number` of `count` files are done: what is told next is of the next one."""
+        self._estimate = Estimate(number, count)
+        if count > 1:
+            self("files", number, count)
 
     def pause(self) -> None:
         """Take the bar away, so that something else can be written."""
@@ -84,14 +95,33 @@ class Progress:
     def _show(self, what: str, done: int, total: int) -> None:
         if self._bar is None:
             from rich.console import Console
+            from rich.progress import BarColumn, TextColumn
             from rich.progress import Progress as Bar
 
-            bar = Bar(console=Console(stderr=True), transient=True)
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TextColumn("{task.fields[share]}"),
+                TextColumn("{task.fields[left]}"),
+            )
+            bar = Bar(*columns, console=Console(stderr=True), transient=True)
             # Ctrl-C may come between any two lines: a bar that is kept has its task, and one that is started is kept
-            self._task = bar.add_task(what, total=None)
+            self._task = bar.add_task(what, total=None, share="", left="")
             self._bar = bar
             bar.start()
-        self._bar.update(self._task, description=what, completed=done, total=total or None)
+        now, counted = time.monotonic(), f" {done:,} of {total:,}" if total else ""
+        share: float | None = done / total if total else None
+        left = ""
+        if stage_of(what) is not None:
+            share, left = self._estimate.share(now), left_text(self._estimate.left(now))
+        self._bar.update(
+            self._task,
+            description=f"{what}{counted}",
+            completed=share or 0.0,
+            total=None if share is None else 1.0,
+            share="" if share is None else f"{100.0 * min(share, 0.99):.0f} %",
+            left=left,
+        )
 
 
 def options_from(planning: dict[str, Any]) -> Options:

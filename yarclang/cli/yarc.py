@@ -23,6 +23,7 @@ _COMMANDS = {
     "lsp": "Check programs while they are typed, for editors.",
     "new": "Make the folder of a new project.",
     "override": "Change a run's speed.",
+    "pendant": "Serve the pendant: watch, run and jog a robot from a browser or tablet.",
     "plot": "Draw a program's motion.",
     "repl": "Work with a robot live.",
     "replay": "Show a recorded run as it happened.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,12 @@ import click
 from yarclang import __version__
 from yarclang.cli.door import Door, failure_of, is_failure
 from yarclang.cli.garbage import seldom_look_for_garbage
-from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
+from yarclang.cli.options import file_argument, format_option, jobs_option, planning_options, tm_option
 from yarclang.cli.outputs import beside, refuse_collisions
+from yarclang.cli.threads import one_for_products
 
 if TYPE_CHECKING:
+    from yarclang.certify.certificate import Certificate
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.inputs import Options
     from yarclang.pipeline.stages import Compiled
@@ -42,14 +45,22 @@ if TYPE_CHECKING:
 @click.option(
     "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
 )
+@click.option(
+    "--full",
+    is_flag=True,
+    help="Show every command in the table, with all columns, however long the program and narrow the terminal.",
+)
 @click.option("--strict", is_flag=True, help="A warning counts as an error.")
+@jobs_option
 @format_option
 def main(
     files: tuple[str, ...],
     output: str | None,
     out_dir: Path | None,
     certificate: Path | None,
+    full: bool,
     strict: bool,
+    jobs: int | None,
     format_: str,
     **planning: Any,
 ) -> None:
@@ -58,6 +69,7 @@ def main(
     It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
+    one_for_products()
     seldom_look_for_garbage()
     destinations = {file: output or beside(file, ".pmc", out_dir) for file in files}
     results = [(destination, file) for file, destination in destinations.items()]
@@ -65,12 +77,14 @@ def main(
         results.append((str(certificate), "the certificate"))
     refuse_collisions(files, results)
     from yarclang.cli.work import Progress, options_from
+    from yarclang.parallel import on_cores
 
     failed = False
-    reports: list[dict[str, Any]] = []
-    with Progress() as progress:
+    reports: list[tuple[dict[str, Any], Certificate | None]] = []
+    with Progress() as progress, on_cores(jobs):
         options = options_from(planning)
-        for file in files:
+        for number, file in enumerate(files):
+            progress.file(number, len(files))
             destination = destinations[file]
             try:
                 compiled, diagnostics = _compiled(file, options, destination, certificate, strict)
@@ -84,11 +98,12 @@ def main(
             if format_ == "json":
                 reports.append(_report(file, destination if written else None, compiled, diagnostics))
             else:
-                _show(file, destination, compiled if written else None, diagnostics)
+                _show(file, destination, compiled if written else None, diagnostics, full=full)
     if format_ == "json":
-        import json
+        from yarclang.report.certificate_json import reports_pieces
 
-        click.echo(json.dumps({"version": 1, "files": reports}, indent=2, ensure_ascii=False))
+        for piece in reports_pieces(reports):
+            click.echo(piece, nl=False)
     raise SystemExit(1 if failed else 0)
 
 
@@ -127,15 +142,15 @@ def _compiled(
 
 def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tuple[Diagnostic, ...]:
     """Write text and certificate: both, or neither."""
-    import json
-
     from yarclang.cli.work import write_all, write_standard_output
 
     files: list[tuple[Path, str]] = []
     if destination != "-":
         files.append((Path(destination), compiled.text))
     if certificate is not None:
-        files.append((certificate, json.dumps(compiled.certificate.to_json(), indent=2) + "\n"))
+        from yarclang.report.certificate_json import certificate_pieces
+
+        files.append((certificate, "".join((*certificate_pieces(compiled.certificate), "\n"))))
     found = write_all(files)
     if not found and destination == "-":
         found = write_standard_output(compiled.text)
@@ -143,10 +158,14 @@ def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tu
 
 
 def _show(
-    file: str, destination: str, compiled: Compiled | None, diagnostics: tuple[Diagnostic, ...]
+    file: str,
+    destination: str,
+    compiled: Compiled | None,
+    diagnostics: tuple[Diagnostic, ...],
+    *,
+    full: bool,
 ) -> None:
     from yarclang.cli.show import show_findings
-    from yarclang.cli.table import certificate_table
     from yarclang.report.finding import count_text
 
     show_findings(diagnostics)
@@ -156,26 +175,41 @@ def _show(
         if os.path.isfile(destination):  # noqa: PTH113 (Path.is_file raises where a folder can't be searched)
             click.echo(f"  {destination} was there before and is unchanged", err=True)
         return
+    from yarclang.cli.screen import width_of, wrapped
+
     to_stderr = destination == "-"
+    width = width_of(sys.stderr if to_stderr else sys.stdout)
     if compiled.certificate.commands:
-        click.echo(certificate_table(compiled.certificate), err=to_stderr)
+        _show_table(compiled, width, full=full, err=to_stderr)
     where = "standard output" if to_stderr else destination
     tolerance = compiled.certificate.tolerance
-    click.echo(
-        f"{name}: {compiled.certificate.duration:.3f} s, certified: {compiled.certificate.summary()} "
-        f"(tolerance {tolerance.position * 1e3:g} mm, {tolerance.angle * 57.29577951308232:.4g} deg)\nwritten to {where}",
-        err=to_stderr,
+    own = any(command.tolerance is not None for command in compiled.certificate.commands)
+    told = (
+        f"{name}: {compiled.certificate.lasting.text()}, certified: {compiled.certificate.summary()} "
+        f"(tolerance {tolerance.position * 1e3:g} mm, {tolerance.angle * 57.29577951308232:.4g} deg"
+        f"{', or that of TOL' if own else ''})"
     )
+    click.echo("\n".join((*wrapped(told, width), f"written to {where}")), err=to_stderr)
+
+
+def _show_table(compiled: Compiled, width: int | None, *, full: bool, err: bool) -> None:
+    """Write the certificate's table, and before that of a long program the places nearest to a limit."""
+    from yarclang.cli.table import certificate_table, nearest_table
+
+    certificate, robot, cell = compiled.certificate, compiled.plan.robot, compiled.program.cell
+    if not full and (near := nearest_table(certificate, robot, cell, width)):
+        click.echo(f"{near}\n", err=err)
+    click.echo(certificate_table(certificate, full=full, width=width, robot=robot, cell=cell), err=err)
 
 
 def _report(
     file: str, destination: str | None, compiled: Compiled | None, diagnostics: tuple[Diagnostic, ...]
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any], Certificate | None]:
     from yarclang.report.finding import finding_json
 
-    return {
+    report = {
         "file": file,
         "output": destination,
         "diagnostics": [finding_json(diagnostic) for diagnostic in diagnostics],
-        "certificate": compiled.certificate.to_json() if compiled and destination else None,
     }
+    return report, compiled.certificate if compiled and destination else None

@@ -117,6 +117,10 @@ def _outside(gap: Array) -> Array:
     return length
 
 
+_TOUCHING = 1e-6
+"""Where it isn't asked how deep, coal gives bodies that overlap a distance of up to this [m], and not always zero."""
+
+
 def distances(
     scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True, normal: Array | None = None
 ) -> Array:
@@ -141,6 +145,8 @@ def distances(
         found[row] = coal.distance(shapes[one], here, shapes[other], there, request, answer)
         if normal is not None:
             normal[row] = answer.normal
+    if not deep:
+        found[np.abs(found) < _TOUCHING] = 0.0
     for one, other, inside in ((scene.first, scene.second, True), (scene.second, scene.first, False)):
         if not scene.closed.any():
             break

@@ -8,6 +8,7 @@ way is too long, a plane between the bodies is tried (planes.py): most of what p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -51,8 +52,8 @@ class Meeting:
 
 @frozen(eq=False)
 class Clearances:
-    """What was proved of G motions: `least` (G, 2) is a lower bound of the distance [m] of all pairs, of the robot's bodies among themselves and of
-    pairs with the cell's; `nearest` (G, 2) the pair that comes nearest, -1 where all stay above `KNOWN`. `meetings` come too near.
+    """What was proved of G motions: `least` (G, 3) is a lower bound of the distance [m] of all pairs: of the robot's bodies among themselves, of
+    pairs with the cell's, and of pairs that may touch; `nearest` (G, 3) the pair that comes nearest, -1 where all stay above `KNOWN`. `meetings` come too near.
     """
 
     least: Array
@@ -60,19 +61,27 @@ class Clearances:
     meetings: tuple[Meeting, ...]
 
 
-def clearances(scene: Scene, course: Course, spans: NDArray[np.int64]) -> Clearances:
+def clearances(
+    scene: Scene, course: Course, spans: NDArray[np.int64], own: Sequence[Rows] | None = None
+) -> Clearances:
     """How far all pairs of bodies stay apart.
 
     Args:
         scene: bodies and pairs.
         course: segments, of all motions.
         spans: (G, 2) the segments, from and up to, of each motion; none is empty.
+        own: of each motion, the pairs that are looked at; None for all.
     """
     search = _Search(scene, course, len(spans))
     pieces = _first_pieces(course, spans)
     every = np.arange(len(scene.first))
     count = len(pieces.begin)
-    piece, pair = np.repeat(np.arange(count), len(every)), np.tile(every, count)
+    if own is None:
+        piece, pair = np.repeat(np.arange(count), len(every)), np.tile(every, count)
+    else:
+        chosen = [own[motion] for motion in pieces.motion.tolist()]
+        piece = np.repeat(np.arange(count), [len(rows) for rows in chosen])
+        pair = np.concatenate(chosen) if chosen else every[:0]
     while len(piece):
         left = [
             search.look(pieces, piece[rows], pair[rows]) for rows in _blocks(piece, count=len(pieces.begin))
@@ -145,10 +154,10 @@ class _Search:
 
     def __init__(self, scene: Scene, course: Course, count: int) -> None:
         self.scene, self.course = scene, course
-        self.kinds = scene.of_cell.astype(np.int64)
-        self.best = np.full((count, 2), np.inf)
-        self.least = np.full((count, 2), np.inf)
-        self.nearest = np.full((count, 2), -1, dtype=np.int64)
+        self.kinds = np.where(scene.touching, 2, scene.of_cell.astype(np.int64))
+        self.best = np.full((count, 3), np.inf)
+        self.least = np.full((count, 3), np.inf)
+        self.nearest = np.full((count, 3), -1, dtype=np.int64)
         self.hit = np.zeros((count, len(scene.first)), dtype=np.bool_)
         self.meetings: list[Meeting] = []
 
@@ -234,7 +243,7 @@ class _Search:
     def _promising(self, rows: _Pairs, number: Rows) -> Rows:
         """Of the rows `number`, the nearest pair of each motion and kind."""
         order = number[np.argsort(rows.gap[number], kind="stable")]
-        _, first = np.unique(2 * rows.motion[order] + rows.kind[order], return_index=True)
+        _, first = np.unique(3 * rows.motion[order] + rows.kind[order], return_index=True)
         return np.sort(order[first])
 
     def _learn(self, rows: _Pairs, time: Array) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -9,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.cell.model import Cell, Obstacle
+from yarclang.cell.model import Cell, Touch
 from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.robot.model import Chain, Robot
 from yarclang.shapes import Array, Mesh, Shape
+from yarclang.source import SourceFile
 
 Rows = NDArray[np.int64]
 
@@ -25,7 +27,7 @@ class Body:
 
     `joint` is how many joints move it, those from the base on. `base_from_body` (4, 4) [m] is where it is with all joints at zero.
     `margin` [m] is how far other bodies stay away from it. `is_link` says that it is a link's shape, `of_robot` that it is a link's or that of a
-    tool of robot.toml, `of_cell` that it stands in the cell: what the cell says that the robot carries is none of these.
+    tool of robot.toml, `of_cell` that it stands in the cell: what the cell says that the robot carries is none of these. `is_part` is True for what grippers take.
     """
 
     name: str
@@ -36,12 +38,13 @@ class Body:
     is_link: bool
     of_robot: bool
     of_cell: bool
+    is_part: bool = False
 
 
 @frozen(eq=False)
 class Scene:
-    """The bodies, and for K pairs of them: `first` and `second` (K,), of which `second` is moved by more joints, `margin` (K,) [m], and whether
-    one of both stands in the cell (`of_cell`). `at_home` are the pairs of links that touch in the robot's HOME: there it stands, so that it is their
+    """The bodies, and for K pairs of them: `first` and `second` (K,), of which `second` is moved by more joints, `margin` (K,) [m], whether
+    one of both stands in the cell (`of_cell`), and whether they may touch as a part is taken or put down (`touching`). `at_home` are the pairs of links that touch in the robot's HOME: there it stands, so that it is their
     shapes that are too large, and they aren't among the pairs.
 
     Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
@@ -55,6 +58,7 @@ class Scene:
     second: Rows
     margin: Array
     of_cell: NDArray[np.bool_]
+    touching: NDArray[np.bool_]
     at_home: frozenset[tuple[str, str]]
     joint: Rows
     middle: Array
@@ -74,95 +78,178 @@ class Scene:
         return self.bodies[self.second[pair]].name, self.bodies[self.first[pair]].name
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=256)
 def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result[Scene]:
     """The robot's links and tools and what the cell adds, remembered by identity; None with findings about meshes that can't be read.
 
     If it isn't `lenient`, links that touch in HOME are among the pairs as well.
     """
-    findings: list[Diagnostic] = []
-    bodies: list[Body] = []
-
-    def add(
-        name: str,
-        joint: int,
-        placed: Array,
-        shape: Shape,
-        obstacle: Obstacle | None = None,
-        *,
-        is_link: bool = False,
-    ) -> None:
-        try:
-            geometry = geometry_of(shape, hull=obstacle is None)
-        except UnreadableError as error:
-            assert isinstance(shape, Mesh)  # only a mesh has a file
-            source = cell.source if obstacle and cell else None
-            message = f"the mesh {shape.path.name} of {name} {error}"
-            findings.append(Diagnostic("Y0904", message, source, None, _MESH))
-        else:
-            margin = obstacle.margin if obstacle else 0.0
-            stands = obstacle is not None and not obstacle.mount.on_flange
-            bodies.append(Body(name, joint, placed, geometry, margin, is_link, obstacle is None, stands))
-
-    for link in robot.shapes:
-        add(link.link, link.joint, link.base_from_shape, link.shape, is_link=True)
-    for tool in robot.tools:
-        for part in tool.shapes if tool.mounted else ():
-            add(tool.name, robot.size, robot.chain.base_from_flange @ part.flange_from_shape, part.shape)
+    own = _of_robot(robot)
+    findings = list(own.diagnostics)
+    bodies = list(own.value or ())
     for one in cell.obstacles if cell else ():
         carried = one.mount.on_flange
         placed = robot.chain.base_from_flange @ one.mount.transform if carried else one.mount.transform
-        add(one.name, robot.size if carried else 0, placed, one.shape, one)
+        geometry = _geometry(one.shape, False)
+        if isinstance(geometry, str):
+            findings.append(_unreadable(one.name, one.shape, geometry, cell.source if cell else None))
+        else:
+            joint = robot.size if carried else 0
+            bodies.append(
+                Body(
+                    one.name,
+                    joint,
+                    placed,
+                    geometry,
+                    one.margin,
+                    is_link=False,
+                    of_robot=False,
+                    of_cell=not carried,
+                    is_part=one.is_part,
+                )
+            )
     if findings:
         return Result(None, tuple(findings))
-    return Result(_scene(robot, tuple(bodies), lenient=lenient))
+    at_home = _touching_at_home(robot) if lenient else frozenset()
+    touches = cell.touches if cell else ()
+    return Result(_scene(robot, tuple(bodies), touches, at_home))
+
+
+@lru_cache(maxsize=32)
+def _of_robot(robot: Robot) -> Result[tuple[Body, ...]]:
+    """Return the bodies of a robot's links and mounted tools."""
+    parts = [(link.link, link.joint, link.base_from_shape, link.shape, True) for link in robot.shapes]
+    for tool in robot.tools:
+        parts += [
+            (tool.name, robot.size, robot.chain.base_from_flange @ part.flange_from_shape, part.shape, False)
+            for part in (tool.shapes if tool.mounted else ())
+        ]
+    findings: list[Diagnostic] = []
+    bodies: list[Body] = []
+    for name, joint, placed, shape, is_link in parts:
+        geometry = _geometry(shape, True)
+        if isinstance(geometry, str):
+            findings.append(_unreadable(name, shape, geometry, None))
+        else:
+            bodies.append(Body(name, joint, placed, geometry, 0.0, is_link, of_robot=True, of_cell=False))
+    return Result(tuple(bodies), tuple(findings))
+
+
+@lru_cache(maxsize=1024)
+def _geometry(shape: Shape, hull: bool) -> Geometry | str:
+    """Return a shape for distances, or what is wrong with its mesh."""
+    try:
+        return geometry_of(shape, hull=hull)
+    except UnreadableError as error:
+        return str(error)
+
+
+def _unreadable(name: str, shape: Shape, reason: str, source: SourceFile | None) -> Diagnostic:
+    assert isinstance(shape, Mesh)  # only a mesh has a file
+    return Diagnostic("Y0904", f"the mesh {shape.path.name} of {name} {reason}", source, None, _MESH)
 
 
 _MESH = "save it again as a binary STL, and check that it isn't empty"
 
 
-def _scene(robot: Robot, bodies: tuple[Body, ...], *, lenient: bool) -> Scene:
-    whole = _with_pairs(robot, bodies, _pairs(robot, bodies), frozenset())
-    links = [body.is_link for body in bodies]
-    own = np.array(
-        [pair for pair, one in enumerate(whole.first) if links[one] and links[whole.second[pair]]],
-        dtype=np.int64,
-    )
-    if not len(own) or not lenient:
-        return whole
+@lru_cache(maxsize=32)
+def _touching_at_home(robot: Robot) -> frozenset[tuple[str, str]]:
+    """Return the pairs of links that touch in the robot's HOME, as `Scene.names` has them."""
     from yarclang.collision.placing import distances, place, relative
 
-    apart = distances(whole, own, relative(place(whole, robot.home[None]), np.zeros_like(own), own))
-    touching = frozenset(whole.names(int(pair)) for pair in own[apart <= TOUCHING])
-    kept = [
-        (int(one), int(other))
-        for pair, (one, other) in enumerate(zip(whole.first, whole.second, strict=True))
-        if not (links[one] and links[other] and whole.names(pair) in touching)
-    ]
-    return _with_pairs(robot, bodies, kept, touching) if touching else whole
+    links = tuple(body for body in _of_robot(robot).value or () if body.is_link)
+    scene = _scene(robot, links, (), frozenset())
+    pairs = np.arange(len(scene.first))
+    if not len(pairs):
+        return frozenset()
+    apart = distances(scene, pairs, relative(place(scene, robot.home[None]), np.zeros_like(pairs), pairs))
+    return frozenset(scene.names(int(pair)) for pair in pairs[apart <= TOUCHING])
+
+
+def _scene(
+    robot: Robot,
+    bodies: tuple[Body, ...],
+    touches: tuple[Touch, ...],
+    at_home: frozenset[tuple[str, str]],
+) -> Scene:
+    pairs = [_ordered(bodies, one, other) for one, other in _pairs(robot, bodies)]
+    if at_home:
+        pairs = [
+            (one, other)
+            for one, other in pairs
+            if not (bodies[one].is_link and bodies[other].is_link)
+            or (bodies[other].name, bodies[one].name) not in at_home
+        ]
+    margin = np.array([body.margin for body in bodies])
+    first, second = (np.array([pair[side] for pair in pairs], dtype=np.int64) for side in (0, 1))
+    limits = np.maximum(margin[first], margin[second])
+    least = _least(robot, bodies, pairs, touches) if touches else np.full(len(pairs), np.inf)
+    kept = np.flatnonzero(least > -np.inf)
+    rows = _PairRows(first[kept], second[kept], np.minimum(limits, least)[kept], (least < limits)[kept])
+    return _assembled(robot.chain, bodies, rows, at_home)
+
+
+def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
+    """Put several scenes of one robot into one.
+
+    Returns:
+        A scene with the bodies of all, each of them once, and for each scene the pairs that are its own.
+    """
+    if len(scenes) == 1:
+        return scenes[0], (np.arange(len(scenes[0].first)),)
+    bodies: dict[Hashable, tuple[int, Body]] = {}
+    pairs: dict[tuple[int, int, float, bool], int] = {}
+    own: list[Rows] = []
+    for scene in scenes:
+        here = []
+        for body in scene.bodies:
+            key = body.name, body.joint, body.base_from_body.tobytes(), id(body.geometry), body.margin
+            here.append(bodies.setdefault(key, (len(bodies), body))[0])
+        at = np.array(here, dtype=np.int64)
+        columns = at[scene.first], at[scene.second], scene.margin, scene.touching
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        own.append(np.array([pairs.setdefault(row, len(pairs)) for row in rows], dtype=np.int64))
+    first, second, limits, touching = zip(*pairs, strict=True) if pairs else ((), (), (), ())
+    found = _PairRows(
+        np.array(first, dtype=np.int64),
+        np.array(second, dtype=np.int64),
+        np.array(limits, dtype=np.float64),
+        np.array(touching, dtype=np.bool_),
+    )
+    every = tuple(body for _, body in bodies.values())
+    return _assembled(scenes[0].chain, every, found, scenes[0].at_home), tuple(own)
 
 
 TOUCHING = 2e-5
 """Links nearer than this [m] touch."""
 
 
-def _with_pairs(
-    robot: Robot, bodies: tuple[Body, ...], chosen: list[tuple[int, int]], at_home: frozenset[tuple[str, str]]
+@frozen(eq=False)
+class _PairRows:
+    """K pairs, as `Scene` has them."""
+
+    first: Rows
+    second: Rows
+    margin: Array
+    touching: NDArray[np.bool_]
+
+
+def _assembled(
+    chain: Chain, bodies: tuple[Body, ...], pairs: _PairRows, at_home: frozenset[tuple[str, str]]
 ) -> Scene:
-    pairs = [_ordered(bodies, one, other) for one, other in chosen]
-    first, second = (np.array([pair[side] for pair in pairs], dtype=np.int64) for side in (0, 1))
+    first, second = pairs.first, pairs.second
     placed = np.array([body.base_from_body for body in bodies]).reshape(-1, 4, 4)
     middle = np.array([body.geometry.middle for body in bodies]).reshape(-1, 3)
-    margin = np.array([body.margin for body in bodies])
     of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
     rotation, origin = placed[:, :3, :3], placed[:, :3, 3]
     return Scene(
-        robot.chain,
+        chain,
         bodies,
         first,
         second,
-        np.maximum(margin[first], margin[second]),
+        pairs.margin,
         of_cell[first] | of_cell[second],
+        pairs.touching,
         at_home,
         np.array([body.joint for body in bodies], dtype=np.int64),
         origin + (rotation @ middle[:, :, None])[:, :, 0],
@@ -179,6 +266,26 @@ def _with_pairs(
     )
 
 
+def _least(
+    robot: Robot, bodies: tuple[Body, ...], pairs: list[tuple[int, int]], touches: tuple[Touch, ...]
+) -> Array:
+    """Return how near the pairs may come where that is less than their margins, (K,) [m]; infinite for all others."""
+    named: dict[tuple[str, str | None], float] = {}
+    for one in touches:
+        key = one.part, one.other
+        named[key] = min(named.get(key, np.inf), one.least)
+    found = []
+    for first, second in pairs:
+        least = np.inf
+        for part, other in ((bodies[first], bodies[second]), (bodies[second], bodies[first])):
+            if part.is_part:
+                least = min(least, named.get((part.name, other.name), np.inf))
+                if other.joint == robot.size and not other.is_part:
+                    least = min(least, named.get((part.name, None), np.inf))
+        found.append(least)
+    return np.array(found)
+
+
 def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     """The pairs that must not meet.
 
@@ -187,19 +294,19 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     """
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))
+    joint = np.array([body.joint for body in bodies])
     found = []
-    for one, body in enumerate(bodies):
-        for other in range(one):
-            joints = sorted((body.joint, bodies[other].joint))
-            if joints[0] == joints[1]:
+    # many bodies stand still: they are no pairs among themselves
+    for one, other in zip(*np.nonzero(np.tril(joint[:, None] != joint[None])), strict=True):
+        body, neighbour = bodies[one], bodies[other]
+        joints = sorted((body.joint, neighbour.joint))
+        if body.is_link and neighbour.is_link and (joints[0], joints[1]) in neighbours:
+            continue
+        if body.of_robot and neighbour.of_robot:
+            first, second = sorted((body.name, neighbour.name))
+            if (first, second) in robot.allowed:
                 continue
-            if body.is_link and bodies[other].is_link and (joints[0], joints[1]) in neighbours:
-                continue
-            if body.of_robot and bodies[other].of_robot:
-                first, second = sorted((body.name, bodies[other].name))
-                if (first, second) in robot.allowed:
-                    continue
-            found.append((other, one))
+        found.append((int(other), int(one)))
     return found
 
 

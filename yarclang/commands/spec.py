@@ -35,7 +35,7 @@ class Values(Enum):
     @property
     def is_delta(self) -> bool:
         """Whether the values are counted from where the robot stands."""
-        return self in {Values.JOINT_DELTAS, Values.DELTA_RPY, Values.DELTA_QUAT}
+        return self is Values.JOINT_DELTAS or self is Values.DELTA_RPY or self is Values.DELTA_QUAT
 
     @property
     def is_quaternion(self) -> bool:

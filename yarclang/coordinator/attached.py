@@ -184,6 +184,11 @@ class There:
         """How long nothing was heard [s]."""
         return self._loop.time() - self._heard
 
+    @property
+    def is_gone(self) -> bool:
+        """True if the connection has ended."""
+        return self._hearing.done() or self._writer.is_closing()
+
     async def ask(self, order: Order[R]) -> R:
         """Order something, as `Attached.ask`."""
         answer: R = await self._send(order)
@@ -214,7 +219,7 @@ class There:
             await self._hearing
 
     def _send(self, order: Order[Any]) -> asyncio.Future[Any]:
-        if self._hearing.done() or self._writer.is_closing():
+        if self.is_gone:
             raise self._gone()
         number = next(self._numbers)
         future = self._loop.create_future()

@@ -53,18 +53,18 @@ def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> 
         done: how far it was then [s].
     """
     found: list[Passed] = []
-    starts = plan.starts
+    begins, ends = plan.begins, plan.ends
     begin = plan.program.start
     for number, motion in enumerate(plan.motions):
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
-        flows = bool(motion.overlap)
-        if stands is not None and done <= starts[number + 1]:
-            middle = plan.sample(np.array([(starts[number] + done) / 2.0]))[0][0]
+        flows = motion.flows
+        if stands is not None and done <= ends[number]:
+            middle = plan.sample(np.array([(begins[number] + done) / 2.0]))[0][0]
             found.append(Passed(step, motion.waypoints, begin, middle, stands, False, False))
             return tuple(found)
         end = motion.waypoints[-1]
-        middle = plan.sample(np.array([(starts[number] + starts[number + 1]) / 2.0]))[0][0]
+        middle = plan.sample(np.array([(begins[number] + ends[number]) / 2.0]))[0][0]
         found.append(Passed(step, motion.waypoints, begin, middle, end, True, flows))
         begin = end
     return tuple(found)

@@ -12,6 +12,8 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+from yarclang.coordinator.around import Around
+from yarclang.coordinator.carrying import Carrying
 from yarclang.coordinator.client import Client
 from yarclang.coordinator.describing import finished, joints_by_name
 from yarclang.coordinator.engine import Engine
@@ -23,14 +25,18 @@ from yarclang.coordinator.names import Names
 from yarclang.coordinator.offers import Planner
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.ownership import Ownership
+from yarclang.coordinator.signals import hear_inputs, signal_event
 from yarclang.coordinator.subscription import Subscription
+from yarclang.lasting import Lasting
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.feedback import Sample
 from yarclang.runtime.inspection import Inspection
-from yarclang.runtime.notices import Abort, Changed, Hold, Notice, Progress, Remark, Stop
+from yarclang.runtime.notices import Abort, Changed, Hold, Notice, Progress, Reached, Remark, Stop
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.rest import stands_at
+from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
 from yarclang.runtime.state import State
+from yarclang.simulated_cell.playing import SimulatedCell
 
 POSITIONS_EACH = 0.02
 """Time between two positions that are told [s]: 50 Hz, if the link allows."""
@@ -55,19 +61,25 @@ class Coordinator:
         name: what `yarc status` calls it while nothing is under way.
         simulated: whether the controller is a simulator of our own.
         serves: whether it is there to serve other processes.
+        surroundings: the machines around a robot that is simulated in this process; None: it isn't.
+        patient: whether it is there also while the controller can't be reached, or isn't what the robot needs: nothing moves then.
+        first: the first number of a program or an offer.
         plan: where planning is done; None: in a thread, so that a long program doesn't keep anybody from stopping the robot.
 
     Attributes:
         engine: the task that talks to the controller.
+        carrying: performs what moves the robot, and keeps where the parts of the cell are.
         planner: makes offers.
         lines: the declarations of the session.
         history: what it has done.
         names: what names mean behind them.
+        around: the cell, and inputs and outputs by name.
         stops: how often somebody wanted a stop or an abort: what was asked for before doesn't begin any more.
         rests: how often somebody wanted a stop, an abort or a hold: who steers doesn't begin anew by going on.
-        inspection: what was looked at on the controller at first.
         why: the reason of the robot's last state.
         progress: what was told last of how far a program is.
+        sample: where the motors were heard last.
+        behind: the known time of the program after the part that is carried out, at full pace [s].
     """
 
     def __init__(
@@ -82,29 +94,37 @@ class Coordinator:
         name: str = "",
         simulated: bool = False,
         serves: bool = False,
+        surroundings: SimulatedCell | None = None,
         plan: Planning | None = None,
+        patient: bool = False,
+        first: int = 1,
     ) -> None:
         self.robot = robot
         self.name = name
         self.simulated = simulated
         self.serves = serves
+        self.surroundings = surroundings
         self.since = datetime.now().astimezone().isoformat(timespec="seconds")
         self.engine = Engine(robot, session, log, self._bug)
-        self.planner = Planner(robot, folder, tm, cell)
+        self.carrying = Carrying(self)
+        self.planner = Planner(robot, folder, tm, cell, self.carrying.kept.now_for_lines)
         self.lines = Lines()
         self.names = Names(self.lines, self.planner)
+        self.around = Around(self.names, self.lines)
         self.history = History(robot)
         self._planning = asyncio.Lock()
         self._plan = plan or self.engine.beside
-        self.numbers = count(1)
+        self.numbers = count(first)
         self.position: Array | None = None
+        self.sample: Sample | None = None
         self.stops = 0
         self.rests = 0
-        self.inspection: Inspection | None = None
         self.why = ""
         self.progress: events.ProgressMade | None = None
+        self.behind = 0.0
         self._percent = 100.0
         self._session = session
+        self._patient = patient
         self._ownership = Ownership()
         self._clients: dict[str, Client] = {}
         self._subscriptions: list[Subscription] = []
@@ -119,14 +139,18 @@ class Coordinator:
 
     # from beginning to end
 
-    async def start(self) -> Inspection:
+    async def start(self) -> Inspection | None:
         """Connect to the controller, look at everything, and be at work from now on.
+
+        Returns:
+            What was found; None if a patient one doesn't reach the controller yet.
 
         Raises:
             Trouble: it can't be reached, or isn't what the robot needs (`NotReady`).
         """
-        self.inspection = await self.engine.start()
-        return self.inspection
+        if self.surroundings is not None:
+            hear_inputs(self.surroundings, self._session, asyncio.get_running_loop().call_soon_threadsafe)
+        return await self.engine.start(patient=self._patient)
 
     def give_up(self) -> None:
         """End without waiting for a robot that can't be reached: nobody knows then what it does."""
@@ -134,6 +158,8 @@ class Coordinator:
 
     async def close(self) -> None:
         """Bring the robot to rest on its path, end the connection, and all event streams."""
+        if self.surroundings is not None:
+            self.surroundings.listen(None)
         await self.engine.close()
         for one in tuple(self._subscriptions):
             one.close()
@@ -242,6 +268,11 @@ class Coordinator:
         return f"{self._session.host}:{self._session.port}"
 
     @property
+    def inspection(self) -> Inspection | None:
+        """What was found when the controller was looked at last; None: it wasn't yet."""
+        return self.engine.inspection
+
+    @property
     def state(self) -> State:
         """What the robot does."""
         return self.engine.operation.state
@@ -282,17 +313,44 @@ class Coordinator:
         async with self._planning:
             return await self._plan(function, *arguments)
 
+    async def look_around(self, *, waits: bool = True) -> int:
+        """Read the cell again if a file of it has changed, so that what is planned from now on keeps to it; offers made before don't hold then.
+
+        Args:
+            waits: whether this waits for what is planned just now; else nothing is looked at meanwhile.
+
+        Returns:
+            The planner's generation.
+        """
+        if not waits and self._planning.locked():
+            return self.planner.generation
+        if await self.plan(self.planner.renewed):
+            self.lines.doubt()
+        return self.planner.generation
+
+    async def beside(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a function where planning is done, without waiting for what is planned."""
+        return await self._plan(function, *arguments)
+
     async def carry_out(
-        self, client: str, name: str, duration: float, work: Callable[[], Awaitable[Ended]], stops: int
+        self,
+        client: str,
+        name: str,
+        lasting: Lasting,
+        work: Callable[[], Awaitable[Ended]],
+        stops: int,
+        *,
+        serves: bool = False,
     ) -> Ended:
         """Carry work out, unless somebody has wanted a stop since there were so many `stops`.
 
         Args:
             client: who wants it.
             name: what people call it.
-            duration: how long it takes [s].
+            lasting: how long it takes.
             work: moves the robot.
             stops: as they were counted when it was asked for.
+            serves: whether it may be done behind a fault (`Engine.move`).
 
         Raises:
             Trouble: something else is under way, or the state forbids it.
@@ -301,13 +359,23 @@ class Coordinator:
         async def told() -> Ended:
             if self.stops != stops:
                 return Ended(False, "stopped before it began; nothing moved")
-            began = events.Began(time_s=self.time, name=name, duration_s=round(duration, 4), client=client)
+            began = events.Began(
+                time_s=self.time,
+                name=name,
+                duration_s=round(lasting.most, 4),
+                waits=lasting.waits,
+                client=client,
+            )
+            if self.surroundings is not None:
+                self.surroundings.begin()
             self._tell(began)
+            self.behind = 0.0
+            self.engine.client = client
             ended = await work()
             self._tell(finished(self.time, name, ended, self.robot))
             return ended
 
-        return await self.engine.move(name, told)
+        return await self.engine.move(name, told, serves=serves)
 
     # orders, for everybody
 
@@ -350,9 +418,19 @@ class Coordinator:
         self._subscriptions.append(one)
         return one
 
-    def tell(self, text: str, *, warning: bool = False) -> None:
-        """Tell everybody something."""
-        self._tell(events.Told(time_s=self.time, text=text, warning=warning))
+    def tell(
+        self, text: str, stopped_by: tuple[str, ...] = (), *, warning: bool = False, code: str | None = None
+    ) -> None:
+        """Tell everybody something.
+
+        Args:
+            text: what.
+            stopped_by: the bodies and zones by which a live motion is stopped, if it says that.
+            warning: True if somebody should look at it.
+            code: of the finding that it is; None: it is none.
+        """
+        told = events.Told(time_s=self.time, text=text, warning=warning, stopped_by=stopped_by, code=code)
+        self._tell(told)
 
     def tell_override(self) -> None:
         """Tell everybody the pace, if it is another one now."""
@@ -371,9 +449,12 @@ class Coordinator:
     def _hear(self, notice: Notice) -> None:
         time = round(notice.time, 4)
         match notice:
-            case Changed(state=state, why=why):
+            case Changed(state=state, why=why, code=code, remedy=remedy):
                 self.why = why
-                self._tell(events.StateChanged(time_s=time, state=state, why=why))
+                changed = events.StateChanged(
+                    time_s=time, state=state, why=why, code=code or None, help=remedy or None
+                )
+                self._tell(changed)
             case Progress():
                 self.progress = events.ProgressMade(
                     time_s=time,
@@ -383,16 +464,24 @@ class Coordinator:
                     line=notice.source_line,
                 )
                 self._tell(self.progress)
+                if self.surroundings is not None and notice.command:
+                    self.surroundings.reached(notice.command.split(" ", 1)[0])
+            case Reached(place=place):
+                if self.surroundings is not None:
+                    self.surroundings.reached(place)
+            case OutputSet() | WaitBegan() | WaitEnded() | InputChanged():
+                self._tell(signal_event(notice))
             case Remark(text=text, warning=warning):
                 self._tell(events.Told(time_s=time, text=text, warning=warning))
             case Sample():
+                self.sample = notice
                 self.position = notice.joints(self.robot)
                 joints = joints_by_name(self.robot, self.position)
-                done = round(notice.program_time, 4)
+                done = round(notice.reached, 4)
                 self._tell(events.Position(time_s=time, joints=joints, done_s=done))
         self.tell_override()
 
     def _bug(self, error: BaseException, where: str) -> None:
         rests = f"; {where}" if where else ""
         text = f"a bug of yarclang has ended what was under way: {error!r}{rests}; report it"
-        self.tell(text, warning=True)
+        self.tell(text, warning=True, code="Y2001")

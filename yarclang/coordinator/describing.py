@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 import numpy as np
 
+from yarclang.cell.model import Present
 from yarclang.certify.certificate import CommandCertificate, Load
-from yarclang.coordinator.messages import replies
+from yarclang.coordinator.kept_parts import Known
+from yarclang.coordinator.messages import events, replies
 from yarclang.coordinator.messages.events import Finished
 from yarclang.coordinator.messages.findings import finding_messages
 from yarclang.coordinator.messages.message import Joints
 from yarclang.coordinator.offers import Offer, OfferedMotion
 from yarclang.coordinator.programs import Loaded, Way
+from yarclang.diagnostics import Result
+from yarclang.handling.parts import first_parts
+from yarclang.lasting import Lasting
 from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.parts import ends_of
+from yarclang.report.carried import carried_parts
 from yarclang.robot.model import Array, Robot
+from yarclang.runtime import signals
 from yarclang.runtime.outcome import Ended, Where
 from yarclang.runtime.rest import off_the_start
 from yarclang.units import DEG, MM
@@ -44,9 +54,25 @@ def finished(time: float, name: str, ended: Ended, robot: Robot) -> Finished:
         help=ended.remedy or None,
         code=ended.code or None,
         command=ended.command or None,
-        done_s=round(ended.done, 4),
+        done_s=round(ended.reached, 4),
         joints=None if ended.joints is None else joints_by_name(robot, ended.joints),
+        line=None if ended.concerns is None else ended.concerns.source_line or None,
     )
+
+
+def takes(lasting: Lasting) -> replies.Takes:
+    """Return how long something takes as a message."""
+    return replies.Takes(
+        duration_s=lasting.most,
+        duration_at_least_s=lasting.least,
+        waits=lasting.waits,
+        waits_at_least=lasting.fewest,
+    )
+
+
+def lasting_of(takes: replies.Takes) -> Lasting:
+    """Return how long something takes, as a message tells it."""
+    return Lasting(takes.duration_at_least_s, takes.duration_s, takes.waits_at_least, takes.waits)
 
 
 def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:
@@ -55,13 +81,24 @@ def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:
         number=offer.number,
         text=offer.text,
         title=offer.title,
-        duration_s=offer.duration,
+        duration_s=offer.lasting.most,
+        takes=takes(offer.lasting),
         moves=offer.job is not None,
         start=joints_by_name(robot, offer.start),
         end=joints_by_name(robot, offer.end),
         motions=tuple(map(_motion, offer.motions)),
+        parts=() if offer.plan is None else tuple(_deeds(offer.plan)),
         course=_course(offer.plan),
     )
+
+
+def _deeds(plan: MotionPlan) -> Iterator[str]:
+    """Yield what the SETs of a plan do to parts of the cell, in words."""
+    program = plan.program
+    carried = carried_parts(plan.robot, program, program.start, ends_of(plan))
+    for step in range(len(program.steps)) if carried is not None else ():
+        for verb, names in carried.deeds(step) if carried is not None else ():
+            yield f"{verb} {', '.join(names)}"
 
 
 def _motion(one: OfferedMotion) -> replies.MotionOffered:
@@ -114,19 +151,21 @@ def program_described(number: int, loaded: Loaded) -> replies.ProgramDescribed:
     return replies.ProgramDescribed(
         number=number,
         name=loaded.name,
-        duration_s=program.duration,
+        duration_s=program.lasting.most,
+        takes=takes(program.lasting),
         commands=tuple(
             replies.ProgramCommand(
                 title=one.title,
                 index=one.index,
-                begins_s=one.begins,
-                ends_s=one.ends,
+                begins_s=one.clock,
+                ends_s=one.clock + one.ends - one.begins,
                 line=one.source_line,
             )
             for one in program.commands
         ),
-        offset_s=rest.offset,
-        rest_s=rest.duration,
+        offset_s=rest.clock,
+        rest_s=rest.lasting.most,
+        rest_takes=takes(rest.lasting),
         steps=len(loaded.steps),
         begins_within=loaded.begins_within,
         guarded=rest.guarded,
@@ -141,10 +180,24 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
     job = way.job
     return replies.Way(
         text=way.text,
-        duration_s=None if job is None else job.duration,
+        duration_s=None if job is None else job.lasting.most,
         title=job.commands[0].title if job is not None and job.commands else "",
         end=joints_by_name(robot, start if job is None else job.end),
         findings=finding_messages(way.findings),
+    )
+
+
+def signals_described(
+    variables: Mapping[str, str], values: Mapping[str, float | None]
+) -> tuple[replies.NamedSignal, ...]:
+    """Return inputs or outputs as messages.
+
+    Args:
+        variables: of the controller, by the names of the signals.
+        values: by the variables; None if one isn't known.
+    """
+    return tuple(
+        replies.NamedSignal(name=name, variable=one, value=values.get(one)) for name, one in variables.items()
     )
 
 
@@ -159,4 +212,38 @@ def place_described(where: Where | None) -> replies.SourcePlace | None:
         end_column=where.end_column,
         text=where.text,
         note=where.note,
+    )
+
+
+def parts_described(made: Result[Known]) -> replies.Parts:
+    """Return what is known of the parts of a cell as a message."""
+    found, known = finding_messages(made.diagnostics), made.value
+    if known is None:
+        return replies.Parts(parts=(), moved=False, doubt=None, findings=found)
+    names = {one.variable: name for name, one in known.cell.outputs.items() if one.grip is not None}
+    return replies.Parts(
+        parts=tuple(
+            replies.PartPlace(
+                name=one.name,
+                held=None if one.gripper is None else names.get(one.gripper, ""),
+                sure=one.is_sure,
+                pose=tuple(map(tuple, one.transform.tolist())),
+            )
+            for one in known.present.parts.items
+        ),
+        moved=known.present != Present(first_parts(known.cell)),
+        doubt=known.doubt or None,
+        findings=found,
+    )
+
+
+def signal_of(event: events.OutputSet | events.WaitEnded | events.InputChanged) -> signals.Signal:
+    """Return what an event tells of an input or an output as the runtime tells it."""
+    match event:
+        case events.OutputSet():
+            return signals.OutputSet(event.time_s, event.name, event.variable, event.value)
+        case events.InputChanged():
+            return signals.InputChanged(event.time_s, event.name, event.variable, event.value, event.cause)
+    return signals.WaitEnded(
+        event.time_s, event.place, event.name, event.variable, event.value, event.waited_s, event.met
     )

@@ -11,13 +11,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import yarclang
 from yarclang.coordinator.client import Client
+from yarclang.coordinator.course import course_described
 from yarclang.coordinator.describing import (
     joints_by_name,
     offer_described,
+    parts_described,
     program_described,
+    signals_described,
     way_described,
 )
 from yarclang.coordinator.ending import ended_described, placed, run_described
+from yarclang.coordinator.health import frames_of, health_of
+from yarclang.coordinator.held import Held
 from yarclang.coordinator.live.steered import Steered
 from yarclang.coordinator.loading import Source
 from yarclang.coordinator.messages import orders, replies, wants
@@ -26,14 +31,17 @@ from yarclang.coordinator.messages.message import VERSION
 from yarclang.coordinator.messages.orders import Order
 from yarclang.coordinator.messages.replies import Reply
 from yarclang.coordinator.offers import Offer
-from yarclang.coordinator.programs import Loaded, way_to_start
+from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.servicing import Servicing, wrong_in
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.pipeline.cells import is_same_file
+from yarclang.pipeline.cells import holds_still, is_same_file
 from yarclang.pipeline.inputs import Options
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Hold
 from yarclang.runtime.state import State
+from yarclang.transforms import pose_matrix
+from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
     from yarclang.coordinator.coordinator import Coordinator
@@ -61,8 +69,10 @@ class Desk:
         self.client = client
         self._coordinator = coordinator
         self._offers: OrderedDict[int, Offer] = OrderedDict()
-        self._programs: OrderedDict[int, Loaded] = OrderedDict()
+        self._programs: OrderedDict[int, tuple[Loaded, int]] = OrderedDict()
         self._steered = Steered(client, coordinator.engine.session.now, lambda: coordinator.rests)
+        self._held = Held(coordinator, client.name)
+        self._servicing = Servicing(coordinator, client.name)
         self._stops: int | None = None
         self._handlers: dict[type[Order[Any]], Callable[[Any], Any]] = {
             orders.AskStatus: lambda _: status_of(coordinator),
@@ -77,16 +87,34 @@ class Desk:
             orders.Release: lambda _: self._release(),
             orders.Clear: lambda _: self._clear(),
             orders.Look: lambda _: self._look(),
+            orders.Connect: lambda _: self._connect(),
+            orders.Enable: lambda _: self._servicing.enable(),
+            orders.Disable: lambda _: self._servicing.disable(),
+            orders.AskHoming: lambda _: self._servicing.searches(),
+            orders.Home: self._home,
+            orders.AskSettings: lambda _: self._servicing.compared(),
+            orders.SendSettings: lambda order: self._servicing.send(order.known),
+            orders.SaveSettings: lambda _: self._servicing.save(),
             orders.AskPlace: self._place,
+            orders.AskFrames: lambda _: coordinator.plan(frames_of, coordinator),
+            orders.AskHealth: lambda _: health_of(coordinator),
             orders.Read: self._read,
             orders.SetOutput: self._set,
+            orders.SetInput: lambda order: _value(client.signals.set_input(order.name, order.value)),
+            orders.AskSurroundings: lambda _: self._surroundings(),
+            orders.AskParts: lambda order: parts_described(client.parts.where(order.cell)),
+            orders.PlacePart: self._place_part,
             orders.AskDeclarations: lambda _: self._declarations(),
             orders.Adopt: self._adopt,
             orders.Offer: lambda order: self._offered(client.motion.offer(order.text)),
             orders.OfferBack: lambda _: self._offered(client.motion.offer_back()),
             orders.Go: self._go,
+            orders.Keep: lambda _: _done(self._held.keep),
             orders.Load: self._load,
             orders.AskWay: self._way,
+            orders.AskCourse: lambda order: coordinator.plan(
+                course_described, self._loaded(order.program), order.samples
+            ),
             orders.Run: self._run,
             orders.Save: self._save,
             orders.Steer: lambda order: _done(lambda: self._steered.set(order)),
@@ -113,10 +141,16 @@ class Desk:
         """Bring a live motion to rest that this client has begun, if there is one."""
         self._steered.stop()
 
-    def keep(self, loaded: Loaded) -> replies.ProgramDescribed:
-        """Keep a program that was loaded in this very process, to be run."""
+    def keep(self, loaded: Loaded, generation: int | None = None) -> replies.ProgramDescribed:
+        """Keep a program that was loaded in this very process, to be run.
+
+        Args:
+            loaded: the program.
+            generation: of the planner when it was loaded; None: the present one.
+        """
         number = next(self._coordinator.numbers)
-        _keep(self._programs, number, loaded)
+        known = self._coordinator.planner.generation if generation is None else generation
+        _keep(self._programs, number, (loaded, known))
         return program_described(number, loaded)
 
     def offer_of(self, number: int) -> Offer | None:
@@ -125,7 +159,8 @@ class Desk:
 
     def loaded_of(self, number: int) -> Loaded | None:
         """Return a program that was loaded for this client, for whoever shares its process."""
-        return self._programs.get(number)
+        found = self._programs.get(number)
+        return None if found is None else found[0]
 
     # what happens at once
 
@@ -136,6 +171,8 @@ class Desk:
 
     def _resume(self) -> replies.Taken:
         coordinator = self._coordinator
+        if self._held.rests:
+            raise Trouble("it moves only while its button is held", "hold the button", "")
         operation = coordinator.engine.operation
         if coordinator.state is State.MOVE and not coordinator.paused and Hold() not in operation.orders:
             raise Trouble("it isn't held: there is nothing to resume", code="")
@@ -158,11 +195,20 @@ class Desk:
         await self.client.motion.clear()
         return replies.Done()
 
+    async def _connect(self) -> replies.Done:
+        await self._coordinator.engine.retry()
+        return replies.Done()
+
+    async def _home(self, order: orders.Home) -> replies.Ended:
+        self._coordinator.check_owner(self.client.name, "to home the robot")
+        ended = await self._held.carry_out(self._servicing.home(order.motors))
+        return ended_described(ended, self.client.robot, self._coordinator.state)
+
     async def _look(self) -> replies.Looked:
         found = await self._coordinator.engine.look_again()
         return replies.Looked(
             checked=len(found.checked),
-            wrong=tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors),
+            wrong=wrong_in(found),
         )
 
     # what is asked
@@ -183,6 +229,36 @@ class Desk:
 
     async def _set(self, order: orders.SetOutput) -> replies.Value:
         return _value(await self.client.signals.set(order.name, order.value))
+
+    async def _surroundings(self) -> replies.Surroundings:
+        coordinator, signals = self._coordinator, self.client.signals
+        around = coordinator.around
+        await coordinator.look_around(waits=False)
+        seen = around.look() if around.is_current else await coordinator.plan(around.look)
+        values = await signals.values((*seen.inputs.values(), *seen.outputs.values()))
+        return replies.Surroundings(
+            robot=str(coordinator.robot.folder),
+            cell=seen.cell,
+            inputs=signals_described(seen.inputs, values),
+            outputs=signals_described(seen.outputs, values),
+            fixed=signals.fixed,
+        )
+
+    async def _place_part(self, order: orders.PlacePart) -> replies.Parts:
+        parts, name = self.client.parts, None if order.part is None else order.part.upper()
+        if order.at == "file":
+            return parts_described(await parts.as_filed(name))
+        if name is None:
+            raise Trouble("all parts can be only where the cell's file has them", "name one", "Y1601")
+        if order.at == "gone":
+            return parts_described(await parts.gone(name))
+        return parts_described(
+            await parts.put(
+                name,
+                order.frame,
+                pose_matrix((*(one * MM for one in order.pose[:3]), *(one * DEG for one in order.pose[3:]))),
+            )
+        )
 
     def _declarations(self) -> replies.Declarations:
         lines = self._coordinator.lines
@@ -207,10 +283,12 @@ class Desk:
         offer = self._offers.get(order.offer)
         if offer is None:
             raise Trouble(f"there is no offer {order.offer}", "ask for it again", "Y1613")
-        ended = await self.client.motion.go(offer)
+        going = self.client.motion.go(offer)
+        ended = await (self._held.carry_out(going) if order.held else going)
         return ended_described(ended, self.client.robot, self._coordinator.state)
 
     async def _load(self, order: orders.Load) -> replies.Loaded:
+        generation = await self._coordinator.look_around()
         tolerance, known = order.tolerance, self._coordinator.cell
         if order.cell and known and not is_same_file(Path(order.cell), Path(known)):
             message = f"the robot keeps to the cell {known}, the command line names {order.cell}"
@@ -237,33 +315,57 @@ class Desk:
         made = await self.client.files.load(source, here=order.here)
         # thousands of them would keep a live motion waiting here
         found = await self._coordinator.plan(finding_messages, made.diagnostics)
-        program = None if made.value is None else self.keep(made.value)
+        program = None if made.value is None else self.keep(made.value, generation)
         return replies.Loaded(program=program, findings=found)
 
     async def _way(self, order: orders.AskWay) -> replies.Way:
         loaded = self._loaded(order.program)
         # who wants a stop from now on doesn't want the run that is being prepared
         self._stops = self._coordinator.stops
+        await self._check_cell(order.program)
         here = await self._coordinator.stands()
-        way = await self._coordinator.plan(way_to_start, self.client.robot, loaded, here)
+        way = await self._coordinator.carrying.way_to_start(loaded, here)
         return way_described(way, self.client.robot, loaded.rest.start)
 
     async def _run(self, order: orders.Run) -> replies.Ended:
         coordinator = self._coordinator
         coordinator.check_owner(self.client.name, "to move the robot")
         loaded = self._loaded(order.program)
-        stops, self._stops = self._stops, None
+        stops = coordinator.stops if self._stops is None else self._stops
+        self._stops = None
+        await self._check_cell(order.program)
+        program = loaded.origins().program
+        coordinator.around.know(program, loaded.around)
+        if coordinator.surroundings is not None:
+            coordinator.surroundings.know(program)
         undertaking = Undertaking(loaded, coordinator, order.times)
         ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)
         ended, resting = await coordinator.plan(placed, ended, loaded)
         coordinator.engine.ended = ended  # the log tells of a fault's place as well
-        return run_described(ended, resting, loaded, undertaking, coordinator.state)
+        described: replies.Ended = await coordinator.plan(
+            run_described, ended, resting, loaded, undertaking, coordinator.state
+        )
+        return described
 
     def _loaded(self, number: int) -> Loaded:
-        loaded = self._programs.get(number)
+        loaded = self.loaded_of(number)
         if loaded is None:
             raise Trouble(f"there is no program {number}", "load it again", "Y1613")
         return loaded
+
+    async def _check_cell(self, number: int) -> None:
+        """Check that the cell is still the one that a program was proved in.
+
+        Raises:
+            Trouble: it has changed.
+        """
+        generation = await self._coordinator.look_around()
+        loaded, known = self._programs[number]
+        cell = loaded.around
+        if generation == known and (cell is None or await self._coordinator.plan(holds_still, cell)):
+            return
+        what = f"the cell has changed since {loaded.name} was loaded, and it was proved in the cell before"
+        raise Trouble(what, "load it again", "Y1613")
 
     def _save(self, order: orders.Save) -> replies.Saved:
         folder = None if order.folder is None else Path(order.folder)
@@ -284,7 +386,9 @@ def status_of(coordinator: Coordinator) -> replies.Status:
         why=coordinator.why,
         command=replies.Command(title=known.command, line=known.line) if known and known.command else None,
         done=round(known.done_s, 3) if known else 0.0,
-        left=round(known.left_s, 3) if known else 0.0,
+        left=round(known.left_s + coordinator.behind / max(coordinator.override / 100.0, 0.01), 3)
+        if known
+        else 0.0,
         override=round(coordinator.override, 6),
         joints=tuple(
             replies.Joint(name=name, position=place, unit=unit)

@@ -9,8 +9,11 @@ from yarclang.coordinator.messages import replies
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.resting import Resting, motion_before, resting_place
 from yarclang.coordinator.undertaking import Undertaking
+from yarclang.diagnostics import Diagnostic
+from yarclang.pipeline.callers import caller_of
 from yarclang.pipeline.origins import Origins
-from yarclang.pipeline.parts import chain_place
+from yarclang.pipeline.parts import beginning, can_begin_at, chain_place
+from yarclang.pipeline.returning import can_go_on
 from yarclang.robot.model import Robot
 from yarclang.runtime.outcome import Concerned, Ended, Where
 from yarclang.runtime.state import State
@@ -24,7 +27,7 @@ def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
         help=ended.remedy or None,
         code=ended.code or None,
         command=ended.command or None,
-        done_s=round(ended.done, 4),
+        done_s=round(ended.reached, 4),
         joints=None if ended.joints is None else joints_by_name(robot, ended.joints),
         state=state,
         moved=ended.well or bool(ended.command),
@@ -63,9 +66,12 @@ def run_described(
             "passes": max(undertaking.passes, 1),
             "resting": None
             if resting is None
-            else replies.RestingPlace(title=resting.command.title, done_s=round(resting.done, 4)),
+            else replies.RestingPlace(
+                title=resting.command.title,
+                done_s=round(resting.done + resting.command.clock - resting.command.begins, 4),
+            ),
             "is_motion": is_motion,
-            "go_on": _go_on(ended, loaded, resting, is_motion=is_motion),
+            "go_on": _possible(_go_on(ended, loaded, resting, is_motion=is_motion), ended, loaded),
         }
     )
 
@@ -76,6 +82,8 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
     if plan is None or not ended.command:
         return None
     if not is_motion:
+        if can_begin_at(plan, ended.command_index):
+            return ended.command_index
         # what isn't a motion is stood at: what goes on begins in front of it
         before = motion_before(plan, ended.command_index)
         return chain_place(plan, before) if before else ""
@@ -83,12 +91,27 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
     return chain_place(plan, index) if ended.joints is not None and index not in ("", "-") else None
 
 
+def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
+    """Return the command to begin with, if the robot can get there; where parts are carried a motion may end in a place that only it leads out of."""
+    plan, here = loaded.plan, ended.joints
+    if place is None or plan is None or here is None:
+        return place
+    begins = beginning(plan, place) if place else (0, 0)
+    return place if isinstance(begins, Diagnostic) or can_go_on(plan, begins[0], here) else None
+
+
 def where_of(origins: Origins, concerned: Concerned) -> Where:
-    """Return where a command stands in its source, as far as the source is known."""
+    """Return where a command stands in its source, as far as the source is known; of one in a module, where the program calls it."""
     origin = origins.of(concerned.index, concerned.name, concerned.source_line)
     if origin is None:
         note = origins.missing or "the program has no such command"
         return Where(line=concerned.source_line, note=note)
+    called = None if origins.program is None else caller_of(origin, origins.program.source)
+    if called is not None and origins.program is not None:
+        (span, within), source = called, origins.program.source
+        return Where(
+            source.name, span.line, span.column, span.end_column, source.line(span.line), within.text
+        )
     span = origin.span
     end = span.end_column if span.end_line == span.line else len(origin.source.line(span.line)) + 1
     return Where(origin.source.name, span.line, span.column, end, origin.source.line(span.line))

@@ -18,6 +18,7 @@ from yarclang.coordinator.ordered import OrderedSession
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Lost, Script, Trouble
+from yarclang.runtime.homing import end_search
 from yarclang.runtime.idling import idle
 from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
@@ -26,7 +27,7 @@ from yarclang.runtime.log import FOLDER, RunLog
 from yarclang.runtime.notices import Fail, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.performance import connect, end_what_runs, look, perform, perform_live
+from yarclang.runtime.performance import connect, end_leftovers, end_what_runs, look, perform, perform_live
 from yarclang.runtime.rest import described
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import Event, State
@@ -37,8 +38,17 @@ T = TypeVar("T")
 _AGAIN_EACH = 0.5
 """How often a lost connection is tried to be made again [s]."""
 
+_TRIED, _TRIES = 1.0, 20
+"""For how long somebody who wants a connection waits for it [s], and how often it is looked at meanwhile."""
+
 _RESCUE = 30.0
 """How long to try to bring a robot to rest behind a bug of ours [s]."""
+
+_LOST, _BUG = "Y1606", "Y2001"
+"""Codes of a connection that was lost, and of what is wrong with yarclang itself."""
+
+_RETRIED = "it is made again as soon as the controller can be reached: look at its cable and its power"
+"""What to do about a connection that was lost."""
 
 UNDER_WAY = "Y1612"
 """Code of what can't be done since something is under way."""
@@ -100,8 +110,11 @@ class Engine:
 
     Attributes:
         under_way: what is carried out: its name, or empty.
+        client: who ordered it, by the name that a log has; empty: nobody known.
         run_log: of the motions, from the first one on.
         ended: how the last of them has ended, as the log tells in the end.
+        lost: why there is no connection; empty: there is one.
+        inspection: what was found when the controller was looked at last; None: it wasn't yet.
     """
 
     def __init__(
@@ -114,8 +127,12 @@ class Engine:
         self.robot = robot
         self.session = session
         self.under_way = ""
+        self.client = ""
         self.run_log: RunLog | None = None
         self.ended: Ended | None = None
+        self.lost = ""
+        self.inspection: Inspection | None = None
+        self._again = asyncio.Event()
         self._log_place = log
         self._on_bug = on_bug
         self._work: deque[_Work] = deque()
@@ -128,8 +145,14 @@ class Engine:
         """The session's state, orders and notices."""
         return self.session.operation
 
-    async def start(self) -> Inspection:
+    async def start(self, *, patient: bool = False) -> Inspection | None:
         """Connect, look at everything, and serve from now on.
+
+        Args:
+            patient: whether a controller that can't be reached is waited for, and one that isn't what the robot needs is a fault: nothing moves until it is.
+
+        Returns:
+            What was found; None if it can't be reached yet.
 
         Raises:
             NotReady: the controller isn't what the robot needs.
@@ -137,15 +160,54 @@ class Engine:
         """
         self._items = items_of(self.robot)
         try:
-            await self.session.perform(connect(self.operation))
-            found = await self.look()
-            if found.errors:
+            found = await self._reach()
+            if found.errors and not patient:
                 raise NotReady(found)
+            self._judge(found)
+        except Trouble as trouble:
+            if not patient:
+                self.session.close()
+                raise
+            self.lost = trouble.what
         except BaseException:
             self.session.close()
             raise
         self._task = asyncio.create_task(self._serve(), name="coordinator")
-        return found
+        return self.inspection
+
+    async def _reach(self) -> Inspection:
+        """Connect, and look at everything.
+
+        Raises:
+            Trouble: the controller can't be reached, or not be looked at.
+        """
+        operation = self.operation
+        await self.session.perform(connect(operation))
+        if operation.searches:  # nobody watches the search any more
+            await self.session.perform(end_search(operation))
+        return await self.look()
+
+    def _judge(self, found: Inspection) -> None:
+        """Make a fault of what isn't as it must be."""
+        if found.errors:
+            trouble = NotReady(found)
+            self.operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
+
+    async def retry(self) -> None:
+        """Try at once to make a connection that was lost.
+
+        Raises:
+            Trouble: there is none yet, and why.
+        """
+        if not self.lost:
+            return
+        self._again.set()
+        for _ in range(_TRIES):
+            await asyncio.sleep(_TRIED / _TRIES / self.session.pace)
+            if not self.lost:
+                return
+        if self.lost:
+            raise Trouble(f"there is no connection yet: {self.lost}", "it is tried again and again", "Y1606")
 
     async def close(self) -> None:
         """End what is under way, on its path, and the connection."""
@@ -153,6 +215,7 @@ class Engine:
         if self.under_way:
             self.session.order(Stop())
         self.session.wake()
+        self._again.set()
         if self._task is not None:
             with contextlib.suppress(asyncio.CancelledError):
                 await self._task
@@ -183,18 +246,21 @@ class Engine:
         self._refuse_while_under_way()
         return await self._wait_for(lambda: self.session.perform(script()), moves=False)
 
-    async def move(self, name: str, work: Callable[[], Awaitable[T]]) -> T:
+    async def move(self, name: str, work: Callable[[], Awaitable[T]], *, serves: bool = False) -> T:
         """Carry out what moves the robot.
 
         Args:
             name: what people call it.
             work: calls `perform` and the like; begins when all that was asked before is done.
+            serves: whether it is what a robot needs that isn't ready: it may be done behind a fault.
 
         Raises:
             Trouble: something else is under way, or the state forbids it.
         """
         self._refuse_while_under_way()
-        if self.operation.state is State.FAULT:
+        if self.lost:
+            raise Trouble(f"there is no connection to the controller: {self.lost}", "wait", "Y1606")
+        if self.operation.state is State.FAULT and not serves:
             raise Trouble("nothing moves behind a fault before it was looked at", "clear it", code="Y1612")
         self.operation.orders.clear()  # they were for something else
         if not self._closing:
@@ -246,13 +312,20 @@ class Engine:
         return self.ended
 
     async def clear(self) -> None:
-        """Look at the controller behind a fault; where all is well, the fault is forgotten.
+        """Look at the controller behind a fault; where all is well, the fault is forgotten. A program that is left in the middle is ended first.
 
         Raises:
             NotReady: it isn't well.
             Trouble: something is under way, or there is no connection.
         """
-        found = await self.look_again()
+        self._refuse_while_under_way()
+
+        async def cleared() -> Inspection:
+            if self.operation.state is State.FAULT:
+                await self.session.perform(end_leftovers(self.operation, self.robot))
+            return await self.look()
+
+        found = await self._wait_for(cleared, moves=False)
         if found.errors:
             raise NotReady(found)
 
@@ -267,7 +340,8 @@ class Engine:
 
     async def look(self) -> Inspection:
         """Look at the controller; where all is well, a fault is forgotten."""
-        return await self.session.perform(look(self.operation, self.robot, self._items))
+        self.inspection = await self.session.perform(look(self.operation, self.robot, self._items))
+        return self.inspection
 
     def _refuse_while_under_way(self) -> None:
         if self.under_way:
@@ -285,6 +359,8 @@ class Engine:
         return await asyncio.shield(done)
 
     async def _serve(self) -> None:
+        if self.lost:
+            await self._reconnect(f"there is no connection: {self.lost}", self.lost)
         while not (self._closing and not self._work):
             try:
                 if self._work:
@@ -294,7 +370,7 @@ class Engine:
                 else:
                     await self.session.perform(idle(self.operation, self.robot, self._wanted))
             except Lost as lost:
-                await self._reconnect(str(lost))
+                await self._reconnect(f"the connection was lost: {lost}", str(lost))
             except Exception as error:
                 self._on_bug(error, await self._rescue())
 
@@ -328,23 +404,34 @@ class Engine:
         if error is not None and not work.done.done():
             work.done.set_exception(error)
 
-    async def _reconnect(self, why: str) -> None:
-        """Until there is a connection again, or nobody wants one."""
+    async def _reconnect(self, why: str, lost: str) -> None:
+        """Until there is a connection again, or nobody wants one.
+
+        Args:
+            why: told as the reason of the state.
+            lost: what has ended the connection.
+        """
         operation = self.operation
-        operation.go(Event.LOST, f"the connection was lost: {why}")
+        self.lost = lost
+        operation.go(Event.LOST, why, _LOST, _RETRIED)
         while not self._closing:
             while self._work:
                 self._end(
                     self._work.popleft(), Trouble("there is no connection to the controller", "wait", "Y1606")
                 )
+            self._again.clear()
             try:
-                await self.session.perform(connect(operation))
-                found = await self.look()
-            except Trouble:
-                await asyncio.sleep(_AGAIN_EACH / self.session.pace)
+                found = await self._reach()
+            except Trouble as trouble:
+                self.lost = trouble.what
+                if operation.state is State.STOP:  # it was there for a moment
+                    operation.go(Event.LOST, trouble.what, _LOST, _RETRIED)
+                with contextlib.suppress(TimeoutError):
+                    async with asyncio.timeout(_AGAIN_EACH / self.session.pace):
+                        await self._again.wait()
                 continue
-            if found.errors:
-                operation.go(Event.FAULT, str(NotReady(found)))
+            self.lost = ""
+            self._judge(found)
             return
 
     async def _rescue(self) -> str:
@@ -355,7 +442,7 @@ class Engine:
         """
         session, operation = self.session, self.operation
         operation.orders.clear()
-        if operation.state in (State.STOP, State.FAULT):
+        if operation.state in (State.STOP, State.FAULT) and not operation.searches:
             return ""
         rescuer = Session(session.host, session.port, pace=session.pace, connector=session.connector)
         session.close()
@@ -363,11 +450,13 @@ class Engine:
         with contextlib.suppress(Exception):
             async with asyncio.timeout(_RESCUE):
                 await rescuer.perform(connect(rescuer.operation))
-                joints = await rescuer.perform(end_what_runs(rescuer.operation, self.robot, abort=False))
+                aborts = operation.searches  # a hold doesn't stop it
+                joints = await rescuer.perform(end_what_runs(rescuer.operation, self.robot, abort=aborts))
+                operation.searches = False
                 stands = described(self.robot, joints) if joints is not None else ""
                 where = f"stands at {stands}" if stands else "isn't homed any more"
         rescuer.close()
-        operation.go(Event.FAULT, "a bug of yarclang has ended the motion")
+        operation.go(Event.FAULT, "a bug of yarclang has ended the motion", _BUG, "report it")
         return f"{self.robot.name} {where}"
 
     def _log(self, job: Job, program: Job) -> None:
@@ -393,6 +482,7 @@ class Engine:
                 on_failure=failed,
                 pace=self.session.pace,
                 clock=self.session.now(),
+                client=self.client,
             )
             self.session.listen(self.run_log.take)
             self.session.log = self.run_log

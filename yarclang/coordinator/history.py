@@ -82,6 +82,10 @@ class History:
         """Motions of a program from a file were carried out. They are no commands of the session: only the way back needs them."""
         self._entries.append(Entry((), motions, program, motions[0].start, motions[-1].end, False))
 
+    def forget(self) -> None:
+        """The motors were homed: where the robot stood before is told by other positions now."""
+        self._entries.clear()
+
     def _take_back(self, offer: Offer, ended: Ended) -> None:
         """What it leaves of the last entry is no command any more."""
         if not ended.well and (ended.joints is None or not ended.command):

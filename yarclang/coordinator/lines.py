@@ -138,7 +138,7 @@ class Typed:
         return replace(one, source=typed, span=self._moved(span), fix=fix)
 
     def _moved(self, span: Span) -> Span:
-        return replace(span, line=span.line - self.before, end_line=span.end_line - self.before)
+        return span._replace(line=span.line - self.before, end_line=span.end_line - self.before)
 
 
 class Lines:
@@ -181,4 +181,8 @@ class Lines:
     def adopt(self, declarations: tuple[str, ...]) -> None:
         """These, and no others, from now on."""
         self.declarations = list(declarations)
+        self.revision += 1
+
+    def doubt(self) -> None:
+        """Something that the declarations name has changed, such as the cell."""
         self.revision += 1

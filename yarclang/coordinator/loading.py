@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from yarclang.coordinator.programs import Loaded, load_program
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.handling.parts import first_parts
+from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.checking import check_program_file, check_text
 from yarclang.pipeline.controller_text import COMPILED, judge_text, read_controller_text
 from yarclang.pipeline.inputs import Opened, Options, open_program, open_source
 from yarclang.pipeline.jobs import Papers, job_of
 from yarclang.pipeline.origins import Origins
 from yarclang.pipeline.sources import STANDARD_INPUT
+from yarclang.pipeline.stages import CellNow
+from yarclang.robot.description import load_robot
 from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 
@@ -30,6 +35,7 @@ class Source:
         options: robot, start, tolerance, segment time, cell.
         program: of a compiled program, the file that it is judged against; None: the one beside it.
         approach: whether the way to its start is wanted as well.
+        present: where the parts of a cell are; None: as the program assumes them.
     """
 
     file: str
@@ -39,6 +45,7 @@ class Source:
     options: Options = field(default_factory=Options)
     program: str | None = None
     approach: bool = False
+    present: CellNow | None = None
 
     @property
     def is_compiled(self) -> bool:
@@ -64,13 +71,44 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
     """
     if robot is not None:
         source = replace(source, options=replace(source.options, robot=str(robot.folder)))
+    given = source
+    if source.first is None and not source.is_compiled:
+        source = replace(source, options=replace(source.options, present=source.present))
     if source.is_compiled:
         result = _judged(source)
     elif stands is None:
         result = _compiled(source)
     else:
         result = _compiled_here(source, stands)
-    return Result(None if has_errors(result.diagnostics) else result.value, in_order(result.diagnostics))
+    if robot is not None and (found := _changed(robot, result.value)) is not None:
+        return Result(None, (found,))
+    loaded = None if has_errors(result.diagnostics) else result.value
+    if loaded is not None and loaded.plan is not None and loaded.assumed is not None:
+        loaded = replace(loaded, again=_again(given, loaded.plan, robot, stands))
+    return Result(loaded, in_order(result.diagnostics))
+
+
+def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
+    """Return a finding if the robot's files describe another robot than the one that runs: what is proved of that one says nothing of this one."""
+    if loaded is not None and loaded.program.robot.fingerprint == robot.fingerprint:
+        return None
+    present = load_robot(str(robot.folder)).value if loaded is None else None
+    if present is not None and present.fingerprint == robot.fingerprint:
+        return None
+    message = f"robot.toml or the URDF of {robot.name} has changed since the robot is served"
+    return Diagnostic("Y1392", message, help="start the process that serves it anew, or undo the change")
+
+
+def _again(
+    source: Source, plan: MotionPlan, robot: Robot | None, stands: Array | None
+) -> Callable[[CellNow], Result[Loaded]]:
+    """Return what compiles the whole of a program once more, with its parts elsewhere: the text that was read, whatever is in its file by then."""
+    whole = replace(source, text=plan.program.source.text, first=None, by_steps=False)
+
+    def again(present: CellNow) -> Result[Loaded]:
+        return load(replace(whole, present=present), robot, stands)
+
+    return again
 
 
 def _judged(source: Source) -> Result[Loaded]:
@@ -93,7 +131,12 @@ def _judged(source: Source) -> Result[Loaded]:
         help_ = "look that the straight way is free; or --cell FILE.toml says what is around"
         diagnostics = (*diagnostics, Diagnostic("Y0927", message, judged.text, help=help_))
     origins = Origins(judged.program, judged.missing)
-    return Result(Loaded(job.value, job.value, origins=lambda: origins, cell=judged.cell), diagnostics)
+    cell = judged.cell
+    assumed = first_parts(cell) if cell is not None and cell.parts else None
+    loaded = Loaded(
+        job.value, job.value, origins=lambda: origins, cell=cell, assumed=assumed, text_plan=judged.plan
+    )
+    return Result(loaded, diagnostics)
 
 
 def _compiled(source: Source) -> Result[Loaded]:
@@ -105,7 +148,12 @@ def _compiled(source: Source) -> Result[Loaded]:
         return Result(None, checked.diagnostics)
     compiled = Result(checked.compiled, checked.diagnostics)
     return load_program(
-        checked.opened, source.name, source.first, by_steps=source.by_steps, compiled=compiled
+        checked.opened,
+        source.name,
+        source.first,
+        by_steps=source.by_steps,
+        compiled=compiled,
+        present=source.present,
     )
 
 
@@ -113,7 +161,9 @@ def _compiled_here(source: Source, stands: Array) -> Result[Loaded]:
     opened = open_here(source, stands)
     if opened.value is None:
         return Result(None, opened.diagnostics)
-    made = load_program(opened.value, source.name, source.first, by_steps=source.by_steps)
+    made = load_program(
+        opened.value, source.name, source.first, by_steps=source.by_steps, present=source.present
+    )
     return Result(made.value, (*opened.diagnostics, *made.diagnostics))
 
 

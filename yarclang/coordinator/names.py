@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from yarclang.coordinator.lines import TYPED, Lines
@@ -13,7 +13,7 @@ from yarclang.hir import Program, Signal
 from yarclang.pipeline.stages import check_program, context_of
 from yarclang.semantics.frames import base_axes, moving_frame
 from yarclang.semantics.scope import Frame, Scope
-from yarclang.semantics.signal_names import output_named, signal_named
+from yarclang.semantics.signal_names import input_named, output_named, signal_named
 from yarclang.semantics.unroll import declared_names
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import FrameName, Place, Word
@@ -49,10 +49,11 @@ class Names:
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
 
     def cell(self) -> Result[Program]:
-        """Return the session's declarations alone as a program: its cell is what motions keep to. None where the cell can't be used."""
+        """Return the session's declarations alone as a program: its cell is what motions keep to, with its parts as its file has them. None where the cell can't be used."""
         parsed = parse(self._lines.behind("").source)
         assert parsed.value is not None  # parsing always gives a tree
-        checked = check_program(parsed.value, self._planner.request(self._planner.robot.home))
+        request = replace(self._planner.request(self._planner.robot.home), present=None)
+        checked = check_program(parsed.value, request)
         # Y0104, a file without a command, is what declarations of a session are
         found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
         return Result(None if has_errors(found) else checked.value, found)
@@ -65,9 +66,19 @@ class Names:
         """Return a frame in which a pose may be given: its transform is (4, 4) base_from_frame [m]."""
         return self._frame(name, lambda frame, found: base_axes(_Alone(), frame, self.scope(), False, found))
 
+    def frames(self) -> dict[str, Frame]:
+        """Return all frames by their names, without braces; {B} comes first."""
+        scope = self.scope()
+        found = {name: scope.frame(name) for name in scope.frame_names()}
+        return {name: frame for name, frame in found.items() if frame is not None}
+
     def signal(self, name: str) -> Result[Signal]:
         """Return an input or an output."""
         return _looked_up(name, lambda found: signal_named(_word(name), self.scope(), _Alone(), found))
+
+    def input(self, name: str) -> Result[Signal]:
+        """Return an input."""
+        return _looked_up(name, lambda found: input_named(_word(name), self.scope(), _Alone(), found))
 
     def output(self, name: str) -> Result[Signal]:
         """Return an output."""

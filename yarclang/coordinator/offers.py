@@ -12,15 +12,18 @@ from yarclang.certify.certificate import Certificate, CommandCertificate
 from yarclang.coordinator.lines import Lines, Parts, numbered, parts_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.hir import AvoidMove, JointMove, PoseGoal, Program
+from yarclang.lasting import NO_TIME, Lasting
 from yarclang.lint.engine import lint
 from yarclang.lint.rule import Surroundings
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.checking import settled
+from yarclang.pipeline.inputs import Opened
 from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.kept import Stamp, stamp_of
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import FILE_NAME, Project, find_project
-from yarclang.pipeline.stages import Compiled, Request, certified, check_program, plan_checked
+from yarclang.pipeline.stages import CellNow, Compiled, Request, certified, check_program, plan_checked
 from yarclang.robot.kinematics.inverse import branches
 from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.model import Array, Robot
@@ -79,8 +82,13 @@ class Offer:
 
     @property
     def duration(self) -> float:
-        """Of all motions [s]."""
-        return 0.0 if self.job is None else self.job.duration
+        """The known time of motions and dwells, along the longest ways [s]."""
+        return self.lasting.most
+
+    @property
+    def lasting(self) -> Lasting:
+        """How long it takes."""
+        return NO_TIME if self.job is None else self.job.lasting
 
     @property
     def end(self) -> Array:
@@ -111,22 +119,63 @@ class Planner:
         folder: where the session is at home.
         tm: longest segment time [ms]; None: the robot's.
         cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
+        present: where the parts of the cell are now; None: where its file has them.
+
+    Attributes:
+        generation: grows when the cell or yarc.toml was read again: what was proved before may not hold any more.
     """
 
-    def __init__(self, robot: Robot, folder: Path, tm: float | None = None, cell: str | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        folder: Path,
+        tm: float | None = None,
+        cell: str | None = None,
+        present: CellNow | None = None,
+    ) -> None:
         self.robot = robot
         self.folder = folder
-        found = find_project(folder)
-        self._project: Project = found.value or Project(folder)
-        load_cell = cell_loader(folder, robot)
-        given = load_cell.given(self._project, cell)
-        told = (*found.diagnostics, *given.diagnostics)
+        self.generation = 0
+        self._named = cell
+        self._project = Project(folder)
+        self._cells = cell_loader(folder, robot)
+        self._settings: Stamp = ()
+        self._keeps = False
+        self._request = Request(robot, tm=tm, load=loader(folder), index_needed=False, present=present)
+        self._read()
+
+    def renewed(self) -> bool:
+        """Read the cells again if one of their files has changed; return True if so. Waits for the disk.
+
+        The robot keeps to the cell that was named at first. As long as none is, yarc.toml is read again as well.
+        """
+        if self._cells.is_current and (self._keeps or self._settings == stamp_of(self._places())):
+            return False
+        self._read()
+        self.generation += 1
+        return True
+
+    def _places(self) -> tuple[Path, ...]:
+        """Return where a yarc.toml would count: in the folder, and in those above it."""
+        folder = self.folder.resolve()
+        return tuple(one / FILE_NAME for one in (folder, *folder.parents))
+
+    def _read(self) -> None:
+        project = self._project
+        told: tuple[Diagnostic, ...] = ()
+        if not self._keeps:
+            self._settings = stamp_of(self._places())
+            found = find_project(self.folder)
+            project, told = found.value or Project(self.folder), found.diagnostics
+        load_cell = cell_loader(self.folder, self.robot)
+        given = load_cell.given(project, self._named)
+        told = (*told, *given.diagnostics)
         around = given.value
+        self._keeps = around is not None and not has_errors(told)
         if has_errors(told):  # nobody knows what is around: every text is refused with these findings
             around = GivenCell(FILE_NAME, Result(None, told), FILE_NAME, f"repair {FILE_NAME}")
-        self._request = Request(
-            robot, tm=tm, load=loader(folder), load_cell=load_cell, cell=around, index_needed=False
-        )
+        self._project, self._cells = project, load_cell
+        self._request = replace(self._request, load=loader(self.folder), load_cell=load_cell, cell=around)
 
     @property
     def cell(self) -> Cell | None:
@@ -160,11 +209,12 @@ class Planner:
             return Result(None, ())
         found = (*parsed.diagnostics, *self._of_robot(module))
         compiled: Compiled | None = None
+        # a command in a loop, or one that calls a module, is told by its index
+        indexed = numbered(module, typed.before, lines.next_number)
         if not has_errors(found):
-            # a command in a loop is told by its index
-            made = self._staged(numbered(module, typed.before, lines.next_number), start, parts)
+            made = self._staged(indexed, start, parts)
             compiled, found = made.value, (*found, *made.diagnostics)
-        told = settled(found, typed.source, self._project)
+        told = settled(found, typed.source, self._project, Opened(indexed, self._request))
         own = tuple(one for one in told if one.is_error or one.span is None or one.span.line > typed.before)
         placed = typed.placed(own)
         if has_errors(told) or (parts.commands and compiled is None):

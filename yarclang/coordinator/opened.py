@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from secrets import randbelow
 
 from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.ordered import OrderedSession
@@ -14,7 +15,11 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.session import REPLY_TIME
 from yarclang.runtime.transports.lock import controller_lock
 from yarclang.runtime.transports.promptness import prompt_thread
-from yarclang.simulator.leash import leash
+from yarclang.simulated_cell.playing import SimulatedCell
+from yarclang.simulator.leash import Leash
+
+_MOST_FIRST = 2**40
+"""Numbers of programs and offers begin anywhere below: those of a coordinator that has ended mean nothing to this one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +39,10 @@ class Ground:
         patience: for how long this computer may be silent before its controller holds [s]; None: what the link allows.
         simulated: whether the controller is a simulator of our own, in this process: it doesn't go on while this process is kept from its work.
         serves: whether the coordinator is there to serve other processes.
+        surroundings: the machines around a robot that is simulated in this process; None: it isn't.
+        leash: the time of a simulator in this process; None: the controller waits for nobody.
+        patient: whether the coordinator is there also while the controller isn't ready (`Coordinator`).
+        unattended: whether nobody can resume what no person has held (`Operation.unattended`).
     """
 
     host: str
@@ -48,6 +57,10 @@ class Ground:
     simulated: bool = False
     serves: bool = False
     cell: str | None = None
+    surroundings: SimulatedCell | None = None
+    leash: Leash | None = None
+    unattended: bool = False
+    patient: bool = False
 
 
 @asynccontextmanager
@@ -68,10 +81,11 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
             ground.port,
             reply_time=max(ground.reply_time, ground.patience or 0.0),
             pace=ground.pace,
-            leash=leash(ground.pace) if ground.simulated else None,
+            leash=ground.leash,
         )
         if ground.patience is not None:
             session.operation.wanted_silence = ground.patience * ground.pace
+        session.operation.unattended = ground.unattended
         coordinator = Coordinator(
             robot,
             session,
@@ -82,6 +96,9 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
             cell=ground.cell,
             simulated=ground.simulated,
             serves=ground.serves,
+            surroundings=ground.surroundings,
+            patient=ground.patient,
+            first=1 + randbelow(_MOST_FIRST),
         )
         async with coordinator, ControlSocket(coordinator):
             yield coordinator

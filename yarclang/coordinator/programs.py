@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from yarclang.cell.model import Cell
+from yarclang.cell.model import Cell, Parts, Present
 from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.handling.parts import first_parts
+from yarclang.handling.present import present_of, presently
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.inputs import Opened
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.origins import Origins
-from yarclang.pipeline.parts import approach, chains, motion_number, part
-from yarclang.pipeline.stages import Compiled, compile_module
+from yarclang.pipeline.parts import (
+    approach,
+    beginning,
+    chains,
+    leaving_before,
+    part,
+    parts_before,
+    stands_for,
+)
+from yarclang.pipeline.returning import along_the_path
+from yarclang.pipeline.stages import CellNow, Compiled, compile_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.job import Job
 from yarclang.runtime.rest import off_the_start
@@ -35,6 +46,10 @@ class Loaded:
         origins: looks where its commands come from.
         cell: what is around on the way to its start, of a program of which only the text is known.
         spans: which motions of the plan each of `steps` has, or what is run first and then the whole: from the first, to behind the last.
+        assumed: where the parts of the cell are when it begins, as it was proved; None: the cell has none.
+        first_step: the step of the plan with which what is run first begins, if a command was named.
+        text_plan: of the program of a controller text: what the text does to parts is followed by it.
+        again: compiles the same program with its parts elsewhere; None: that can't be done.
     """
 
     program: Job
@@ -45,11 +60,22 @@ class Loaded:
     origins: Callable[[], Origins] = lambda: Origins(None, "its source isn't known")
     cell: Cell | None = None
     spans: tuple[tuple[int, int], ...] = ()
+    assumed: Parts | None = None
+    first_step: int | None = None
+    text_plan: MotionPlan | None = None
+    again: Callable[[CellNow], Result[Loaded]] | None = None
 
     @property
     def around(self) -> Cell | None:
-        """The cell that the program, and the way to its start, keeps to."""
+        """The cell that the program keeps to."""
         return self.plan.program.cell if self.plan is not None else self.cell
+
+    @property
+    def around_start(self) -> Cell | None:
+        """The cell that the way to the start of what is run first keeps to, with its parts where they are then."""
+        if self.around is None or self.assumed is None:
+            return self.around
+        return presently(self.around, Present(self.assumed))
 
     @property
     def name(self) -> str:
@@ -64,6 +90,7 @@ def load_program(
     *,
     by_steps: bool = False,
     compiled: Result[Compiled] | None = None,
+    present: CellNow | None = None,
 ) -> Result[Loaded]:
     """Compile a program to what can be run.
 
@@ -73,6 +100,7 @@ def load_program(
         first: the index of the command to begin with, or None.
         by_steps: whether its commands are wanted one by one.
         compiled: what was made of it already, with the findings as they are to be told.
+        present: where the parts of its cell are now, for a program that begins with `first`; None: as the program has them there.
 
     Returns:
         None where an error forbids to run it.
@@ -85,26 +113,53 @@ def load_program(
     plan = compiled.value.plan
     source = plan.program.source.text
     program = job_of_compiled(compiled.value, name, source)
-    number = motion_number(plan, first) if first is not None else 0
-    if isinstance(number, Diagnostic):
-        return Result(None, (*found, number))
+    begins = beginning(plan, first) if first is not None else (0, 0)
+    if isinstance(begins, Diagnostic):
+        return Result(None, (*found, begins))
+    number, step = begins
     # what else is to be said of a part was said of the whole
-    shorter = first is not None and plan.motions[number].step > 0
+    shorter = first is not None and step > 0
     whole = (0, len(plan.motions))
     wanted = [(number, len(plan.motions))] if shorter else []
     steps = chains(plan, number) if by_steps else []
     spans = tuple(steps) or (wanted[0] if wanted else whole, whole)
     wanted += steps
     parts: list[Job] = []
+    assumed, since = _assumed(plan, number, step, present)
     for begin, end in wanted:
-        made = part(plan, request, begin, end, with_lead=first is None)
+        leads = first is not None and begin == number
+        made = part(
+            plan, request, begin, end, with_lead=first is None, since=since, step=step if leads else None
+        )
         if made.value is None or has_errors(made.diagnostics):
             return Result(None, (*found, *made.diagnostics))
-        parts.append(job_of_compiled(made.value, name, source, program.commands[begin].begins))
+        there = program.commands[begin]
+        stands = stands_for(plan, begin, step) if leads else 0.0
+        offset, clock = there.begins - stands, there.clock - stands
+        parts.append(job_of_compiled(made.value, name, source, offset, clock))
     rest = parts.pop(0) if shorter else program
     origins = Origins(plan.program)
     loaded = Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins, spans=spans)
-    return Result(loaded, found)
+    return Result(replace(loaded, assumed=assumed, first_step=step if first is not None else None), found)
+
+
+def _assumed(
+    plan: MotionPlan, number: int, step: int, present: CellNow | None
+) -> tuple[Parts | None, tuple[int, int, Cell] | None]:
+    """Return where the parts are before a step in front of motion `number`, and, if that is known better than from the program, since when its parts follow from there."""
+    cell = plan.program.cell
+    if cell is None or not cell.parts:
+        return None, None
+    # a program may only set outputs and wait
+    stands = plan.motions[number].curve.points[0] if plan.motions else plan.program.start
+    now = None if present is None else present(cell, stands)
+    if now is not None:
+        known = present_of(now)
+        if not known.leaving and step:
+            known = replace(known, leaving=leaving_before(plan, step, known.parts))
+        return known.parts, (number, step, presently(now, known))
+    before = parts_before(plan, step) if step else None
+    return (first_parts(cell) if before is None else before), None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,15 +173,25 @@ class Way:
     findings: tuple[Diagnostic, ...] = ()
 
 
-def way_to_start(robot: Robot, loaded: Loaded, joints: Array) -> Way:
-    """The way from where the robot stands (n,) [rad or m] to where a program begins."""
+def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | None = None) -> Way:
+    """The way from where the robot stands (n,) [rad or m] to where a program begins, in the cell as it is `around` the robot (None: as the program has it at its start)."""
     job = loaded.rest
     text = off_the_start(job, joints)
     if not text:
         return Way("")
     if loaded.begins_within and job.commands:
         text = text.replace(f"where {job.name} starts", f"where {job.commands[0].title} starts")
-    made = approach(robot, joints, job.start, loaded.around)
+    if (back := _along_the_path(loaded, joints, around)) is not None:
+        return Way(text, job_of_compiled(back, APPROACH))
+    made = approach(robot, joints, job.start, around or loaded.around_start)
     if made.value is None:
         return Way(text, None, made.diagnostics)
     return Way(text, job_of_compiled(made.value, APPROACH))
+
+
+def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:
+    """Return the way to the start along the path on which a run was stopped beside a part; None if the robot doesn't stand there."""
+    if loaded.plan is None or not loaded.begins_within or not loaded.spans:
+        return None
+    now = None if around is None else present_of(around).parts
+    return along_the_path(loaded.plan, loaded.spans[0][0], joints, now)

@@ -51,10 +51,11 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
     if command is None or len(program.commands) != len(plan.motions):
         return None
     number = program.commands.index(command)
-    since = float(plan.starts[number]) + min(max(done - command.begins, 0.0), command.ends - command.begins)
-    segment = float(np.diff(program.times).max(initial=program.segment))
+    since = float(plan.begins[number]) + min(max(done - command.begins, 0.0), command.ends - command.begins)
+    segment = max((motion.curve.segment for motion in plan.motions), default=program.segment)
     first = max(0.0, since - _EARLIER * segment)
-    last = min(plan.duration, since + (program.capacity + _EARLIER) * segment)
+    stands = sum(seconds for _, seconds in program.dwells)
+    last = min(plan.duration, since + (program.capacity + _EARLIER) * segment + stands)
     times = np.linspace(first, last, max(3, int((last - first) / _STEP)))
     off = np.pad(_off(plan, times, joints), 1, constant_values=np.inf)
     found: list[tuple[float, float]] = []
@@ -70,9 +71,9 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
         return None
     # a path may come by twice: the first time counts
     time = min(one for distance, one in found if distance < best + _AS_NEAR)
-    at = min(int(np.searchsorted(plan.starts, time, side="right")), len(plan.motions)) - 1
+    at = min(int(np.searchsorted(plan.begins, time, side="right")), len(plan.motions)) - 1
     there = program.commands[at]
-    return Resting(there, there.begins + time - float(plan.starts[at]))
+    return Resting(there, there.begins + time - float(plan.begins[at]))
 
 
 def motion_before(plan: MotionPlan, place: str) -> str:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from yarclang.coordinator.backwards import Passed, passed
 from yarclang.coordinator.history import History
+from yarclang.coordinator.kept_parts import Performed
 from yarclang.coordinator.messages.events import PartBegan, Paused
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.resting import resting_place
+from yarclang.coordinator.signals import output_names
+from yarclang.pipeline.parts import steps_of
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
@@ -51,25 +53,33 @@ class Undertaking:
     async def carry_out(self, way: Job | None) -> Ended:
         """Carry out the way to the start, then the program."""
         steps = self.loaded.steps
+        self._session.operation.outputs = output_names(self.loaded.origins().program, self.loaded.around)
         if way is not None:
             self._tell(way, 1, 1, to_the_start=True)
             self.on_the_way = True
-            ended = await self._perform(way)
+            ended = await self._perform(way, None)
             if not ended.well:
                 # its command is none of the program's
                 return replace(ended, command="", command_index="", done=0.0, concerns=None)
             self.on_the_way = False
         ended = Ended(True)
-        for number, job in enumerate(self._jobs()):
+        number = 0
+        while (job := self._next(number)) is not None:
             # behind the way to the start, too: who goes step by step begins each step
             waits = steps and (number or way is not None)
             if waits and (stopped := await self._pause(job, number)) is not None:
                 return stopped
             self._tell(job, number + 1, len(steps) or self.times)
-            ended = await self._perform(job)
+            ended = await self._perform(job, number)
             self._note(number, ended)
+            number += 1
             if not ended.well:
                 break
+            if not steps and (self.times is None or self.passes < self.times):
+                renewed = await self._coordinator.carrying.renewed(self.loaded, number + 1)
+                if isinstance(renewed, Ended):
+                    return renewed
+                self.loaded = renewed
         return ended
 
     def remember(self, history: History) -> None:
@@ -78,33 +88,47 @@ class Undertaking:
         if plan is not None and self._done:
             history.ran(tuple(self._done), plan.program)
 
-    def _jobs(self) -> Iterator[Job]:
-        """The jobs of the program itself: once, in steps, or again and again."""
-        if self.loaded.steps:
-            yield from self.loaded.steps
-            return
-        job = self.loaded.rest
-        while self.times is None or self.passes < self.times:
-            self.passes += 1
-            yield job
-            job = self.loaded.program
+    def _next(self, number: int) -> Job | None:
+        """Return a job of the program itself, which is carried out once, in steps, or again and again; None after the last."""
+        loaded = self.loaded
+        if loaded.steps:
+            return loaded.steps[number] if number < len(loaded.steps) else None
+        if self.times is not None and self.passes >= self.times:
+            return None
+        self.passes += 1
+        return loaded.program if number else loaded.rest
 
     def _tell(self, job: Job, number: int, of: int | None, *, to_the_start: bool = False) -> None:
         coordinator = self._coordinator
+        ends = job.clock + job.lasting.most
+        coordinator.behind = 0.0 if to_the_start else max(0.0, self.loaded.program.lasting.most - ends)
         coordinator.announce(
             PartBegan(
                 time_s=coordinator.time,
                 name=TO_THE_START if to_the_start else job.name,
                 to_the_start=to_the_start,
-                offset_s=job.offset,
-                duration_s=job.duration,
+                offset_s=job.clock,
+                duration_s=job.lasting.most,
                 number=number,
                 of=of,
             )
         )
 
-    async def _perform(self, job: Job) -> Ended:
-        ended = await self._coordinator.engine.perform(job, self.loaded.program)
+    async def _perform(self, job: Job, number: int | None) -> Ended:
+        """Perform a job: the way to the start, or that of a number."""
+        carrying, loaded = self._coordinator.carrying, self.loaded
+        if number is None:
+            ended = await carrying.perform(job, loaded.program)
+        elif (plan := loaded.plan or loaded.text_plan) is None:
+            ended = await carrying.perform_text(job, loaded.program, loaded.cell)
+        else:
+            is_lead = not loaded.begins_within or job is loaded.program
+            span = self._span(number) if loaded.spans else (0, None)
+            is_first = job is not loaded.program and bool(loaded.spans) and span[0] == loaded.spans[0][0]
+            step = loaded.first_step if is_first else None
+            begin, end = steps_of(plan, *span, with_lead=is_lead, step=step)
+            what = Performed(plan, begin, end, loaded.program, loaded.assumed)
+            ended = await carrying.perform(job, loaded.program, what)
         self.moved = self.moved or ended.well or bool(ended.command)
         return ended
 
@@ -114,7 +138,7 @@ class Undertaking:
         plan = loaded.plan
         if plan is None:
             return
-        begin, end = loaded.spans[number if loaded.steps else min(number, len(loaded.spans) - 1)]
+        begin, end = self._span(number)
         if ended.well:
             self._done += passed(plan)[begin:end]
             return
@@ -124,8 +148,13 @@ class Undertaking:
         if there is None:
             return
         at = loaded.program.commands.index(there.command)
-        time = float(plan.starts[at]) + there.done - there.command.begins
+        time = float(plan.begins[at]) + there.done - there.command.begins
         self._done += passed(plan, ended.joints, time)[begin:]
+
+    def _span(self, number: int) -> tuple[int, int]:
+        """Return which motions of the plan a job of the program has: from the first, to behind the last."""
+        loaded = self.loaded
+        return loaded.spans[number if loaded.steps else min(number, len(loaded.spans) - 1)]
 
     async def _pause(self, job: Job, number: int) -> Ended | None:
         """Wait until somebody wants the next step; how it ended, if nobody does."""
@@ -137,9 +166,9 @@ class Undertaking:
         ends = await session.pause()
         if (failure := session.failure) is not None:
             session.failure = None
-            session.operation.go(Event.FAULT, failure.what)
-            return Ended(False, failure.what, failure.remedy, job.start, done=job.offset)
+            session.operation.go(Event.FAULT, failure.what, remedy=failure.remedy)
+            return Ended(False, failure.what, failure.remedy, job.start, done=job.offset, clock=job.clock)
         if ends:
             session.operation.go(Event.STOP, f"ended before {title}")
-            return Ended(False, f"ended before {title}", joints=job.start, done=job.offset)
+            return Ended(False, f"ended before {title}", joints=job.start, done=job.offset, clock=job.clock)
         return None

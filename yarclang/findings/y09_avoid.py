@@ -56,7 +56,9 @@ FINDINGS = (
         "every-configuration-blocked",
         "error",
         "no configuration of a target is free",
-        "Whatever joint position the arm takes for this pose, a body is in another one, or a zone isn't kept to. The message tells the first few.",
+        "Whatever joint position the arm takes for this pose, a body is in another one, or a zone isn't kept to. The message tells the first few. For the first commands of a program "
+        "the help names what would be free: the tool with its z the other way round (often the frame is what is wrong), turned about its z in steps of 30 deg, or moved by 5 to 50 mm. "
+        "It has a fix, which is made only on request, since it is another motion.",
         "P0010 MOVEJ_RPY 900 0 100 180 0 0 [5]      ! the TABLE is 200 mm high",
         "P0010 MOVEJ_RPY 900 0 250 180 0 0 [5]",
     ),

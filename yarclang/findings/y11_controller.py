@@ -112,8 +112,8 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1164",
         "no-such-command",
         "error",
-        "no motion of the program has this index",
-        "yarc run --from goes on at a command, named by its index. Only motions can be gone on at: elsewhere the "
+        "no command with this index can be begun with",
+        "yarc run --from goes on at a command, named by its index: a motion, or a WAIT, SET or HOLD that a motion follows. Elsewhere the "
         "robot's place isn't known.",
     ),
     Finding(

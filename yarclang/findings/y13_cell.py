@@ -40,4 +40,23 @@ FINDINGS = (
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
     ),
+    Finding(
+        "Y1374",
+        "wrong-place-of-gripper",
+        "error",
+        "a gripper stands still, or a machine that removes parts is carried",
+        "An output with `grips` closes and opens a gripper, which takes parts along: its frame hangs on {FLANGE}. One with `removes` tells a machine to take away what lies there: its frame "
+        "stands in the cell.",
+        '[outputs.GRIP]\nvariable = "M1"\ngrips = "FEEDER"      # whose parent is B',
+        '[outputs.GRIP]\nvariable = "M1"\ngrips = "GRIPPER"     # whose parent is FLANGE',
+    ),
+    Finding(
+        "Y1375",
+        "sensor-of-nothing",
+        "error",
+        "a sensor names an input or a gripper that the cell doesn't have",
+        "A sensor drives one of the cell's inputs. A vacuum sensor watches the gripper of one of its outputs.",
+        '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_REDY"\nkind = "vacuum"\ngripper = "GRIP"',
+        '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_READY"\nkind = "vacuum"\ngripper = "GRIP"',
+    ),
 )

@@ -115,4 +115,36 @@ FINDINGS: tuple[Finding, ...] = (
         "Each increment of a jog, of a velocity and of a master that is followed is proved before it is streamed: limits, distances of bodies, zones. Where the robot stands already "
         "breaks one of them, or a frame isn't one of the robot's, nothing of it can be proved.",
     ),
+    Finding(
+        "Y1617",
+        "no-such-signal",
+        "error",
+        "a script names an input, an output or a command that isn't there",
+        "A script of inputs (`yarc run --inputs`) changes the inputs of the program and its cell, by their names or as variables such as M11, and may wait for an output or "
+        "a command of the program. With another name it would wait for ever.",
+    ),
+    Finding(
+        "Y1618",
+        "contradictory-input",
+        "error",
+        "an entry of a script can't be carried out",
+        "Each entry of a script of inputs says what an input becomes, and when: at a time, at a place of the program, or when an output takes a value. It says one of them. An output is set by "
+        "the program, not by the machines around the robot; and an input that is stuck isn't changed any more.",
+    ),
+    Finding(
+        "Y1619",
+        "input-of-a-real-controller",
+        "error",
+        "an input of a real controller can't be set",
+        "What is connected to a controller sets its inputs. Only a robot that is simulated in the coordinator's own process, as `yarc run`, `serve` and `repl` do it, lets a person "
+        "take the part of the machines around it.",
+    ),
+    Finding(
+        "Y1620",
+        "parts-elsewhere",
+        "error",
+        "the parts aren't where they were when this was proved",
+        "A program, a line or a jog is proved with the parts of the cell where they are then. Since then a gripper has taken or put one, or somebody has said that it is elsewhere: what was "
+        "proved is about other places. Or nobody knows where the parts are, since what has moved them isn't known to its end. Load it again, or say where the parts are: `.parts` at the prompt.",
+    ),
 )

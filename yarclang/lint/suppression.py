@@ -1,9 +1,12 @@
-"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or alone above it."""
+"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or alone above it.
+
+A finding in a module that is shown at a CALL is suppressed by a comment at the CALL, for that line alone, or in the module, for all programs.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix, suggest
 from yarclang.frozen import frozen
@@ -29,18 +32,28 @@ class Suppression:
     fix: Fix
 
 
+def has_suppressions(source: SourceFile) -> bool:
+    """Return True if a file has comments that suppress findings."""
+    return _COMMENT.search(source.text) is not None
+
+
 def suppress(
-    source: SourceFile, diagnostics: Iterable[Diagnostic], *, is_whole: bool = True
+    source: SourceFile,
+    diagnostics: Iterable[Diagnostic],
+    *,
+    is_whole: bool = True,
+    unjudged: Collection[int] = (),
 ) -> tuple[Diagnostic, ...]:
     """The findings without those that the source's comments suppress, and a finding for each comment that suppresses nothing.
 
     Args:
-        source: the file whose comments are read.
-        diagnostics: all findings; those of other files, and errors, stay.
+        source: the file whose comments are read, besides those of modules that findings are about.
+        diagnostics: all findings; errors stay.
         is_whole: whether all was looked for; if not, a comment that suppresses nothing may be right.
+        unjudged: lines in which a comment that suppresses nothing may be right all the same: those of SUBs that only other files call.
     """
-    found = tuple(diagnostics)
-    if _COMMENT.search(source.text) is None:
+    found = _without_those_of_modules(source, tuple(diagnostics))
+    if not has_suppressions(source):
         return found
     said, suppressions = _read(source)
     by_line: dict[tuple[str, int], list[Suppression]] = {}
@@ -54,10 +67,26 @@ def suppress(
         if not by:
             kept.append(finding)
     for one in each(suppressions) if is_whole else ():
-        if one not in used:
+        if one not in used and one.line not in unjudged:
             message = f"line {one.line} has no finding {one.code}: the comment suppresses nothing"
             said.append(Diagnostic("Y1701", message, source, one.span, "take it away", one.fix))
     return (*kept, *said)
+
+
+def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
+    """Return the findings without those that a comment in a module suppresses, at the module's line."""
+    read: dict[str, set[tuple[str, int]]] = {}
+
+    def is_suppressed(one: Diagnostic) -> bool:
+        there, span = one.made_at
+        if one.is_error or there is None or span is None or there.name == source.name:
+            return False
+        if there.name not in read:
+            spoken = _read(there)[1] if _COMMENT.search(there.text) else []
+            read[there.name] = {(by.code, by.line) for by in spoken}
+        return any((one.code, line) in read[there.name] for line in range(span.line, span.end_line + 1))
+
+    return tuple(one for one in each(found) if not is_suppressed(one))
 
 
 def _speaking_of(

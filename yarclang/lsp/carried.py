@@ -40,4 +40,6 @@ def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
         if line is not None and end_line is not None and end_line - line == span.end_line - span.line:
             there = span if line == span.line else Span(line, span.column, end_line, span.end_column)
             # a third of the time that `replace` takes, for as many findings as a long program has
-            yield Diagnostic(one.code, one.message, source, there, one.help, None, one.place, one.level)
+            yield Diagnostic(
+                one.code, one.message, source, there, one.help, None, one.place, one.level, one.within
+            )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lsprotocol import types
 
-from yarclang.diagnostics import Diagnostic, Edit
+from yarclang.diagnostics import Diagnostic, Edit, Within
 from yarclang.lsp.documents import Document
 from yarclang.lsp.positions import position_in, position_of, range_of
 from yarclang.memory import Lately
@@ -32,6 +32,8 @@ def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> typ
     """
     source, span = document.source, finding.span
     if finding.source is None or finding.source.name == source.name:
+        if finding.within is not None:
+            return _called(source, finding, finding.within, encoding)
         if span is not None and span.line == span.end_line:
             line = source.line(span.line)
             return _on_line(
@@ -50,6 +52,16 @@ def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> typ
         shown_range(source, None, encoding),
     )
     shown.related_information = [types.DiagnosticRelatedInformation(location, finding.message)]
+    return shown
+
+
+def _called(source: SourceFile, finding: Diagnostic, within: Within, encoding: str) -> types.Diagnostic:
+    """Return a finding in a module at the line that called it, with the module's line as related information."""
+    range_ = shown_range(source, finding.span, encoding)
+    message = f"{finding.message}\n{within.text}"  # not every editor shows related information
+    shown = _diagnostic(finding.code, finding.severity, message, finding.help, range_)
+    there = types.Location(uri_of(within.source.name), shown_range(within.source, within.span, encoding))
+    shown.related_information = [types.DiagnosticRelatedInformation(there, within.text)]
     return shown
 
 

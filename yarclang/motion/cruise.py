@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array
+from yarclang.hir import Array, Reading
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong, curve_of, refusal_of
@@ -24,19 +24,38 @@ from yarclang.robot.model import Tolerance
 _FINE = 12
 """A blend of so many segments is as short as the limits allow but for a few percent."""
 
+_MANY = 100
+"""Ramps of more segments than that are found but for a hundredth of them."""
+
+_LITTLE = 0.002
+"""Ramps that take no more than this share of the motion are short enough: finer segments for their sake would be many, and gain nothing."""
+
 _FINEST = 0.002
 """Segments aren't made shorter than this [s] for the sake of short blends."""
+
+_LEAST_SHARE = 0.02
+"""A smaller share of a speed isn't looked for: where a way nearly turns back on the spot, its segments would be without number."""
+
+FOR_SHORT = "SCURVE"
+"""The law of a way that is too short to reach its speed."""
 
 
 @frozen
 class CruiseBroken:
     """The speed can't be held: which limit it breaks, as in `TooFast`, or that the way is too short to reach it (None).
 
-    `share` is the largest share of the speed that was tried and works (0: none).
+    `share` is the largest share of the speed that was tried and works (0: none of at least `_LEAST_SHARE`, or the way is too short).
     """
 
     broken: TooFast | None
     share: float
+
+
+def full_time(path: CartesianPath, speed: Reading) -> float | None:
+    """Return how long a way takes at a speed [s]; None for a speed of another unit than the way's."""
+    way, turns = path.extent
+    wanted = speed.angle if turns else speed.length
+    return None if wanted is None else way / wanted
 
 
 def at_speed(
@@ -56,7 +75,9 @@ def at_speed(
     found = _tried(path, full, bounds, grid, tolerance)
     if isinstance(found, Curve | NotHeld):
         return found
-    return CruiseBroken(found, _share(path, full, bounds, grid, tolerance))
+    # a way that is too short to reach its speed gets another law, and no share of the speed
+    share = 0.0 if found is None else _share(path, full, bounds, grid, tolerance)
+    return CruiseBroken(found, share)
 
 
 def cruise_law(segments: float) -> Law:
@@ -73,30 +94,52 @@ def cruise_law(segments: float) -> Law:
     return Law(lambda u: u, control, forms, trapezoid_strain)
 
 
-def fewest_at_speed(trials: Trials, cruise: float, segment: float) -> Trial | None:
-    """The trial with the shortest ramps that keep the limits at a segment time [s], for a law of `cruise_law(cruise)`; None
-    where the way has no room for them.
+def fewest_at_speed(
+    trials: Trials, cruise: float, segment: float, *, any_ramps: bool = False
+) -> Trial | None:
+    """Return the trial with the shortest ramps that keep the limits, for a law of `cruise_law(cruise)`.
+
+    Args:
+        trials: of the path and this law.
+        cruise: how many segments the whole way would take at the speed.
+        segment: their time [s].
+        any_ramps: True if only the gentlest ramps are tried, since nobody goes with them.
+
+    Returns:
+        None if there is no room for such ramps.
     """
     least, most = math.ceil(cruise + FEWEST_IN_BLEND), math.floor(2.0 * cruise)
 
     def tried(blend: int) -> Trial | None:
-        trial = trials.within(least - FEWEST_IN_BLEND + blend, segment)
+        segments = least - FEWEST_IN_BLEND + blend
+        if _is_too_short(trials, segments * segment):
+            return None
+        trial = trials.within(segments, segment)
         return trial if trial.demand.segment <= segment else None
 
     gentlest = most - least + FEWEST_IN_BLEND
-    if gentlest < FEWEST_IN_BLEND or tried(gentlest) is None:
-        return None
+    slowest = tried(gentlest) if gentlest >= FEWEST_IN_BLEND else None
+    if slowest is None or any_ramps:
+        return slowest
     return fewest(tried, FEWEST_IN_BLEND, gentlest)
 
 
+def _is_too_short(trials: Trials, duration: float) -> bool:
+    """Return True if no law of motion with the limits of acceleration and jerk gets from rest to rest in a duration [s], whatever the path."""
+    way, bounds = np.abs(trials.path.end - trials.path.start), trials.bounds
+    # all jerk and no pause: up, down, down and up, a quarter of the time each
+    most = np.minimum(bounds.jerk * (duration**3 / 32.0), bounds.acceleration * (duration**2 / 4.0))
+    return bool((way > (1.0 + 1e-6) * most).any())
+
+
 def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial | None:
-    """The trial of the smallest number from `least` to `most` that has one; from some number on all have."""
+    """Return the trial of the smallest number from `least` to `most` that has one, or of one that is a little larger where it is large; from some number on all have."""
     size, before, found = least, least - 1, None
     while size <= most and (found := tried(size)) is None:
         if size == most:
             return None
-        before, size = size, min(most, math.ceil(1.3 * size))
-    while found is not None and size - before > 1:
+        before, size = size, min(most, math.ceil((1.3 if size < _MANY else 3.0) * size))
+    while found is not None and size - before > max(1.0, size / _MANY):
         middle = (size + before) // 2
         if (better := tried(middle)) is not None:
             found, size = better, middle
@@ -106,16 +149,16 @@ def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial
 
 
 def _tried(
-    path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance
+    path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance, *, any_ramps: bool = False
 ) -> Curve | NotHeld | TooFast | None:
-    """The curve; None where the ramps have no room."""
+    """Return the curve; None if the ramps have no room (`any_ramps` as of `fewest_at_speed`)."""
     segment = grid.nearest(min(grid.largest, full / (FEWEST_IN_BLEND + 1)))
     refused = False
     while segment >= grid.smallest:
         trials = Trials(path, cruise_law(full / segment), bounds, tolerance)
         finer = grid.nearest(segment / 2.0)
         can_be_finer = finer >= max(grid.smallest, _FINEST)
-        trial = fewest_at_speed(trials, full / segment, segment)
+        trial = fewest_at_speed(trials, full / segment, segment, any_ramps=any_ramps)
         if trial is None:
             # where ramps have room enough, it isn't the segments that are too coarse
             has_room = full / segment > 2 * _FINE
@@ -133,7 +176,8 @@ def _tried(
         if steadier is not None and grid.nearest(steadier) >= grid.smallest:
             segment = grid.nearest(steadier)
             continue
-        if trial.form[0] >= _FINE or not can_be_finer:
+        is_short = trial.form[0] >= _FINE or trial.form[0] * segment <= _LITTLE * full
+        if is_short or not can_be_finer:
             return curve_of(trial, segment)
         segment = finer
     return None
@@ -143,6 +187,8 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
     """The limit that the cruise itself breaks, with the gentlest ramps; None where only the ramps are too short."""
     if math.floor(2.0 * cruise) < cruise + FEWEST_IN_BLEND:
         return None
+    if trials.is_slow(math.floor(2.0 * cruise), segment):
+        return None
     trial = trials.fastest(math.floor(2.0 * cruise))
     speeds = [one for one in trial.demands if one.kind in ("velocity", "motor speed", "zone speed")]
     demand = max(speeds, key=lambda one: one.segment)
@@ -150,14 +196,16 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
 
 
 def _share(path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance) -> float:
-    """The share of a speed that works; 0 where none is found."""
+    """Return the share of a speed that works, within half a percent of the largest; 0 if none of at least `_LEAST_SHARE` is found."""
     low, high = 0.0, 1.0
     for _ in range(16):
-        middle = 0.5 * (low + high) if low else 0.3 * high
-        if isinstance(_tried(path, full / middle, bounds, grid, tolerance), Curve):
+        middle = 0.5 * (low + high) if low else max(0.3 * high, _LEAST_SHARE)
+        if isinstance(_tried(path, full / middle, bounds, grid, tolerance, any_ramps=True), Curve):
             low = middle
-        else:
+        elif middle > _LEAST_SHARE:
             high = middle
+        else:
+            return 0.0
         if low and high / low < 1.005:
             break
     return low

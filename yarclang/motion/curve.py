@@ -14,7 +14,10 @@ first differences over h: limits of velocity, acceleration and jerk hold at all 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
@@ -55,15 +58,47 @@ class Curve:
         """
         along = np.clip(times / self.segment, 0.0, self.segments)
         k = np.minimum(along.astype(np.intp), self.segments - 1)
-        u = (along - k)[:, None]
-        f0, f1, f2, f3 = (self.points[k + i] for i in range(4))
-        w = 1.0 - u
-        x = (
-            w**3 * f0 + (3 * u**3 - 6 * u**2 + 4) * f1 + (-3 * u**3 + 3 * u**2 + 3 * u + 1) * f2 + u**3 * f3
-        ) / 6.0
-        v = (w**2 * (f1 - f0) + (1 + 2 * u - 2 * u**2) * (f2 - f1) + u**2 * (f3 - f2)) / (2.0 * self.segment)
-        a = (w * (f2 - 2 * f1 + f0) + u * (f3 - 2 * f2 + f1)) / self.segment**2
-        return x, v, a
+        return _values(self.points, k, (along - k)[:, None], self.segment)
+
+
+class Sampler:
+    """Samples many curves at once: each sample costs the same, however many curves there are and however short they are."""
+
+    def __init__(self, curves: Sequence[Curve]) -> None:
+        self._points = np.concatenate([curve.points for curve in curves])
+        rows = np.array([len(curve.points) for curve in curves])
+        self._first = np.cumsum(rows) - rows
+        self._segments = rows - 3
+        self._segment = np.array([curve.segment for curve in curves])
+
+    def sample(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration, as `Curve.sample` gives them to the last bit.
+
+        Args:
+            number: (N,) of which curve.
+            times: (N,) in s from its start.
+
+        Returns:
+            Three arrays (N, d) in rad (m), per s, per s^2.
+        """
+        segment, segments = self._segment[number], self._segments[number]
+        along = np.clip(times / segment, 0.0, segments)
+        k = np.minimum(along.astype(np.intp), segments - 1)
+        return _values(self._points, self._first[number] + k, (along - k)[:, None], segment[:, None])
+
+
+def _values(
+    points: Array, k: NDArray[np.intp], u: Array, segment: float | Array
+) -> tuple[Array, Array, Array]:
+    """Position, velocity and acceleration in segments of `segment` [s] that begin with rows `k` (N,) of control points, at shares `u` (N, 1) of them."""
+    f0, f1, f2, f3 = (points[k + i] for i in range(4))
+    w = 1.0 - u
+    x = (
+        w**3 * f0 + (3 * u**3 - 6 * u**2 + 4) * f1 + (-3 * u**3 + 3 * u**2 + 3 * u + 1) * f2 + u**3 * f3
+    ) / 6.0
+    v = (w**2 * (f1 - f0) + (1 + 2 * u - 2 * u**2) * (f2 - f1) + u**2 * (f3 - f2)) / (2.0 * segment)
+    a = (w * (f2 - 2 * f1 + f0) + u * (f3 - 2 * f2 + f1)) / segment**2
+    return x, v, a
 
 
 def knot_values(points: Array) -> Array:

@@ -7,6 +7,7 @@ answered with one that doesn't.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from yarclang.motion.curve import FEWEST_SEGMENTS, Curve, knot_values
 from yarclang.motion.limits import Bounds, Demand, Grid
 from yarclang.motion.path import Path
 from yarclang.motion.profile import NoLaw, Profile
-from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials
+from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials, find_deviations, look_together
 from yarclang.robot.model import Tolerance
 
 MORE_SEGMENTS = 4
@@ -27,6 +28,9 @@ MOST_MORE = 3 * MORE_SEGMENTS
 
 FEW_SEGMENTS = 100
 """Up to so many, solving the joint positions of several trials together takes hardly longer than those of one."""
+
+_ROUNDS = 8
+"""How often the number of segments is chosen anew at most, each for the duration that the one before needs."""
 
 _MUCH = 1.5
 """A duration that is so many times as long as that of the law ..."""
@@ -71,7 +75,13 @@ class TooLong:
 
 
 def fit(
-    path: Path, profile: Profile, duration: float | None, bounds: Bounds, grid: Grid, tolerance: Tolerance
+    path: Path,
+    profile: Profile,
+    duration: float | None,
+    bounds: Bounds,
+    grid: Grid,
+    tolerance: Tolerance,
+    trials: Trials | None = None,
 ) -> Curve | TooFast | NotHeld | TooLong | NoLaw:
     """Choose segments, form and segment time of a motion along a path.
 
@@ -82,6 +92,7 @@ def fit(
         bounds: the limits to keep.
         grid: the segment times that the controller takes.
         tolerance: how far the executed path may be from `path`.
+        trials: those that were made of all this before.
 
     Returns:
         The curve; its duration is the given one but for the controller's step of the segment time.
@@ -91,9 +102,8 @@ def fit(
     law = profile.law(path, bounds)
     if isinstance(law, NoLaw):
         return law
-    trials = Trials(path, law, bounds, tolerance)
-    quick = replace(grid, largest=max(grid.smallest, min(grid.largest, profile.longest_segment)))
-    fitter = _Fitter(trials, profile, grid, quick)
+    trials = trials or Trials(path, law, bounds, tolerance)
+    fitter = _Fitter.of(trials, profile, grid)
     if duration is None:
         return fitter.shortest()
     if grid.fewest(duration) > MOST_SEGMENTS:
@@ -109,6 +119,48 @@ def fit(
     return TooFast(fitted.demand, fitted.share, fitted.time, fitted.s, fitter.usable(fastest.duration))
 
 
+def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
+    """Make the trials that the shortest durations of some motions ask for: what is looked for then is known.
+
+    Args:
+        work: the trials of each motion, of paths of one arm and one moving frame, and its law.
+        grid: the segment times that the controller takes.
+    """
+    fitters = [_Fitter.of(trials, profile, grid) for trials, profile in work]
+    segments = [MANY_SEGMENTS] * len(fitters)
+    needed = [fitter.needed_at_least() for fitter in fitters]
+    for _ in range(_ROUNDS):
+        going = [
+            place for place, least in enumerate(needed) if least != segments[place] and least <= MOST_SEGMENTS
+        ]
+        if not going:
+            break
+        for place in going:
+            segments[place] = needed[place]
+        look_together(
+            [
+                (fitters[place].trials, number)
+                for place in going
+                for number in (
+                    fitters[place].compared(segments[place])
+                    if segments[place] <= FEW_SEGMENTS
+                    else (segments[place],)
+                )
+            ]
+        )
+        for place in going:
+            needed[place] = fitters[place].needed(fitters[place].trials.fastest(segments[place]))
+    few = [place for place, number in enumerate(segments) if number <= FEW_SEGMENTS]
+    look_together(
+        [
+            (fitters[place].trials, number)
+            for place in few
+            for number in fitters[place].compared(segments[place])
+        ]
+    )
+    find_deviations([(fitters[place].trials, fitters[place].best_of(segments[place])) for place in few])
+
+
 @dataclass(slots=True)
 class _Fitter:
     """`grid` is what the controller takes, `quick` what does the shortest time justice."""
@@ -118,6 +170,16 @@ class _Fitter:
     grid: Grid
     quick: Grid
     _shortest: tuple[Curve, Trial] | NotHeld | TooLong | None = None
+
+    @classmethod
+    def of(cls, trials: Trials, profile: Profile, grid: Grid) -> _Fitter:
+        """Return what fits a motion to a grid."""
+        quick = replace(grid, largest=max(grid.smallest, min(grid.largest, profile.longest_segment)))
+        return cls(trials, profile, grid, quick)
+
+    def needed_at_least(self) -> int:
+        """Return the number of segments that the search for the shortest duration begins with."""
+        return self.quick.fewest(max(self.trials.foreseen_shortest(), self.quick.smallest))
 
     def in_time(self, duration: float) -> Curve | TooFast | NotHeld:
         """A curve of the given duration; a TooFast of this has no `shortest` yet."""
@@ -189,8 +251,8 @@ class _Fitter:
 
     def _search(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
         segments = MANY_SEGMENTS
-        needed = self.quick.fewest(max(self.trials.foreseen_shortest(), self.quick.smallest))
-        for _ in range(8):
+        needed = self.needed_at_least()
+        for _ in range(_ROUNDS):
             if needed == segments or needed > MOST_SEGMENTS:
                 break
             segments = needed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from yarclang.hir import Array
@@ -15,7 +17,16 @@ KEPT = 4e-4
 """A cruise may be faster or slower than was asked for by this share."""
 
 _CRUISE = 0.9995
+_OF_RAMPS = 0.45
+"""What goes beyond the cruise's speed on a ramp counts by this: it may be twice as much as in the cruise, as the certificate allows it."""
+_BETWEEN = 0.2
+_REACHED = 2e-3
+"""A speed counts as reached, in the certificate too, where less than this share of it is missing."""
+_DIPS = 20
+"""So many dips of a speed are looked into, each lower than the one before."""
 _PARTS = 4
+_AT_ONCE = 4_096
+"""Instants at which speeds are computed at a time."""
 
 
 def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
@@ -26,13 +37,42 @@ def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
     return speeds
 
 
+def _instants(segments: int, segment: float) -> Iterator[Array]:
+    """Yield the instants [s] at which speeds are looked at, some of each of so many segments."""
+    count = _PARTS * segments + 1
+    for begin in range(0, count, _AT_ONCE):
+        go_on()
+        yield np.arange(begin, min(begin + _AT_ONCE, count), dtype=float) * (segment / _PARTS)
+
+
+def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
+    """Return the largest speed of the moving frame on a curve from rest to rest, and that below which it doesn't fall between the first and the last instant at which it has nearly that [m/s, or rad/s of a pure turn]."""
+    speeds = np.concatenate(
+        [frame_speeds(path, *curve.sample(times)[:2]) for times in _instants(curve.segments, curve.segment)]
+    )
+    top = least = float(speeds.max())
+    for _ in range(_DIPS):
+        (reached,) = np.nonzero(speeds >= least * (1.0 - _REACHED))
+        lowest = float(speeds[reached[0] : reached[-1] + 1].min())
+        if lowest >= least * (1.0 - KEPT):
+            break
+        least = lowest
+    # between the instants it may be a little lower
+    return top, least - _BETWEEN * (top - least)
+
+
 def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float | None:
     """A segment time [s] at which the cruise keeps its speed; None where it does with `segment`."""
-    go_on()
-    times = np.arange(_PARTS * trial.segments + 1, dtype=float) * (segment / _PARTS)
-    law = Curve(trial.control[:, None], segment, trial.control).sample(times)[1][:, 0]
-    cruise = law > _CRUISE * law.max()
-    q, rates, _ = Curve(trial.points, segment, trial.control).sample(times[cruise])
-    off = float(np.abs(frame_speeds(path, q, rates) / (law[cruise] * path.extent[0]) - 1.0).max())
+    law = Curve(trial.control[:, None], segment, trial.control)
+    curve = Curve(trial.points, segment, trial.control)
+    instants = list(_instants(trial.segments, segment))
+    rates = [law.sample(times)[1][:, 0] for times in instants]
+    top, off = max(float(one.max()) for one in rates), 0.0
+    for times, wanted in zip(instants, rates, strict=True):
+        go_on()
+        q, velocities, _ = curve.sample(times)
+        speeds, is_cruise = frame_speeds(path, q, velocities) / path.extent[0], wanted > _CRUISE * top
+        off = max(off, float(np.abs(speeds[is_cruise] / wanted[is_cruise] - 1.0).max(initial=0.0)))
+        off = max(off, _OF_RAMPS * float((speeds[~is_cruise] / top - 1.0).max(initial=0.0)))
     # the speed between knots misses by the third power of the segment time
     return segment * float(max((0.8 * KEPT / off) ** (1 / 3), 0.25)) if off > KEPT else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import Literal
 
@@ -58,6 +59,12 @@ class Bounds:
     counts: Array
     motor_velocity: Array
     zones: SlowZones | None = None
+
+    @property
+    def key(self) -> Hashable:
+        """All of it, by value."""
+        arrays = (self.velocity, self.acceleration, self.jerk, self.motor_velocity)
+        return *(one.tobytes() for one in arrays), None if self.zones is None else self.zones.key
 
     def reduced(self, share: float, ramp: float) -> Bounds:
         """A share of all limits, and a further one of acceleration and jerk."""

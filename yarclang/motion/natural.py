@@ -40,10 +40,15 @@ class NaturalSpline:
 
     def slope_at(self, s: Array) -> Array:
         """Derivatives (N, d) at `s` (N,)."""
-        leg, width, left = self._legs(s)
+        return self.slope_on(self._leg(s), s[:, None])[:, 0]
+
+    def slope_on(self, leg: NDArray[np.intp], s: Array) -> Array:
+        """Derivatives (N, k, d) at places `s` (N, k) of legs `leg` (N,)."""
+        width = (self.knots[leg + 1] - self.knots[leg])[:, None, None]
+        left = (self.knots[leg + 1, None] - s)[:, :, None] / width
         right = 1.0 - left
-        rise = (self.values[leg + 1] - self.values[leg]) / width
-        m0, m1 = self.bends[leg], self.bends[leg + 1]
+        rise = (self.values[leg + 1] - self.values[leg])[:, None] / width
+        m0, m1 = self.bends[leg][:, None], self.bends[leg + 1][:, None]
         slope: Array = rise + ((1.0 - 3.0 * left**2) * m0 - (1.0 - 3.0 * right**2) * m1) * width / 6.0
         return slope
 
@@ -56,9 +61,13 @@ class NaturalSpline:
 
     def _legs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
         """For each `s`: its leg, the leg's width (N, 1), and the share of the leg that is still ahead (N, 1)."""
-        leg = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
+        leg = self._leg(s)
         width = (self.knots[leg + 1] - self.knots[leg])[:, None]
         return leg, width, (self.knots[leg + 1] - s)[:, None] / width
+
+    def _leg(self, s: Array) -> NDArray[np.intp]:
+        """The leg on which each `s` (N,) lies."""
+        return np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
 
     def _turning_points(self) -> Array:
         """All s strictly inside the legs where some component's derivative is zero."""

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Program
-from yarclang.motion.curve import Curve
+from yarclang.hir import Array, Dwell, Else, EndWhen, Hold, Program, WaitInput, When
+from yarclang.lasting import Lasting, Part, Schedule, schedule_of
+from yarclang.motion.curve import Curve, Sampler
 from yarclang.motion.path import Path
 from yarclang.motion.profile import load_profile
 from yarclang.robot.model import Robot
@@ -21,8 +22,8 @@ class PlannedMotion:
 
     `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
     `curve` goes from rest to rest, or, where it flows into its neighbours, from the middle of one overlap to that of the
-    next; `overlap` are the segments of the one at its end, 0 where it ends at rest. `law` are the control values of the share of the
-    way over its own time from rest to rest, half an overlap longer at either side. `kept` is the share of a speed asked for that is reached.
+    next; `overlap` are the segments of the one at its end, none where both paths are kept to, None where it ends at rest. `law` are the control values of the share of the
+    way over its own time from rest to rest, half an overlap longer at either side. `kept` is the share of a speed asked for that is reached, `least` that below which it doesn't fall then, as of `Piece`.
     """
 
     step: int
@@ -31,22 +32,69 @@ class PlannedMotion:
     curve: Curve
     waypoints: Array
     law: Array
-    overlap: int = 0
+    overlap: int | None = None
     kept: float = 1.0
+    least: float = 1.0
+
+    @property
+    def flows(self) -> bool:
+        """Whether the next motion begins without a stop."""
+        return self.overlap is not None
+
+    @property
+    def half(self) -> float:
+        """How long the half of the overlap at its end takes [s]."""
+        return (self.overlap or 0) * self.curve.segment / 2.0
 
 
 @dataclass(frozen=True)
 class MotionPlan:
-    """All motions of a program, one after the other, each of them a curve that the controller can execute exactly."""
+    """All motions of a program, one after the other, each of them a curve that the controller can execute exactly.
+
+    Its times count motions and dwells, with the ways of a WHEN one after the other; what waits for an input or the operator takes none.
+    """
 
     program: Program
     robot: Robot
     motions: tuple[PlannedMotion, ...]
 
     @cached_property
-    def starts(self) -> Array:
-        """The time [s] at which each motion begins, and that at which the last one ends (m + 1,)."""
-        return np.concatenate(([0.0], np.cumsum([motion.curve.duration for motion in self.motions])))
+    def schedule(self) -> Schedule:
+        """When each step of the program begins. A motion that isn't planned takes no time."""
+        durations = {motion.step: motion.curve.duration for motion in self.motions}
+        parts: list[Part] = []
+        for number, step in enumerate(self.program.steps):
+            match step:
+                case Dwell(duration=duration):
+                    parts.append(float(duration))
+                case WaitInput():
+                    parts.append("wait")
+                case Hold():
+                    parts.append("hold")
+                case When():
+                    parts.append("when")
+                case Else():
+                    parts.append("else")
+                case EndWhen():
+                    parts.append("end")
+                case _:
+                    parts.append(float(durations.get(number, 0.0)))
+        return schedule_of(parts)
+
+    @property
+    def lasting(self) -> Lasting:
+        """How long the program takes."""
+        return self.schedule.lasting
+
+    @cached_property
+    def begins(self) -> Array:
+        """The time [s] at which each motion begins (m,)."""
+        return np.array([self.schedule.places[motion.step] for motion in self.motions], dtype=np.float64)
+
+    @cached_property
+    def ends(self) -> Array:
+        """The time [s] at which each motion ends (m,)."""
+        return self.begins + np.array([motion.curve.duration for motion in self.motions], dtype=np.float64)
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
@@ -57,8 +105,8 @@ class MotionPlan:
 
     @property
     def duration(self) -> float:
-        """The time that all motions take [s]."""
-        return float(self.starts[-1])
+        """The last time of the plan [s]: all motions and dwells, with the ways of a WHEN one after the other. `lasting` is how long a run takes."""
+        return self.schedule.places[-1]
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of the joints, each (N, n), at `times` (N,) [s], in SI."""
@@ -66,10 +114,11 @@ class MotionPlan:
         v, a = np.zeros_like(q), np.zeros_like(q)
         if not self.motions:
             return q, v, a
-        number = np.searchsorted(self.starts, times, side="right") - 1
+        number = np.searchsorted(self.begins, times, side="right") - 1
         number = np.clip(number, 0, len(self.motions) - 1)
-        order = np.argsort(number, kind="stable")
-        asked, first = np.unique(number[order], return_index=True)
-        for motion, here in zip(asked, np.split(order, first[1:]), strict=True):
-            q[here], v[here], a[here] = self.motions[motion].curve.sample(times[here] - self.starts[motion])
-        return q, v, a
+        return self.sampler.sample(number, times - self.begins[number])
+
+    @cached_property
+    def sampler(self) -> Sampler:
+        """Samples the curves of the motions, of which there is at least one."""
+        return Sampler([motion.curve for motion in self.motions])

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.frozen import frozen
-from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Stop
-from yarclang.memory import NO_MEMORY, Memory, recall
+from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Step, Stop
+from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.chain import linked
-from yarclang.motion.chains.corners import chained
+from yarclang.motion.chains.corners import chained, long_chains
+from yarclang.motion.chains.flowing.flow import Known, flowing
 from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.chains.messages import stops_at_corner, time_off_the_grid
-from yarclang.motion.cruise import CruiseBroken, at_speed
+from yarclang.motion.cruise import FOR_SHORT, CruiseBroken, at_speed, full_time
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
 from yarclang.motion.leading.led import FrameWay
@@ -27,7 +30,8 @@ from yarclang.motion.profile import NoLaw, load_profile
 from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
-from yarclang.motion.zones import SlowZones, slow_zones
+from yarclang.motion.together import Tried, TriedAhead
+from yarclang.motion.zones import SlowZones, moving_of, slow_zones
 from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 
@@ -63,8 +67,8 @@ def plan_in_part(
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
     steps = steps[:end]
-    router = Router(robot, steps, program.start, program.cell, settings.memory)
-    planner = _Planner(robot, settings, bounds_of(robot), program.cell)
+    router = Router(robot, steps, program.start, program.cell, settings.memory, program.cells)
+    planner = _Planner(robot, settings, bounds_of(robot))
     for number in range(end):
         tell("planning", number // 2, end)
         router.advance()
@@ -72,15 +76,30 @@ def plan_in_part(
     links: dict[int, Link] = {}
     ways: dict[int, Path | FrameWay] = {}
     flows = False
+    motions_of = [
+        (step, done.route.path) if isinstance(step, Motion) and done.route is not None else None
+        for step, done in zip(steps, router.done, strict=True)
+        if isinstance(step, Motion)
+    ]
+    tried = TriedAhead(motions_of, settings.grid, planner.asked)
+    in_long_chains = long_chains(steps)
+    place = -1
     for number, (step, done) in enumerate(zip(steps, router.done, strict=True)):
         tell("planning", (end + number) // 2, end)
+        place += isinstance(step, Motion)
         if done.way is not None:
             ways[number] = done.way
         if isinstance(step, Motion) and done.route is not None:
             ways[number] = done.route.path
             findings = Collector(step.origin.source)
             findings.place = step.origin.place
-            link = planner.link(step, done.route.path, flows or step.blend is not None, findings)
+            link = None
+            if number in in_long_chains:
+                link = planner.bare_link(step, done.route.path, done.cell)
+            if link is None:
+                leaves = flows or step.blend is not None
+                ahead = partial(tried.of, place)
+                link = planner.link(step, done.route.path, done.cell, findings, ahead, leaves=leaves)
             found[number] += findings.found
             if link is not None:
                 links[number] = link
@@ -98,7 +117,16 @@ def plan_in_part(
             in_chains += len(chain)
             if enough is not None and in_chains > enough:
                 continue
-        for number, piece in zip(numbers, planner.pieces(chain), strict=True):
+        # a link with its corner takes the place of that without
+        links.update(zip(numbers, chain, strict=True))
+        as_one = planner.pieces(chain)
+        pieces: Sequence[Piece | None] = as_one or ()
+        if as_one is None:
+            # not as one path: then each has to be known by itself
+            pieces = planner.pieces_of_known(numbers, chain, steps, router, found, links)
+        for number, piece in zip(numbers, pieces, strict=True):
+            if piece is None:
+                continue
             step, route = steps[number], router.done[number].route
             assert isinstance(step, Motion)
             assert route is not None
@@ -112,6 +140,7 @@ def plan_in_part(
                     piece.law,
                     piece.overlap,
                     piece.kept,
+                    piece.least,
                 )
             )
             findings = Collector(step.origin.source)
@@ -142,53 +171,88 @@ class _Planner:
     robot: Robot
     settings: Settings
     bounds: Bounds
-    cell: Cell | None
+    _slow: dict[Hashable, SlowZones | None] = field(default_factory=dict)
 
-    def zones(self, step: Motion, path: Path, *, leaves: bool) -> SlowZones | None:
+    def zones(self, step: Motion, path: Path, cell: Cell | None, *, leaves: bool) -> SlowZones | None:
         """The slow zones that a motion may get into; `leaves` says that it may leave its path to flow into another one."""
-        zones = slow_zones(self.robot, self.cell, step)
+        zones = slow_zones(self.robot, cell, step)
         return zones if zones is None or leaves else zones.beside(path.joints, path.slope)
 
-    def link(self, step: Motion, path: Path, leaves: bool, findings: Collector) -> Link | None:
-        """A motion by itself; None with a finding where it can't be done as the command says. `leaves`: as of `zones`."""
+    def asked(self, step: Motion) -> tuple[Bounds, Tolerance]:
+        """Return the limits and the tolerance of a motion, but for slow zones."""
+        timing, tolerance = step.timing, self.settings.tolerance
+        if step.tolerance is not None:
+            leads_frame = isinstance(step, LineMove | ArcMove | PoseSplineMove)
+            tolerance = tolerance.of_motion(step.tolerance, leads_frame=leads_frame)
+        return self.bounds.reduced(timing.share, timing.ramp), tolerance
+
+    def link(
+        self,
+        step: Motion,
+        path: Path,
+        cell: Cell | None,
+        findings: Collector,
+        ahead: Callable[[], Tried | None],
+        *,
+        leaves: bool,
+    ) -> Link | None:
+        """Plan a motion by itself in the cell as it is then.
+
+        Args:
+            step: the motion.
+            path: its path.
+            cell: the cell meanwhile.
+            findings: what is said of the motion.
+            ahead: gives what was tried of it together with others.
+            leaves: as of `zones`.
+
+        Returns:
+            None with a finding if it can't be done as the command says.
+        """
         told = self.settings
         # the path was recalled by all that the step does (motion/routes.py), and stands for it
-        key = ("link", self.robot, self.cell, told.grid, told.tolerance, path, leaves)
+        key = ("link", self.robot, cell, told.grid, told.tolerance, path, leaves)
 
         def make() -> tuple[Link | None]:
-            return (self._link(step, path, self.zones(step, path, leaves=leaves), findings),)
+            zones = self.zones(step, path, cell, leaves=leaves)
+            return (self._link(step, path, zones, findings, ahead() if zones is None else None),)
 
         return told_before(told.memory, key, step.origin, findings, make)[0]
 
-    def _link(self, step: Motion, path: Path, zones: SlowZones | None, findings: Collector) -> Link | None:
-        timing, tolerance = step.timing, self.settings.tolerance
-        if step.tolerance is not None:
-            tolerance = Tolerance(step.tolerance, tolerance.angle)
+    def _link(
+        self, step: Motion, path: Path, zones: SlowZones | None, findings: Collector, tried: Tried | None
+    ) -> Link | None:
+        timing = step.timing
+        bounds, tolerance = self.asked(step)
+        if zones is not None:
+            bounds = replace(bounds, zones=zones)
         # inverse kinematics and sums come back to a place but for rounding: far below a count, nothing moves
         if isinstance(path, JointPath) and bool((path.slope <= NO_WAY * self.robot.axis_units).all()):
             findings.add(*messages.no_motion(step.origin))
         profile = load_profile(step.profile)
-        bounds = replace(self.bounds, zones=zones).reduced(timing.share, timing.ramp)
         full: float | None = None
         grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | NoLaw | CruiseBroken
         if timing.speed is not None and isinstance(path, CartesianPath):
-            way, turns = path.extent
-            speed = timing.speed.angle if turns else timing.speed.length
-            if speed is None:
-                findings.add(*messages.speed_without_unit(turns, step.origin))
+            full = full_time(path, timing.speed)
+            if full is None:
+                findings.add(*messages.speed_without_unit(path.extent[1], step.origin))
                 return None
             if not profile.has_cruise:
                 findings.add(*messages.no_cruise(step))
                 return None
-            full = way / speed
             fitted = at_speed(path, full, bounds, grid, tolerance)
             if isinstance(fitted, CruiseBroken) and fitted.broken is None:
                 # too short to start and stop; whether the speed is reached depends on what it flows into
-                fitted = fit(path, load_profile("SCURVE"), None, bounds, grid, tolerance)
+                gentle = load_profile(FOR_SHORT)
+                trials = None if tried is None else tried.trials_of(gentle)
+                fitted = fit(path, gentle, None, bounds, grid, tolerance, trials)
         else:
-            fitted = fit(path, profile, timing.duration, bounds, grid, tolerance)
-        near = nearest_singularity(path, bounds.velocity) if isinstance(path, CartesianPath) else None
+            trials = None if tried is None else tried.trials_of(profile)
+            fitted = fit(path, profile, timing.duration, bounds, grid, tolerance, trials)
+        near = None
+        if isinstance(path, CartesianPath) and not (tried is not None and tried.keeps_away):
+            near = nearest_singularity(path, bounds.velocity)
         match fitted:
             case Curve():
                 if near is not None:
@@ -206,19 +270,100 @@ class _Planner:
                 findings.add(*messages.not_held(fitted, grid.smallest, step.origin))
         return None
 
-    def pieces(self, chain: list[Link]) -> list[Piece]:
-        """The curves of motions that flow into each other, or of one."""
-        if len(chain) == 1:
-            return [chain[0].as_alone]
+    def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:
+        """Return a motion of which nothing is worked out yet but its path; None where more has to be known."""
+        timing, profile = step.timing, load_profile(step.profile)
+        if not isinstance(path, CartesianPath) or not profile.has_cruise or timing.duration is not None:
+            return None
+        full = None
+        if timing.speed is not None:
+            way, turns = path.extent
+            speed = timing.speed.angle if turns else timing.speed.length
+            if speed is None:
+                return None
+            full = way / speed
+        bounds, tolerance = self.asked(step)
+        frame = moving_of(self.robot, step)
+        key = (cell, frame.name, frame.flange_from_moving.tobytes())
+        if key not in self._slow:
+            self._slow[key] = slow_zones(self.robot, cell, step)
+        if self._slow[key] is not None:
+            bounds = replace(bounds, zones=self._slow[key])
+        return Link(path, profile, None, full, bounds, tolerance, None, None)
+
+    def pieces(self, chain: list[Link]) -> list[Piece] | None:
+        """Return the curves of motions that flow into each other, or of one; None where each has to be known by itself first."""
         settings = self.settings
-        # a curve is of one link, and stands for all that it was made of
-        parts = [(link.alone, None if link.corner is None else link.corner.key) for link in chain]
-        key = ("chain", self.robot, settings.grid, *parts)
-        return recall(settings.memory, key, lambda: linked(self.robot.chain, chain, settings.grid))
+        if all(link.by_itself is not None for link in chain):
+            if len(chain) == 1:
+                return [chain[0].as_alone]
+            # a curve is of one link, and stands for all that it was made of
+            parts = [(link.alone, None if link.corner is None else link.corner.key) for link in chain]
+            key = ("chain", self.robot, settings.grid, *parts)
+            return recall(settings.memory, key, lambda: linked(self.robot.chain, chain, settings.grid))
+        if len(chain) == 1:
+            return None
+        if isinstance(settings.memory, Forgetful):
+            return flowing(chain, settings.grid)
+        asked = [
+            (
+                self.robot,
+                link.path,
+                link.full,
+                link.profile,
+                link.tolerance,
+                link.bounds.key,
+                None if link.corner is None else link.corner.key,
+            )
+            for link in chain
+        ]
+        return recall(
+            settings.memory,
+            ("path", settings.grid, *asked),
+            lambda: flowing(chain, settings.grid, Known(settings.memory, asked)),
+        )
+
+    def pieces_of_known(
+        self,
+        numbers: list[int],
+        chain: list[Link],
+        steps: Sequence[Step],
+        router: Router,
+        found: list[list[Diagnostic]],
+        links: dict[int, Link],
+    ) -> list[Piece | None]:
+        """Return the curves of a chain that can't be done as one path; None for each motion that can't be done by itself.
+
+        Args:
+            numbers: of its motions.
+            chain: the motions.
+            steps: of the program.
+            router: knows their paths.
+            found: the findings of each step; those of these motions are added.
+            links: all motions; these are known by themselves afterwards.
+        """
+        known: list[Link | None] = []
+        for number, bare in zip(numbers, chain, strict=True):
+            step, done = steps[number], router.done[number]
+            assert isinstance(step, Motion)
+            findings = Collector(step.origin.source)
+            findings.place = step.origin.place
+            link = self.link(step, bare.path, done.cell, findings, lambda: None, leaves=True)
+            found[number] += findings.found
+            known.append(None if link is None else replace(link, corner=bare.corner))
+            if link is not None:
+                links[number] = link
+        done_all = [link for link in known if link is not None]
+        pieces = self.pieces(done_all) if len(done_all) == len(known) else None
+        return (
+            list(pieces)
+            if pieces is not None
+            else [None if link is None else link.as_alone for link in known]
+        )
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
         """Say where a chain can't do quite what its commands say."""
-        if flows and not piece.overlap:
+        if flows and piece.overlap is None:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
             findings.add(*time_off_the_grid(link.duration, piece.curve, step.origin))

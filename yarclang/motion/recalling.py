@@ -61,7 +61,8 @@ def _spelling(origin: Origin) -> Hashable:
         for one in (getattr(origin, name) for name in _SPANS)
     ]
     text = origin.source.lines[line - 1 : _last_line(origin)]
-    return origin.index, origin.name, origin.place, origin.time_unit, origin.time_given, *places, *text
+    units = (origin.time_unit, origin.length_unit, origin.angle_unit)
+    return origin.index, origin.name, origin.place, *units, origin.time_given, *places, *text
 
 
 _SPANS = tuple(entry.name for entry in fields(Origin) if "Span" in str(entry.type))

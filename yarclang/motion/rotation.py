@@ -6,6 +6,7 @@ import numpy as np
 
 from yarclang.hir import Array
 from yarclang.robot.kinematics.fk import skew
+from yarclang.transforms import constant
 
 NO_TURN = 1e-9
 """A turn smaller than this [rad] has no axis, and needs none."""
@@ -28,13 +29,48 @@ def turn_between(first: Array, second: Array) -> tuple[Array, float] | None:
     angle = float(np.arctan2(size, cosine))
     if angle > HALF_TURN:
         return None
-    axis = sine / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+    axis = sine / size if size > 0.0 else _UP
     return axis, angle if angle > NO_TURN else 0.0
 
 
+def turns_between(first: Array, second: Array) -> tuple[Array, Array]:
+    """Return the short turns between pairs of rotations (N, 3, 3), each as of `turn_between` to the last bit.
+
+    Returns:
+        The axes (N, 3), unit vectors in the axes of {B}, and the angles (N,) [rad]; NaN for half a turn, which has no short way.
+    """
+    turn = second @ first.transpose(0, 2, 1)
+    sines = np.empty((len(turn), 3))
+    sines[:, 0] = turn[:, 2, 1] - turn[:, 1, 2]
+    sines[:, 1] = turn[:, 0, 2] - turn[:, 2, 0]
+    sines[:, 2] = turn[:, 1, 0] - turn[:, 0, 1]
+    sines /= 2.0
+    cosines = (turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2] - 1.0) / 2.0
+    sizes = np.sqrt((sines[:, None] @ sines[:, :, None]).ravel())
+    angles = np.arctan2(sizes, cosines)
+    angles = np.where(angles > NO_TURN, np.where(angles > HALF_TURN, np.nan, angles), 0.0)
+    if not sizes.all():
+        still = sizes == 0.0
+        sines[still], sizes[still] = _UP, 1.0
+    return sines / sizes[:, None], angles
+
+
+_UP = constant(np.array([0.0, 0.0, 1.0]))
+"""The axis of no turn at all."""
+
+
 def turned(rotation: Array, axis: Array, angles: Array) -> Array:
-    """`rotation` (3, 3) turned about the unit vector `axis` (3,) in {B} by `angles` (N,) [rad], as (N, 3, 3)."""
+    """Return rotations turned about unit vectors in {B}.
+
+    Args:
+        rotation: (..., 3, 3), broadcast against the turns.
+        axis: (..., 3), broadcast against the angles.
+        angles: (..., N) [rad].
+
+    Returns:
+        (..., N, 3, 3).
+    """
     turn = skew(axis)
-    angle = angles[:, None, None]
+    angle = angles[..., None, None]
     result: Array = (np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)) @ rotation
     return result

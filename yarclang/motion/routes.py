@@ -6,7 +6,7 @@ nearest is taken first; where a motion that follows can't be done from there, th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +14,8 @@ import numpy as np
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic
 from yarclang.frozen import frozen
+from yarclang.handling.grasp import Grasp, Whereabouts
+from yarclang.handling.walk import Handling, flange_pose, handling_of
 from yarclang.hir import (
     Action,
     ArcMove,
@@ -27,7 +29,6 @@ from yarclang.hir import (
     JointMove,
     LineMove,
     Motion,
-    Origin,
     PoseGoal,
     PoseSplineMove,
     SplineMove,
@@ -35,11 +36,14 @@ from yarclang.hir import (
     When,
 )
 from yarclang.identity import key_of
-from yarclang.memory import NO_MEMORY, Memory
+from yarclang.memory import NO_MEMORY, Forgetful, Memory
+from yarclang.motion.chains.corners import long_chains
 from yarclang.motion.leading import messages
+from yarclang.motion.leading.ahead import WaysAhead
 from yarclang.motion.leading.frame_motions import frame_motion, frame_way
 from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion
 from yarclang.motion.leading.led import FrameWay, Led
+from yarclang.motion.leading.reached import ReachedAhead
 from yarclang.motion.leading.solving import Solver, flange_at, is_free
 from yarclang.motion.path import Path
 from yarclang.motion.recalling import told_before
@@ -69,13 +73,14 @@ class _Ways:
 class _Stand:
     """What is known between two steps: where the robot stands (None: nowhere known), the WHENs around, and the last motion whose
     solution was chosen and decides where the robot stands (None: where it stands was written). `flange` is where the flange stands,
-    base_from_flange (4, 4), where no more than that is known.
+    base_from_flange (4, 4), where no more than that is known. `parts` says where the cell's parts are.
     """
 
     q: Array | None
     ways: tuple[_Ways, ...] = ()
     choice: int | None = None
     flange: Array | None = None
+    parts: Whereabouts = Whereabouts()
 
 
 @dataclass(slots=True)
@@ -90,6 +95,8 @@ class _Done:
     found: tuple[Diagnostic, ...] = ()
     broken: bool = False
     way: FrameWay | None = None
+    cell: Cell | None = None
+    """The cell as it is during a motion."""
 
 
 @dataclass(slots=True)
@@ -101,23 +108,63 @@ class Router:
     start: Array
     cell: Cell | None = None
     memory: Memory = NO_MEMORY
+    cells: Mapping[int, Cell | None] | None = None
+    """The cell as it is during each motion, where that is given."""
     done: list[_Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
     """What was taken instead of the nearest, by step."""
     _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
     """The commands for which was searched, and nothing found."""
+    _handling: Handling = field(init=False)
+    _grasps: dict[int, Grasp] = field(default_factory=dict)
+    """What the SETs of grippers do, by step."""
+    _blocked: set[tuple[SourceFile, Span]] = field(default_factory=set)
+    """The commands whose poses are blocked, for which poses beside them were tried."""
+    _ahead: WaysAhead = field(init=False)
+    _reached: ReachedAhead = field(init=False)
 
-    def _solver(self, origin: Origin) -> Solver:
+    def __post_init__(self) -> None:
+        """Find the ways in and out of grippers."""
+        self._reached = ReachedAhead(self.robot, self.steps)
+        self._ahead = WaysAhead(self.robot, self.steps, long_chains(self.steps))
+        self._handling = handling_of(self.robot, self.cell, self.steps)
+
+    def _solver(self, number: int, step: Motion, before: _Stand) -> Solver:
         """What solves the poses of a command. It searches long only in the first round of a loop, and for how far poses are out of reach for some
         commands of a program.
         """
+        origin = step.origin
         is_again = (origin.source, origin.span) in self._in_vain
-        measures = not is_again and len(self._in_vain) < MOST_MEASURED
-        return Solver(self.robot, self.cell, measures, is_again)
+        is_known = is_again or (origin.source, origin.span) in self._blocked
+        measures = not is_known and len(self._in_vain) + len(self._blocked) < MOST_MEASURED
+        return Solver(self.robot, self._around(number, step, before), measures, is_again)
+
+    def _around(self, number: int, step: Motion, before: _Stand) -> Cell | None:
+        """Return the cell as it is during a motion."""
+        handling = self._handling
+        if self.cells is not None:
+            return self.cells.get(number, self.cell)
+        if not handling.is_needed:
+            return self.cell
+        touches = handling.touches(number, self._grasps.get)
+        goal = _joint_goal(step)
+        if goal is not None and before.q is not None:
+            # of straight ways of a frame only the certificate looks at what they meet
+            flange = (
+                flange_at(goal)
+                if isinstance(goal, PoseGoal)
+                else flange_pose(self.robot, _end(goal, before.q))
+            )
+            touches += handling.foreseen(before.parts.parts, number, flange)
+        return handling.around(before.parts.parts, touches)
+
+    def _first(self) -> _Stand:
+        """Return what is known before the first step."""
+        return _Stand(self.start, parts=self._handling.first())
 
     def advance(self) -> None:
         """Route the next step; where it can't be done from here, from another solution of an earlier target if one serves."""
-        before = self.done[-1].behind if self.done else _Stand(self.start)
+        before = self.done[-1].behind if self.done else self._first()
         done = self._step(len(self.done), before)
         self.done.append(done)
         if done.broken and before.choice is not None:
@@ -133,14 +180,14 @@ class Router:
             return
         step = self.steps[chosen]
         assert isinstance(step, Motion)
-        for q in Solver(self.robot, self.cell).others(goal, near, step):
+        for q in Solver(self.robot, self.done[chosen].cell).others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
             had = self._choices.get(chosen)
             self._choices[chosen] = q
             del self.done[chosen:]
             while len(self.done) < last:
-                before = self.done[-1].behind if self.done else _Stand(self.start)
+                before = self.done[-1].behind if self.done else self._first()
                 done = self._step(len(self.done), before)
                 self.done.append(done)
                 if done.broken:
@@ -175,19 +222,40 @@ class Router:
         findings = Collector(step.origin.source)
         findings.place = step.origin.place
         if isinstance(step, Motion):
-            solver = self._solver(step.origin)
+            parts = self._handling.before_motion(before.parts, number)
+            if parts is not before.parts:
+                before = replace(before, parts=parts)
+            solver = self._solver(number, step, before)
             if before.q is None:
-                done = self._from_anywhere(solver, step, before, findings)
+                done = self._from_anywhere(solver, number, step, before, findings)
             else:
                 done = self._motion(solver, number, step, before, before.q, findings)
             if any(one.code in _IN_VAIN for one in done.found):
                 self._in_vain.add((step.origin.source, step.origin.span))
+            elif any(one.code == _BLOCKED for one in done.found):
+                self._blocked.add((step.origin.source, step.origin.span))
+            done.cell = solver.cell
             return done
-        behind = self._flow(step, before, findings) if isinstance(step, Action) else before
+        behind = self._flow(number, step, before, findings) if isinstance(step, Action) else before
         return _Done(before, behind, None, tuple(findings.found))
 
-    def _flow(self, step: Action, stand: _Stand, findings: Collector) -> _Stand:
-        """What is known behind a step that doesn't move the robot: something else only at the ways of a WHEN."""
+    def _flow(self, number: int, step: Action, stand: _Stand, findings: Collector) -> _Stand:
+        """What is known behind a step that doesn't move the robot: something else only at the ways of a WHEN, and where a gripper closes or opens."""
+        if self._handling.is_needed:
+            parts, grasp = self._handling.passed(stand.parts, number, stand.q)
+            if grasp is not None:
+                self._grasps[number] = grasp
+                if self._flows_into(number):
+                    findings.add(*messages.grips_on_the_way(step.origin, grasp.closes))
+            return replace(self._flowed(step, stand, findings), parts=parts)
+        return self._flowed(step, stand, findings)
+
+    def _flows_into(self, number: int) -> bool:
+        """Return True if the motion before a step doesn't come to rest."""
+        before = next((one for one in reversed(self.steps[:number]) if isinstance(one, Motion)), None)
+        return before is not None and before.blend is not None
+
+    def _flowed(self, step: Action, stand: _Stand, findings: Collector) -> _Stand:
         match step:
             case When():
                 return replace(stand, ways=(*stand.ways, _Ways(step, stand)))
@@ -221,19 +289,18 @@ class Router:
             choice = number if is_free(step.waypoints[-1]) else None
         elif isinstance(step, JointMove | AvoidMove) and not isinstance(step.goal, JointDelta):
             choice = number if is_free(step.goal) else None
-        chosen = None if taken is None else taken.tobytes()
-        key = (
-            "route",
-            self.robot,
-            self.cell,
-            q.tobytes(),
-            chosen,
-            key_of(step),
-            solver.measures,
-            solver.is_again,
-        )
+        key: Hashable = ()
+        if not isinstance(self.memory, Forgetful):
+            chosen = None if taken is None else taken.tobytes()
+            kept = (self.robot, solver.cell, q.tobytes(), chosen, key_of(step))
+            key = ("route", *kept, solver.measures, solver.is_again)
 
         def make() -> tuple[Led, Route | None]:
+            path = self._ahead.path(number, q) if isinstance(step, LineMove | ArcMove) else None
+            if path is not None:
+                end = path.end
+                waypoints = end[None]
+                return Led(path, end, waypoints), Route(path, waypoints)
             led = self._led(solver, step, q, taken, findings)
             if led.path is None or led.waypoints is None:
                 return led, None
@@ -242,7 +309,7 @@ class Router:
         # the fix of a way round takes names that stand nowhere in the text
         around = isinstance(step, AvoidMove)
         led, route = told_before(self.memory, key, step.origin, findings, make, may_look_around=around)
-        behind = replace(before, q=led.end, choice=choice)
+        behind = _Stand(led.end, before.ways, choice, before.flange, before.parts)
         return _Done(before, behind, route, tuple(findings.found), led.broken)
 
     @staticmethod
@@ -257,20 +324,22 @@ class Router:
             case LineMove() | ArcMove() | PoseSplineMove():
                 return frame_motion(solver, step, q, findings)
 
-    def _from_anywhere(self, solver: Solver, step: Motion, before: _Stand, findings: Collector) -> _Done:
+    def _from_anywhere(
+        self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
+    ) -> _Done:
         """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all, and the way of its frame."""
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
 
         def make() -> tuple[Array | None, Array | None, FrameWay | None]:
-            return self._goals_from_anywhere(solver, step, before, findings)
+            return self._goals_from_anywhere(solver, number, step, before, findings)
 
         q, flange_after, way = told_before(self.memory, key, step.origin, findings, make)
         behind = replace(before, q=q, choice=None, flange=flange_after)
         return _Done(before, behind, None, tuple(findings.found), way=way)
 
     def _goals_from_anywhere(
-        self, solver: Solver, step: Motion, before: _Stand, findings: Collector
+        self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> tuple[Array | None, Array | None, FrameWay | None]:
         """Return where a motion from an unknown place leads: joint positions (n,) if they are written, the flange's pose (4, 4), and the way of its frame."""
         goals = step.waypoints if isinstance(step, SplineMove | PoseSplineMove) else (step.goal,)
@@ -279,7 +348,7 @@ class Router:
             way, last = frame_way(step, before.flange, findings)
             goals = (*goals[:-1], last)
         reached = [
-            solver.nearest(goal, self.robot.home, step, findings) is not None
+            self._reached.is_sure(number) or solver.nearest(goal, self.robot.home, step, findings) is not None
             for goal in goals
             if isinstance(goal, PoseGoal)
         ]
@@ -292,8 +361,22 @@ class Router:
 _IN_VAIN = ("Y0501", "Y0503", "Y0923")
 """Codes of findings after a search that found nothing."""
 
+_BLOCKED = "Y0925"
+
 MOST_MEASURED = 20
 """Commands of a program for which is searched how far they are out of reach: each search takes about 0.1 s."""
+
+
+def _joint_goal(step: Motion) -> JointGoal | JointDelta | PoseGoal | None:
+    """Return where a motion of the joints leads; None for motions of a frame."""
+    if isinstance(step, JointMove | AvoidMove):
+        return step.goal
+    return step.waypoints[-1] if isinstance(step, SplineMove) else None
+
+
+def _end(goal: JointGoal | JointDelta, stands: Array) -> Array:
+    """Return the joint position (n,) of a goal."""
+    return goal.q if isinstance(goal, JointGoal) else stands + goal.dq
 
 
 def _last_goal(step: Step) -> PoseGoal | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
-from yarclang.robot.kinematics.singularity import smallest_singular_values
+from yarclang.robot.kinematics.singularity import are_all_above, smallest_singular_values
 
 NEAR = 0.06
 """Below this smallest singular value a path counts as near a singularity: far from one it is 0.1 to 0.5."""
@@ -31,6 +33,15 @@ class Nearest:
     turns: bool
 
 
+def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
+    """Return True for each of some paths of one arm and one moving frame that is proved to keep away from singularities."""
+    chain, tool = paths[0].chain, paths[0].flange_from_moving
+    q = [path.followed.q for path in paths]
+    if are_all_above(chain, np.concatenate(q), tool, NEAR):
+        return [True] * len(paths)
+    return [are_all_above(chain, one, tool, NEAR) for one in q]
+
+
 def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
     """Where a path comes near a singularity and pays for it in joint speed; None where it keeps away, or passes without a cost.
 
@@ -42,8 +53,10 @@ def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
     """
     extent, turns = path.extent
     s, q = path.followed.s, path.followed.q
+    if extent < _STILL or are_all_above(path.chain, q, path.flange_from_moving, NEAR):
+        return None
     smallest = smallest_singular_values(path.chain, q, path.flange_from_moving)
-    if extent < _STILL or smallest.min() >= NEAR:
+    if smallest.min() >= NEAR:
         return None
     slope = np.abs(np.diff(q, axis=0)) / np.diff(s)[:, None]
     # the share of its speed that the busiest joint needs, were the path gone along in 1 s

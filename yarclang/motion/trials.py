@@ -15,16 +15,28 @@ from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath, deviations, joints_of
 from yarclang.motion.curve import knot_values, middle_values, through_knots
 from yarclang.motion.limits import Bounds, Demand
 from yarclang.motion.path import Path
+from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline
 from yarclang.motion.profile import Form, Law
+from yarclang.motion.smooth import MANY, Smooth, smooth
 from yarclang.progress import go_on
 from yarclang.robot.model import Tolerance
 
 _SHARE_OF_TOLERANCE = 0.7
 """The deviation is looked at in the middle of each segment; the proof of it comes later."""
 
+_SHARE_OF_SPLINE = 0.55
+"""The same of a spline of poses, whose bends are of any sharpness between its way-points."""
+
+
+_KEPT = 200_000
+"""Segments of all trials of a motion that are kept: 10 MB of control points."""
+
+_FAR = 3.0
+"""Of what is foreseen from the steepest slope of a path, about the least segment times may be this many times as long."""
 
 MANY_SEGMENTS = 24
 """So many that the form of a law hardly depends on their number any more."""
@@ -56,6 +68,12 @@ class Trials:
     tolerance: Tolerance
     _made: dict[tuple[int, Form], Trial] = field(default_factory=dict)
     _fastest: dict[int, Trial] = field(default_factory=dict)
+    _deviations: dict[tuple[int, Form], tuple[float, float]] = field(default_factory=dict)
+    _first: dict[tuple[int, float], int] = field(default_factory=dict)
+    _rates: Array | None = None
+    """The steepest slope of the path over the limits of velocity, acceleration and jerk (3,)."""
+    _smooth: Smooth | None = None
+    _is_smooth_known: bool = False
 
     def trial(self, segments: int, form: Form) -> Trial:
         """The control points for a number of segments and a form."""
@@ -63,27 +81,7 @@ class Trials:
 
     def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
         """The same for many at once: their joint positions are solved together."""
-        go_on()
-        missing = [one for one in dict.fromkeys(wanted) if one not in self._made]
-        controls = [self.law.control(segments, form) for segments, form in missing]
-        for (segments, form), control, points in zip(missing, controls, self._points(controls), strict=True):
-            self._made[segments, form] = Trial(segments, form, control, points, self.bounds.demands(points))
-        return [self._made[one] for one in wanted]
-
-    def _points(self, controls: list[Array]) -> list[Array]:
-        """The control points of the joints for control values of the share of the way."""
-        start, end = self.path.start, self.path.end
-        if not controls:
-            return []
-        if self.path.is_straight_in_joints:
-            straight = [start + control[:, None] * (end - start) for control in controls]
-            for points in straight:
-                points[-3:] = end
-            return straight
-        knots = [knot_values(control)[2:-2] for control in controls]
-        q = self.path.joints(np.concatenate(knots))
-        stops = np.cumsum([len(one) for one in knots])[:-1]
-        return [through_knots(part, start, end) for part in np.split(q, stops)]
+        return _made([(self, segments, form) for segments, form in wanted])
 
     def within(self, segments: int, segment: float) -> Trial:
         """The trial with the first form that keeps the limits at a segment time, or the fastest one."""
@@ -109,34 +107,8 @@ class Trials:
 
     def fastest_of(self, numbers: Sequence[int]) -> list[Trial]:
         """The same for each number of segments."""
-        missing = [number for number in numbers if number not in self._fastest]
-        self._fastest.update(zip(missing, self._looked_for(missing), strict=True))
+        look_together([(self, number) for number in numbers])
         return [self._fastest[number] for number in numbers]
-
-    def _looked_for(self, numbers: list[int]) -> list[Trial]:
-        forms = [self.law.forms(number) for number in numbers]
-        likely = [
-            each[int(np.argmin(self._from_slope(number, each)))] if len(each) > 1 else each[0]
-            for number, each in zip(numbers, forms, strict=True)
-        ]
-        best = self.trials([(number, _form(row)) for number, row in zip(numbers, likely, strict=True)])
-        improving = [place for place, each in enumerate(forms) if len(each) > 1]
-        for _ in range(3):
-            nearer = [
-                forms[place][int(np.argmin(self._foreseen(best[place], forms[place])))] for place in improving
-            ]
-            better = self.trials(
-                [(numbers[place], _form(row)) for place, row in zip(improving, nearer, strict=True)]
-            )
-            quicker = {
-                place: one
-                for place, one in zip(improving, better, strict=True)
-                if one.demand.segment < best[place].demand.segment
-            }
-            for place, one in quicker.items():
-                best[place] = one
-            improving = list(quicker)
-        return best
 
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
         """About the shortest segment times [s] of other numbers of segments: exact for straight lines in joint space."""
@@ -148,12 +120,22 @@ class Trials:
             return self.law.shortest
         return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
+    def is_slow(self, segments: int, segment: float) -> bool:
+        """Return True if a number of segments of a time [s] each are far from every limit of speed, in any form of the law; no slow zone is near."""
+        bounds, slope = self.bounds, self.path.slope
+        if bounds.zones is not None:
+            return False
+        peak = float(self.law.strain(segments, self.law.forms(segments))[:, 0].max())
+        share = max(
+            (slope / bounds.velocity).max(),
+            (np.abs(bounds.counts) @ slope / bounds.motor_velocity).max(),
+        )
+        return bool(_FAR * peak * share <= segment)
+
     def deviation(self, trial: Trial) -> tuple[float, float]:
         """How far the curve is from the path, in the middle of the segments and at the knots [m], [rad]."""
-        # the knots 2 to n - 2 were solved
-        q = np.concatenate((knot_values(trial.points)[[1, -2]], middle_values(trial.points)))
-        s = np.concatenate((knot_values(trial.control)[[1, -2]], middle_values(trial.control)))
-        return self.path.deviation(q, s)
+        known = self._deviations.get((trial.segments, trial.form)) or self._surely(trial)
+        return known or self.path.deviation(_looked_at(trial.points), _looked_at(trial.control))
 
     def segments_for_tolerance(self, trial: Trial) -> int | None:
         """How many segments are needed to hold the path; None where the trial holds it."""
@@ -161,25 +143,49 @@ class Trials:
             return None
         go_on()
         position, angle = self.deviation(trial)
-        excess = max(position / self.tolerance.position, angle / self.tolerance.angle) / _SHARE_OF_TOLERANCE
+        is_spline = isinstance(self.path, CartesianPath) and isinstance(
+            self.path.frame, PoseSpline | AtConstantSpeed
+        )
+        excess = max(position / self.tolerance.position, angle / self.tolerance.angle)
+        excess /= _SHARE_OF_SPLINE if is_spline else _SHARE_OF_TOLERANCE
         if excess <= 1.0:
             return None
         # the error falls with the fourth power of the number of segments
         return max(trial.segments + 1, math.ceil(trial.segments * math.pow(min(excess, 256.0), 0.25)))
 
+    def _surely(self, trial: Trial) -> tuple[float, float] | None:
+        """Return a bound of the deviation [m], [rad] where it shows that a trial with many segments keeps the tolerance."""
+        if self._smooth is None or trial.segments < MANY:
+            return None
+        position, angle = self._smooth.deviation(_looked_at(trial.points), _looked_at(trial.control))
+        excess = max(position / self.tolerance.position, angle / self.tolerance.angle)
+        return (position, angle) if excess <= _SHARE_OF_TOLERANCE else None
+
+    def _forget(self) -> None:
+        """Drop the trials that were made first, as long as all have too many segments together: those of a long motion take the memory of the whole program."""
+        kept = sum(segments for segments, _ in self._made)
+        for key in list(self._made)[:-1]:
+            if kept <= _KEPT:
+                break
+            kept -= key[0]
+            del self._made[key]
+
     def _likely(self, segments: int, forms: NDArray[np.int64], segment: float) -> int:
         """About the first form that keeps the limits."""
-        keeping = self._from_slope(segments, forms) <= segment
-        return int(np.argmax(keeping))
+        first = self._first.get((segments, segment))
+        if first is None:
+            first = int(np.argmax(self._from_slope(segments, forms) <= segment))
+            self._first[segments, segment] = first
+        return first
 
     def _from_slope(self, segments: int, forms: NDArray[np.int64]) -> Array:
         """About the segment times (K,) that forms need, from the steepest slope of the path alone."""
-        slope, bounds = self.path.slope, self.bounds
         strain = self.law.strain(segments, forms)
-        rates = np.array(
-            [(slope / limit).max() for limit in (bounds.velocity, bounds.acceleration, bounds.jerk)]
-        )
-        needed: Array = ((strain * rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
+        if self._rates is None:
+            slope, bounds = self.path.slope, self.bounds
+            limits = (bounds.velocity, bounds.acceleration, bounds.jerk)
+            self._rates = np.array([(slope / limit).max() for limit in limits])
+        needed: Array = ((strain * self._rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
     def _foreseen(self, trial: Trial, forms: NDArray[np.int64], segments: int | None = None) -> Array:
@@ -192,6 +198,151 @@ class Trials:
         asked = np.array([max(velocity, motors, *zones), acceleration, jerk])
         needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
+
+
+def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float]]) -> None:
+    """Make the trials that `within` begins with, and find their deviations, for many paths together.
+
+    Args:
+        all_trials: of paths of one arm and one moving frame.
+        wanted: for each, the number of segments, and the segment time [s].
+    """
+    first = list[tuple[Trials, int, Form]]()
+    for trials, (segments, segment) in zip(all_trials, wanted, strict=True):
+        rows = trials.law.forms(segments)
+        first.append((trials, segments, _form(rows[trials._likely(segments, rows, segment)])))
+    find_deviations(list(zip(all_trials, _made(first), strict=True)))
+
+
+def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
+    """Find the deviations of trials together, each of a path of one arm and one moving frame."""
+    cartesian = [
+        (trials, trial, trials.path) for trials, trial in made if isinstance(trials.path, CartesianPath)
+    ]
+    for trials, trial, _ in cartesian:
+        if (surely := trials._surely(trial)) is not None:
+            trials._deviations[trial.segments, trial.form] = surely
+    cartesian = [one for one in cartesian if (one[1].segments, one[1].form) not in one[0]._deviations]
+    if not cartesian:
+        return
+    go_on()
+    found = deviations(
+        [path for _, _, path in cartesian],
+        [_looked_at(trial.points) for _, trial, _ in cartesian],
+        [_looked_at(trial.control) for _, trial, _ in cartesian],
+    )
+    for (trials, trial, _), missed in zip(cartesian, found, strict=True):
+        trials._deviations[trial.segments, trial.form] = missed
+
+
+def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
+    """Look for the form that needs the shortest segments, for paths of one arm and one moving frame, each with a number of segments."""
+    wanted = [(trials, number) for trials, number in wanted if number not in trials._fastest]
+    forms = [trials.law.forms(number) for trials, number in wanted]
+    likely = [
+        each[int(np.argmin(trials._from_slope(number, each)))] if len(each) > 1 else each[0]
+        for (trials, number), each in zip(wanted, forms, strict=True)
+    ]
+    best = _made([(*one, _form(row)) for one, row in zip(wanted, likely, strict=True)])
+    improving = [place for place, each in enumerate(forms) if len(each) > 1]
+    for _ in range(3):
+        nearer = [
+            forms[place][int(np.argmin(wanted[place][0]._foreseen(best[place], forms[place])))]
+            for place in improving
+        ]
+        better = _made([(*wanted[place], _form(row)) for place, row in zip(improving, nearer, strict=True)])
+        quicker = {
+            place: one
+            for place, one in zip(improving, better, strict=True)
+            if one.demand.segment < best[place].demand.segment
+        }
+        for place, one in quicker.items():
+            best[place] = one
+        improving = list(quicker)
+    for (trials, number), one in zip(wanted, best, strict=True):
+        trials._fastest[number] = one
+
+
+def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
+    """Return trials of some paths of one arm and one moving frame, each a number of segments and a form: those that are missing are made together."""
+    go_on()
+    missing: dict[int, tuple[Trials, dict[tuple[int, Form], Array]]] = {}
+    for trials, segments, form in wanted:
+        if (segments, form) not in trials._made:
+            controls = missing.setdefault(id(trials), (trials, {}))[1]
+            if (segments, form) not in controls:
+                controls[segments, form] = trials.law.control(segments, form)
+    together = [(trials, list(controls.values())) for trials, controls in missing.values()]
+    for (trials, controls), points in zip(missing.values(), _points(together), strict=True):
+        for (key, control), made in zip(controls.items(), points, strict=True):
+            trials._made[key] = Trial(*key, control, made, trials.bounds.demands(made))
+    found = [trials._made[segments, form] for trials, segments, form in wanted]
+    for trials, _ in missing.values():
+        trials._forget()
+    return found
+
+
+def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
+    """Return the control points of the joints for control values of the share of the way, some for each path."""
+    _smoothen([trials for trials, controls in wanted if any(len(one) - 3 >= MANY for one in controls)])
+    found = list[list[Array]]()
+    left = list[tuple[Path, Array]]()
+    for trials, controls in wanted:
+        path, own = trials.path, list[Array]()
+        for control in controls:
+            if path.is_straight_in_joints:
+                own.append(_straight(path, control))
+                continue
+            knots = knot_values(control)[2:-2]
+            if trials._smooth is not None and len(control) - 3 >= MANY:
+                own.append(through_knots(trials._smooth.at(knots), path.start, path.end))
+                continue
+            own.append(_TO_SOLVE)
+            left.append((path, knots))
+        found.append(own)
+    solved = iter(_solved(left))
+    for (trials, _), own in zip(wanted, found, strict=True):
+        path = trials.path
+        own[:] = [
+            through_knots(next(solved), path.start, path.end) if one is _TO_SOLVE else one for one in own
+        ]
+    return found
+
+
+_TO_SOLVE = np.empty((0, 0))
+"""Stands for control points whose joint positions are solved together with others."""
+
+
+def _smoothen(all_trials: Sequence[Trials]) -> None:
+    """Find the joint positions along paths of one arm and one moving frame as polynomials."""
+    unknown = [
+        (trials, trials.path)
+        for trials in all_trials
+        if not trials._is_smooth_known and isinstance(trials.path, CartesianPath)
+    ]
+    if unknown:
+        for (trials, _), one in zip(unknown, smooth([path for _, path in unknown]), strict=True):
+            trials._smooth, trials._is_smooth_known = one, True
+
+
+def _solved(wanted: Sequence[tuple[Path, Array]]) -> list[Array]:
+    """Return the joint positions (N, n) of paths at places (N,), a path as often as it has places."""
+    cartesian = [path for path, _ in wanted if isinstance(path, CartesianPath)]
+    if len(cartesian) == len(wanted) > 1:
+        return joints_of(cartesian, [knots for _, knots in wanted])
+    return [path.joints(knots) for path, knots in wanted]
+
+
+def _straight(path: Path, control: Array) -> Array:
+    """Return the control points (N, n) of a line in joint space."""
+    points: Array = path.start + control[:, None] * (path.end - path.start)
+    points[-3:] = path.end
+    return points
+
+
+def _looked_at(points: Array) -> Array:
+    """Return the values (n + 2, ...) of control points at which a deviation is looked for: the knots 2 to n - 2 were solved."""
+    return np.concatenate((knot_values(points)[[1, -2]], middle_values(points)))
 
 
 def _form(row: NDArray[np.int64]) -> Form:

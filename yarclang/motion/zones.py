@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 
 import numpy as np
 
@@ -37,12 +37,21 @@ _LARGER = 2.0 * SLACK
 """Zones count as larger by this [m]: the printed curve may enter them where this one doesn't."""
 
 
+_TOGETHER = 8
+"""Segments of which the fastest is looked for."""
+
+
 @frozen(eq=False)
 class SlowZones:
     """What slow zones watch while a motion is under way."""
 
     scene: Scene
     watches: tuple[Watch, ...]
+
+    @property
+    def key(self) -> Hashable:
+        """The scene, and what is watched in which zone."""
+        return self.scene, tuple((one.zone, one.item.name if one.item else "") for one in self.watches)
 
     def asked(
         self, points: Array, segment: float, *, stops: bool = False
@@ -75,6 +84,30 @@ class SlowZones:
                 yield segment, int(found.segment[0]) + 1, watch
                 if stops:
                     return
+
+    def too_fast(self, points: Array, segment: float) -> tuple[Array, Array]:
+        """Return the segments (K,) of control points (N, n) in which something is too fast in its zone, one of each few, and by which factor (K,).
+
+        Args:
+            points: the control points.
+            segment: the segment time [s].
+        """
+        if not self.watches or len(points) < 4:
+            return np.zeros(0), np.zeros(0)
+        course = _in_knots(points)
+        begins = np.arange(0, len(course.x), _TOGETHER)
+        spans = np.stack((begins, np.append(begins[1:], len(course.x))), axis=1)
+        whole = Whole(self.scene, course, spans)
+        where, factors = [], []
+        for watch in self.watches:
+            limit = (watch.zone.speed or 0.0) * (1.0 - HEADROOM) * segment
+            found = fastest_inside(
+                self.scene, course, spans, watch, least=limit, whole=whole, beyond=_LARGER, sharp=_SHARP
+            )
+            fast = found.segment >= 0
+            where.append(found.segment[fast].astype(np.float64))
+            factors.append(found.speed[fast] / limit)
+        return np.concatenate(where), np.concatenate(factors)
 
     def beside(self, way: Callable[[Array], Array], slope: Array) -> SlowZones | None:
         """Those that a way (its joints over the share of it) may get into, with about the steepest `slope` (n,) of the joints over it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,16 +10,19 @@ from pathlib import Path
 from yarclang.cell.description import Names, load_cell, read_cell
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.files import LARGEST_MESH
 from yarclang.memory import NO_MEMORY, Memory
-from yarclang.pipeline.kept import cell_kept
+from yarclang.pipeline.kept import Stamp, cell_kept, meshes_of, stamp_of
 from yarclang.pipeline.project import FILE_NAME, Project, find_project, read_project
-from yarclang.pipeline.sources import NO_TEXTS, read_source
+from yarclang.pipeline.sources import NO_TEXTS, read_content, read_source
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import GivenCell
 from yarclang.semantics.naming import is_word
+from yarclang.shapes import Mesh
 from yarclang.source import SourceFile
+from yarclang.toml.reading import read_text
 
 SUFFIX = ".toml"
 
@@ -47,6 +51,7 @@ class CellLoader:
         self._texts = texts
         self._memory = memory
         self._known: dict[Path, Result[Cell]] = {}
+        self._stamps: dict[Path, Stamp] = {}
 
     def __call__(self, path: str, module: SourceFile | None) -> Result[Cell]:
         """Read the cell of a CELL line.
@@ -59,7 +64,7 @@ class CellLoader:
 
     def at(self, place: Path) -> Result[Cell]:
         """Read the cell of a file; its findings name the file as it was asked for first."""
-        key = _file(place)
+        key = file_of(place)
         if key not in self._known:
             text = self._texts.get(place.absolute()) or self._texts.get(key)
             names = Names(is_word, self._robot)
@@ -68,8 +73,18 @@ class CellLoader:
                 return load_cell(place, names) if text is None else read_cell(text, place.parent, names)
 
             saved = None if text is None else text.text
-            self._known[key] = cell_kept(self._memory, place, self._robot, saved, read)
+            if text is None:
+                self._stamps[place] = stamp_of((place,))
+            made = cell_kept(self._memory, place, self._robot, saved, read)
+            if made.value is not None:
+                self._stamps |= {mesh: stamp_of((mesh,)) for mesh in meshes_of(made.value)}
+            self._known[key] = made
         return self._known[key]
+
+    @property
+    def is_current(self) -> bool:
+        """True if all files that were read are as they were. Asks the disk."""
+        return all(stamp_of((path,)) == stamp for path, stamp in self._stamps.items())
 
     def given(self, project: Project, named: str | None) -> Result[GivenCell]:
         """Read the cell that a program keeps to even without a CELL line.
@@ -124,6 +139,19 @@ def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) ->
     return Result(None if has_errors(told) else given, told)
 
 
+def holds_still(cell: Cell) -> bool:
+    """Return True if the file of a cell says what it said when it was read; so do those of its meshes. Reads them."""
+    read = read_text(Path(cell.source.name), "")
+    if isinstance(read, Diagnostic) or read.text != cell.source.text:
+        return False
+    for body in (*cell.obstacles, *(part.body for part in cell.parts)):
+        if isinstance(body.shape, Mesh):
+            content = read_content(str(body.shape.path), LARGEST_MESH).value
+            if content is None or hashlib.sha256(content).hexdigest() != body.shape.digest:
+                return False
+    return True
+
+
 def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenCell]:
     """Read the cell of a session in a folder, as `cell_for`, with the folder's yarc.toml."""
     project = find_project(folder)
@@ -134,10 +162,10 @@ def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenC
 
 def is_same_file(one: Path, other: Path) -> bool:
     """Return True if two paths lead to the same file, or would if it were there."""
-    return _file(one) == _file(other)
+    return file_of(one) == file_of(other)
 
 
-def _file(place: Path) -> Path:
+def file_of(place: Path) -> Path:
     """Return the file that a path leads to, or the path itself if it leads to none: a name that can't be one, links in a circle."""
     try:
         return place.resolve()

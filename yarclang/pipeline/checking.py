@@ -14,8 +14,10 @@ from yarclang.hir import Program
 from yarclang.lint.engine import Remarks, remarks
 from yarclang.lint.engine import told as told_by_rules
 from yarclang.lint.rule import Surroundings
-from yarclang.lint.suppression import suppress
+from yarclang.lint.suppression import has_suppressions, suppress
+from yarclang.memory import Forgetful
 from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.callers import at_callers, uncalled_lines
 from yarclang.pipeline.cells import SUFFIX, check_description
 from yarclang.pipeline.controller_text import COMPILED, check_controller_text
 from yarclang.pipeline.followers import few_in_a_line, without_followers
@@ -26,6 +28,7 @@ from yarclang.pipeline.sources import STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
 from yarclang.progress import each, go_on, tell
 from yarclang.source import SourceFile
+from yarclang.syntax.parse import forget
 
 
 @frozen(eq=False)
@@ -132,9 +135,15 @@ def _planned_if_possible(begun: Begun) -> Checked:
         return replace(checked, diagnostics=found, begun=None)
 
 
+_LONG = 10_000
+"""Lines of a text that is only read once, and not kept for the next time."""
+
+
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
     """Check a program as far as no motion has to be planned; return only findings if it can't be opened."""
     opened = open_source(source, folder, options)
+    if isinstance(options.memory, Forgetful) and len(source.lines) > _LONG:
+        forget()
     project = find_project(folder, options.texts).value or Project(folder)
     if opened.value is None:
         return Checked(settled(opened.diagnostics, source, project), source)
@@ -155,7 +164,7 @@ def _unplanned(begun: Begun) -> Checked:
     told = grouped(begun.program.diagnostics, at_least=begun.program.value.is_cut)
     found = (*begun.found, *told)
     diagnostics = settled(
-        (*found, *told_by_rules(begun.said, begun.around, found)), begun.source, begun.project
+        (*found, *told_by_rules(begun.said, begun.around, found)), begun.source, begun.project, begun.opened
     )
     return Checked(diagnostics, begun.source, begun.opened, begun.program.value, begun=begun)
 
@@ -177,7 +186,7 @@ def _planned(begun: Begun) -> Checked:
     go_on()
     found = (*found, *told_by_rules(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)
-    diagnostics = settled(found, source, project, is_whole=is_whole)
+    diagnostics = settled(found, source, project, begun.opened, is_whole=is_whole)
     proved = None if has_errors(diagnostics) else compiled
     return Checked(diagnostics, source, begun.opened, begun.program.value, planned.value, proved)
 
@@ -187,27 +196,40 @@ def _silent(project: Project) -> set[str]:
     return {code for code, level in project.levels.items() if level == "off"}
 
 
-def told(diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path) -> tuple[Diagnostic, ...]:
+def told(
+    diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path, opened: Opened | None = None
+) -> tuple[Diagnostic, ...]:
     """Findings of some stages about a program that belongs to a folder, as its comments and its yarc.toml want them told."""
-    return settled(diagnostics, source, find_project(folder).value or Project(folder))
+    return settled(diagnostics, source, find_project(folder).value or Project(folder), opened)
 
 
 def settled(
-    diagnostics: Iterable[Diagnostic], source: SourceFile, project: Project, *, is_whole: bool = False
+    diagnostics: Iterable[Diagnostic],
+    source: SourceFile,
+    project: Project,
+    opened: Opened | None = None,
+    *,
+    is_whole: bool = False,
 ) -> tuple[Diagnostic, ...]:
-    """Findings as they are told: without those that follow from others or that the source's comments suppress, as severe as the project says.
+    """Findings as they are told: without those that follow from others or that comments suppress, those in modules where they are called, as severe as the
+    project says.
 
     Args:
         diagnostics: all findings.
         source: the program's file.
         project: its settings.
+        opened: the parsed program, if it could be opened; without, findings in modules stay there.
         is_whole: whether all was looked for: only then a comment that suppresses nothing is needless.
     """
     told: list[Diagnostic] = []
     go_on()
     found = without_followers(diagnostics, source)
+    unjudged: frozenset[int] = frozenset()
+    if opened is not None:
+        unjudged = uncalled_lines(opened.module) if is_whole and has_suppressions(source) else unjudged
+        found = at_callers(found, opened.module, opened.request.load)
     go_on()
-    found = few_in_a_line(suppress(source, found, is_whole=is_whole))
+    found = few_in_a_line(suppress(source, found, is_whole=is_whole, unjudged=unjudged))
     for one in each(found):
         level = project.levels.get(one.code, "")
         if one.is_error or not level:

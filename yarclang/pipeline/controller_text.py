@@ -19,14 +19,20 @@ from yarclang.hir import Program
 from yarclang.identity import fingerprint
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import cell_for, is_same_file
-from yarclang.pipeline.inputs import Opened, Options, open_program, tolerance_of
+from yarclang.pipeline.inputs import (
+    Opened,
+    Options,
+    named_robot,
+    open_program,
+    robot_made_for,
+    tolerance_of,
+)
 from yarclang.pipeline.origins import start_values
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import LARGEST_DATA, name_of, read_content
 from yarclang.pipeline.stages import check_program, claims_of, plan_checked, plan_module
 from yarclang.pmac.header import Header
 from yarclang.pmac.seal import is_sealed
-from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import GivenCell
 from yarclang.source import SourceFile, Span
@@ -57,6 +63,7 @@ class JudgedText:
         program: the program that it was proved against; None if that isn't known.
         missing: why the program isn't known; empty if it is.
         cell: what the proof knows of the surroundings.
+        plan: of that program, if the text says that it was made of the very same; else None.
     """
 
     text: SourceFile
@@ -65,6 +72,7 @@ class JudgedText:
     program: Program | None
     missing: str
     cell: Cell | None
+    plan: MotionPlan | None = None
 
 
 def read_controller_text(path: str) -> Result[SourceFile]:
@@ -119,7 +127,10 @@ def judge_text(
     judged = certify(text.text, meant, robot, tolerance, claims_of(plan), any_line=does_the_same)
     # what else is to be said of the program, yarcc and yarc check say
     errors = tuple(one for one in judged.diagnostics if one.is_error)
-    return _settled(text, robot, Result(judged.value, errors), meant, "", meant.cell, told)
+    made = _settled(text, robot, Result(judged.value, errors), meant, "", meant.cell, told)
+    if made.value is None or not does_the_same:
+        return made
+    return Result(replace(made.value, plan=replace(plan, program=meant)), made.diagnostics)
 
 
 def _remedy(text: SourceFile, program: Program | None) -> str:
@@ -252,7 +263,8 @@ def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
 
 def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot]:
     """Load the robot that was named, which must be that of the header; without a name the header's."""
-    found = load_robot(name if name is not None else header.robot)
+    folder = Path(text.name).parent
+    found = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
     if name is not None:
         if found.value is None or found.value.name == header.robot:
             return found

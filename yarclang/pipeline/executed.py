@@ -5,6 +5,8 @@ It is read by the certificate's own reader, from the text alone.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,6 +16,7 @@ from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run
 from yarclang.certify.unsourced import start_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
+from yarclang.lasting import NO_TIME, Lasting
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
 from yarclang.progress import tell
@@ -29,7 +32,8 @@ class Act:
     """What one command does.
 
     `what` says it of one that moves nothing, for people and for comparing. `curve` is the executed motion [rad or m],
-    `duration` how long it takes as far as that is known before [s].
+    `duration` how long it takes as far as that is known before [s]. `step` is its number in the program, -1 if the text doesn't say it; `carries` are the parts that
+    grippers hold during a motion, None if that isn't known.
     """
 
     kind: Kind
@@ -39,6 +43,8 @@ class Act:
     what: str = ""
     curve: Curve | None = None
     duration: float = 0.0
+    step: int = -1
+    carries: tuple[str, ...] | None = None
 
     @property
     def title(self) -> str:
@@ -48,26 +54,30 @@ class Act:
 
 @frozen(eq=False)
 class Executed:
-    """All that a text does, in order, from joint positions `start` (n,) [rad or m]."""
+    """All that a text does, in order, from joint positions `start` (n,) [rad or m], and how long it takes."""
 
     name: str
     robot: Robot
     start: Array
     acts: tuple[Act, ...]
+    lasting: Lasting = NO_TIME
 
     @property
     def duration(self) -> float:
-        """Of all motions and dwells [s]; of ways that part, of both."""
-        return sum(one.duration for one in self.acts)
+        """The known time of all motions and dwells, along the longest ways [s]."""
+        return self.lasting.most
 
 
-def executed(text: str, robot: Robot, name: str) -> Result[Executed]:
+def executed(
+    text: str, robot: Robot, name: str, carried: Mapping[int, tuple[str, ...]] | None = None
+) -> Result[Executed]:
     """Read a controller text.
 
     Args:
         text: that yarcc has written.
         robot: whom it is for.
         name: how messages call it.
+        carried: the parts that grippers hold during each motion, by its step, as the certificate says; None if that isn't known.
 
     Returns:
         None, with a finding, where it isn't what yarcc writes for this robot's controller.
@@ -79,7 +89,12 @@ def executed(text: str, robot: Robot, name: str) -> Result[Executed]:
         help_ = "it isn't as yarcc wrote it: compile the program again"
         return Result(None, (Diagnostic(content.code, message, SourceFile(name, text), help=help_),))
     start = start_of(content, robot)
-    return Result(Executed(name, robot, start, tuple(_acts(content, map_lines(text), robot, start))))
+    acts = tuple(_acts(content, map_lines(text), robot, start))
+    if carried is not None:
+        acts = tuple(
+            replace(act, carries=carried.get(act.step, ())) if act.curve is not None else act for act in acts
+        )
+    return Result(Executed(name, robot, start, acts, content.schedule.lasting))
 
 
 def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) -> list[Act]:
@@ -117,8 +132,9 @@ def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[
         if size < 1:
             break
         curve = Curve(control[segment : segment + size + 3], run.segment_ms * MS, np.empty(0))
+        duration = size * run.segment_ms * MS
         acts.append(
-            Act("motion", entry.index, entry.name, entry.source_line, "", curve, size * run.segment_ms * MS)
+            Act("motion", entry.index, entry.name, entry.source_line, "", curve, duration, entry.step)
         )
         place, segment = behind, segment + size
     return acts
@@ -133,7 +149,8 @@ def _barrier(item: Barred, entry: Entry) -> Act:
         "else": "the other way",
         "end": "the ways meet",
     }[item.kind]
-    return Act(item.kind, entry.index, entry.name, entry.source_line, what)  # type: ignore[arg-type]
+    place, name, line = entry.index, entry.name, entry.source_line
+    return Act(item.kind, place, name, line, what, step=item.step)  # type: ignore[arg-type]
 
 
 def _between(mapped: LineMap, line: int, kind: Kind, what: str, duration: float = 0.0) -> Act:
@@ -141,4 +158,4 @@ def _between(mapped: LineMap, line: int, kind: Kind, what: str, duration: float 
     command = stretch.command if stretch is not None else None
     if command is None:
         return Act(kind, "", kind.upper(), 0, what, None, duration)
-    return Act(kind, command.index, command.name, command.source_line, what, None, duration)
+    return Act(kind, command.index, command.name, command.source_line, what, None, duration, command.step)

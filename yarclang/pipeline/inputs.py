@@ -17,7 +17,7 @@ from yarclang.pipeline.kept import robot_kept
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
-from yarclang.pipeline.stages import Request
+from yarclang.pipeline.stages import CellNow, Request
 from yarclang.pmac.program import Target
 from yarclang.robot.description import load_robot, read_robot
 from yarclang.robot.library import find_robot, list_robots
@@ -35,6 +35,7 @@ class Options:
     `tolerance` in mm and deg (None: the robot's own), `cell` the path of a cell.toml. `texts` are files that are open somewhere, by their absolute
     paths: modules, cells and robots are read from there before what is saved. `memory` keeps what is worked out, for the
     next time (pipeline/incremental.py makes one). `enough` is the number of lines in loops and SUBs after which a first look has seen enough (None: all).
+    `present` says where the parts of a cell are when the program starts (None: where its file has them).
     """
 
     robot: str | None = None
@@ -46,6 +47,7 @@ class Options:
     memory: Memory = NO_MEMORY
     enough: int | None = None
     cell: str | None = None
+    present: CellNow | None = None
 
 
 @frozen(eq=False)
@@ -116,6 +118,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         cell=cell.value,
         memory=options.memory,
         enough=options.enough,
+        present=options.present,
     )
     return Result(Opened(module, request), diagnostics)
 
@@ -124,7 +127,7 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
     """The command line and a ROBOT line, which must agree; else yarc.toml."""
     declared = declared_robot(module)
     if options.robot is not None:
-        found = _loaded(options.robot, options.texts, options.memory)
+        found = _on_command_line(options.robot, project, options)
         if declared is None or found.value is None:
             return found
         other = _named(declared[0], folder, module.source, declared[1], options)
@@ -147,16 +150,44 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
     return _of_project(project, module.source, options)
 
 
+def _on_command_line(name_or_path: str, project: Project, options: Options) -> Result[Robot]:
+    """Return the robot of a name or path: of the library, at the path, or that of yarc.toml if it is called so."""
+    if project.robot is not None and find_robot(name_or_path)[0] is None:
+        own = _of_project(project, None, options).value
+        if own is not None and own.name.lower() == name_or_path.lower():
+            return Result(own)
+    return _loaded(name_or_path, options.texts, options.memory)
+
+
 def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Robot]:
     """The robot that is named, else that of the folder's yarc.toml: for work that has no program yet. `texts` are files that are open."""
     if name is not None:
-        return load_robot(name)
+        return named_robot(folder, name)
     project = find_project(folder, texts)
     return (
         Result(None, project.diagnostics)
         if project.value is None
         else _of_project(project.value, None, Options(texts=texts))
     )
+
+
+def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
+    """Return the robot of a name or path: of the library, at the path, or that of the folder's yarc.toml if it is called so."""
+    if find_robot(name_or_path)[0] is None and (own := _own(folder, name_or_path)) is not None:
+        return Result(own)
+    return load_robot(name_or_path)
+
+
+def robot_made_for(folder: Path, name: str) -> Result[Robot]:
+    """Return the robot that a controller text or a log names: that of its folder's yarc.toml if it is called so, else that of the library."""
+    own = _own(folder, name)
+    return load_robot(name) if own is None else Result(own)
+
+
+def _own(folder: Path, name: str) -> Robot | None:
+    """Return the robot of the folder's yarc.toml if it has this name."""
+    robot = robot_for(folder, None).value
+    return robot if robot is not None and robot.name.lower() == name.lower() else None
 
 
 def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) -> Result[Array]:

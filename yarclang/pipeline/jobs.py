@@ -15,6 +15,7 @@ from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array
+from yarclang.lasting import Schedule
 from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
 from yarclang.runtime.job import Barrier, Job, JobCommand, Leg
@@ -46,6 +47,7 @@ def job_of(
     name: str,
     papers: Papers = NO_PAPERS,
     offset: float = 0.0,
+    clock: float = 0.0,
 ) -> Result[Job]:
     """Make a job of a text that was judged: its lines are the very ones that the judge has read.
 
@@ -56,6 +58,7 @@ def job_of(
         name: what people call the program.
         papers: what goes with it.
         offset: where it begins in the program that it is a part of [s].
+        clock: the latest known time at which it begins there [s].
 
     Returns:
         None, with a finding, if the text isn't for a rotary buffer.
@@ -66,7 +69,7 @@ def job_of(
         help_ = "compile it without --target prog; a program buffer is downloaded and run by hand"
         return Result(None, (Diagnostic("Y1162", message, SourceFile(name, text), help=help_),))
     loaded = [numbered for sent in content.loaded for numbered in sent.numbered()]
-    begins, duration = _times(content.runs)
+    schedule = content.schedule
     start = content.start.rapid
     common = Job(
         name=name,
@@ -89,13 +92,17 @@ def job_of(
         certificate=papers.certificate,
         outputs=content.outputs,
     )
-    dwells = {item.line: item.milliseconds * MS for item in content.course if isinstance(item, Dwelt)}
+    dwells = {
+        item.line: item.milliseconds * MS
+        for item in content.course
+        if isinstance(item, Dwelt) and item.milliseconds > 0.0
+    }
     sets = {line: (variable, value) for line, variable, value in assignments_of(content) if line is not None}
     arms = [one.line for one in content.arms if one.on]
-    made = _Making(common, begins, _commands(content), arms, sets, dwells)
-    whole = made.part(loaded, content.runs, start, 0.0, duration)
-    legs = tuple(_legs(made, content, loaded, start)) if _has_barriers(content) else ()
-    return Result(replace(whole, legs=legs, offset=offset))
+    made = _Making(common, _begins(content, schedule), _commands(content, schedule), arms, sets, dwells)
+    whole = made.part(loaded, content.runs, start, 0.0, schedule.places[-1])
+    legs = tuple(_legs(made, content, schedule, loaded, start)) if _has_barriers(content) else ()
+    return Result(replace(whole, legs=legs, offset=offset, clock=clock, lasting=schedule.lasting))
 
 
 def in_pieces(content: dict[str, Any]) -> str:
@@ -107,7 +114,9 @@ def in_pieces(content: dict[str, Any]) -> str:
     return f"{{{', '.join(written)}}}"
 
 
-def job_of_compiled(compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0) -> Job:
+def job_of_compiled(
+    compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0, clock: float = 0.0
+) -> Job:
     """Make a job of a compiled program. One for a program buffer is no job.
 
     Args:
@@ -115,10 +124,11 @@ def job_of_compiled(compiled: Compiled, name: str, source: str | None = None, of
         name: what people call it.
         source: the text that goes into its log; None: its own.
         offset: where it begins in the program that it is a part of [s].
+        clock: the latest known time at which it begins there [s].
     """
     text = compiled.program.source.text if source is None else source
     papers = Papers(text, in_pieces(compiled.certificate.to_json()))
-    made = job_of(compiled.certificate, compiled.text, compiled.plan.robot, name, papers, offset)
+    made = job_of(compiled.certificate, compiled.text, compiled.plan.robot, name, papers, offset, clock)
     assert made.value is not None, made.diagnostics
     return made.value
 
@@ -129,8 +139,8 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @frozen
 class _Making:
-    """What all parts of a text share: when each move line's motion begins [s], the commands with their times; by their lines, what arms the
-    guard, sets a variable, and stands still [s].
+    """What all parts of a text share: when each move line's motion or each dwell begins [s], the commands with their times; by their lines, what arms
+    the guard, sets a variable, and stands still [s].
     """
 
     common: Job
@@ -162,7 +172,7 @@ class _Making:
         lines = tuple(line for _, line in loaded)
         stands = runs[-1].points[-1] if runs else start
         commands = tuple(
-            replace(one, begins=one.begins - begin, ends=one.ends - begin)
+            replace(one, begins=one.begins - begin, ends=one.ends - begin, clock=one.clock - begin)
             for one in self.commands
             if begin - 1e-9 <= one.begins and one.ends <= end + 1e-9
         )
@@ -179,36 +189,43 @@ class _Making:
             sets=tuple(
                 (row, *self.sets[number]) for row, (number, _) in enumerate(loaded) if number in self.sets
             ),
-            longest_dwell=max((self.dwells.get(number, 0.0) for number, _ in loaded), default=0.0),
+            dwells=tuple(
+                (row, self.dwells[number]) for row, (number, _) in enumerate(loaded) if number in self.dwells
+            ),
             guarded=any(loaded[0][0] <= line <= loaded[-1][0] for line in self.arms) if loaded else False,
             offset=begin,
         )
 
 
 def _legs(
-    made: _Making, content: ControllerText, loaded: list[tuple[int, str]], start: Array
+    made: _Making, content: ControllerText, schedule: Schedule, loaded: list[tuple[int, str]], start: Array
 ) -> Iterator[Leg]:
     """What is streamed between two barriers. STOP itself isn't: whoever streams stops by not going on."""
     entries = {entry.step: entry for entry in content.entries}
-    begin, runs, place, acts = 0.0, [], 0, False
-    now = 0.0
-    for item in (*content.course, None):
+    first, runs, place, acts = 0, list[Run](), 0, False
+    for number, item in enumerate((*content.course, None)):
         match item:
             case Run():
                 runs.append(item)
-                now += (len(item.lines) + 2) * item.segment_ms * MS
             case Stood(point=point):
                 start = point
             case Put() | Dwelt():
                 acts = acts or isinstance(item, Put) or item.milliseconds > 0.0
             case Barred() | None:
                 end = next(
-                    (row for row, (number, _) in enumerate(loaded) if item and number == item.line),
+                    (row for row, (line, _) in enumerate(loaded) if item and line == item.line),
                     len(loaded),
                 )
-                job = made.part(loaded[place:end], tuple(runs), start, begin, now) if runs or acts else None
-                yield Leg(job, None if item is None else _barrier(item, entries[item.step]))
-                place, begin, runs, acts = end + 1, now, [], False
+                begins, ends = schedule.places[first], schedule.places[number]
+                job = None
+                if runs or acts:
+                    job = made.part(loaded[place:end], tuple(runs), start, begins, ends)
+                    clock = schedule.clocks[first]
+                    behind = schedule.lasting.most - clock - (ends - begins)
+                    job = replace(job, clock=clock, behind=behind)
+                barrier = None if item is None else _barrier(item, entries[item.step])
+                yield Leg(job, barrier, ends, schedule.clocks[number])
+                place, first, runs, acts = end + 1, number + 1, [], False
 
 
 def _barrier(item: Barred, entry: Entry) -> Barrier:
@@ -218,33 +235,35 @@ def _barrier(item: Barred, entry: Entry) -> Barrier:
     )
 
 
-def _times(runs: tuple[Run, ...]) -> tuple[dict[int, float], float]:
-    """When the motion towards each move line's point begins [s], by the line's number; the duration of all.
-
-    A sequence begins and ends with a segment of its own (TUM 289).
-    """
+def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
+    """Return when the motion towards each move line's point, and each dwell, begins [s], by the line's number."""
     begins: dict[int, float] = {}
-    now = 0.0
-    for run in runs:
-        segment = run.segment_ms * MS
-        begins |= {int(line): now + row * segment for row, line in enumerate(run.lines, 1)}
-        now += (len(run.lines) + 2) * segment
-    return begins, now
+    for item, now in zip(content.course, schedule.places, strict=False):
+        match item:
+            case Run():
+                # a sequence begins with a segment of its own (TUM 289)
+                begins |= {int(line): now + row * item.segment for row, line in enumerate(item.lines, 1)}
+            case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
+                begins[line] = now
+    return begins
 
 
-def _commands(content: ControllerText) -> tuple[JobCommand, ...]:
+def _commands(content: ControllerText, schedule: Schedule) -> tuple[JobCommand, ...]:
     """The motions with their times."""
     commands: list[JobCommand] = []
     moving = iter([entry for entry in content.entries if entry.first is not None])
-    now = 0.0
-    for run in content.runs:
-        segment, place = run.segment_ms * MS, 0
+    for run, begin, clock in zip(content.course, schedule.places, schedule.clocks, strict=False):
+        if not isinstance(run, Run):
+            continue
+        now, place = begin, 0
         while place < len(run.lines):
             entry: Entry = next(moving)
             behind = int(np.searchsorted(run.lines, entry.last or 0, side="right"))
-            size = behind - place + (2 if behind == len(run.lines) else 0)
-            commands.append(JobCommand(entry.index, entry.name, entry.source_line, now, now + size * segment))
-            now, place = now + size * segment, behind
+            ends = now + (behind - place + (2 if behind == len(run.lines) else 0)) * run.segment
+            commands.append(
+                JobCommand(entry.index, entry.name, entry.source_line, now, ends, clock + now - begin)
+            )
+            now, place = ends, behind
     return tuple(commands)
 
 

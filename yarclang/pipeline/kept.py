@@ -32,9 +32,9 @@ def robot_kept(
         return load()
     key = ("robot", path, path.absolute(), text)
     kept: tuple[Result[Robot], tuple[Path, ...], Stamp] | None = memory.get(key)
-    if kept is not None and _stamp(kept[1]) == kept[2]:
+    if kept is not None and stamp_of(kept[1]) == kept[2]:
         return kept[0]
-    before = _stamp(_beside((path.parent,)))
+    before = stamp_of(_beside((path.parent,)))
     loaded = load()
     robot = loaded.value
     if robot is None:
@@ -43,8 +43,8 @@ def robot_kept(
     shapes += [part.shape for tool in robot.tools for part in tool.shapes]
     folders = tuple(dict.fromkeys((path.parent, (path.parent / robot.urdf).parent)))
     files = (*folders, *_beside(folders), *_meshes(shapes))
-    if _stamp(_beside((path.parent,))) == before:  # nobody wrote meanwhile
-        memory.keep(key, (loaded, files, _stamp(files)))
+    if stamp_of(_beside((path.parent,))) == before:  # nobody wrote meanwhile
+        memory.keep(key, (loaded, files, stamp_of(files)))
     return loaded
 
 
@@ -56,15 +56,20 @@ def cell_kept(
         return load()
     key = ("cell", path, path.absolute(), robot, text)
     kept: tuple[Result[Cell], tuple[Path, ...], Stamp] | None = memory.get(key)
-    if kept is not None and _stamp(kept[1]) == kept[2]:
+    if kept is not None and stamp_of(kept[1]) == kept[2]:
         return kept[0]
-    before = _stamp((path,))
+    before = stamp_of((path,))
     loaded = load()
     cell = loaded.value
-    if cell is not None and _stamp((path,)) == before:
-        files = (path, *_meshes(one.shape for one in cell.obstacles))
-        memory.keep(key, (loaded, files, _stamp(files)))
+    if cell is not None and stamp_of((path,)) == before:
+        files = (path, *meshes_of(cell))
+        memory.keep(key, (loaded, files, stamp_of(files)))
     return loaded
+
+
+def meshes_of(cell: Cell) -> tuple[Path, ...]:
+    """Return the mesh files of a cell's obstacles and parts."""
+    return tuple(_meshes(one.shape for one in (*cell.obstacles, *(part.body for part in cell.parts))))
 
 
 def _meshes(shapes: Iterable[Shape]) -> list[Path]:
@@ -86,8 +91,8 @@ _READ = frozenset([".toml", ".urdf", ".xml", ".srdf"])
 """What a robot is read of, besides meshes."""
 
 
-def _stamp(files: Iterable[Path]) -> Stamp:
-    """What changes when one of the files does."""
+def stamp_of(files: Iterable[Path]) -> Stamp:
+    """Return a value that changes when one of the files does."""
     stamps: list[Hashable] = []
     for path in files:
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -35,10 +36,13 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
     def load(name: str) -> Result[Module]:
         for path in places():
             if path.stem.upper() == name:
-                if (text := texts.get(path.absolute())) is not None:
-                    return parse(text)
-                read = read_source(str(path))
-                return Result(None, read.diagnostics) if read.value is None else parse(read.value)
+                text, found = texts.get(path.absolute()), tuple[Diagnostic, ...]()
+                if text is None:
+                    read = read_source(str(path))
+                    text, found = read.value, read.diagnostics
+                if text is None:
+                    return Result(None, found)
+                return parse(replace(text, module=name, is_installed=path in library()))
         known = sorted({path.stem.upper() for path in library()})
         help_ = suggest(name, [path.stem.upper() for path in places()])
         help_ = (

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
-from yarclang.cell.model import Cell
+from yarclang.cell.model import Cell, Leaving, Parts
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.handling.parts import first_parts
+from yarclang.handling.present import around_start, is_same
+from yarclang.handling.surroundings import surroundings, without_parts
+from yarclang.handling.walk import Followed, followed, handling_of
 from yarclang.hir import (
     Array,
+    Dwell,
     Else,
     EndWhen,
     Gap,
+    Hold,
     JointGoal,
     JointMove,
     Origin,
     Program,
+    SetOutput,
     SplineMove,
     Step,
     Timing,
+    WaitInput,
     When,
 )
 from yarclang.motion.avoid.messages import inside
@@ -46,11 +56,12 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
         robot: whose.
         here: (n,) where it stands [rad or m].
         there: (n,) where it shall go [rad or m].
-        cell: what is around.
+        cell: what is around; its parts are where they are when a program starts.
 
     Returns:
         A finding instead, where there is no way.
     """
+    cell = around_start(cell)
     way = find_way(room_of(robot, cell, tool_frame(robot)), here, there)
     if isinstance(way, NoWay):
         source = SourceFile("<approach>", "")
@@ -64,7 +75,7 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
     duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
     source, origin = _line(robot, "MOVEJ_LSPB", [there], f"{duration:g}")
     move = JointMove(origin, JointGoal(there), "LSPB", Timing(duration))
-    return _compiled(Program(source, here, (move,), cell=cell), Request(robot))
+    return compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
 
 
 def _round(robot: Robot, here: Array, way: Way, cell: Cell | None) -> Result[Compiled]:
@@ -73,7 +84,7 @@ def _round(robot: Robot, here: Array, way: Way, cell: Cell | None) -> Result[Com
     source, origin = _line(robot, "MOVEJ_SPLINE_LSPB", points, f"{100.0 * share:g}%")
     goals = tuple(JointGoal(q) for q in points)
     move = SplineMove(origin, goals, "LSPB", Timing(None, share=share))
-    made = _compiled(Program(source, here, (move,), cell=cell), Request(robot))
+    made = compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
     # how it swings is worth a note only of what somebody has written
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
 
@@ -99,12 +110,21 @@ _BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or
 
 
 def part(
-    plan: MotionPlan, request: Request, first: int, last: int | None = None, *, with_lead: bool = True
+    plan: MotionPlan,
+    request: Request,
+    first: int,
+    last: int | None = None,
+    *,
+    with_lead: bool = True,
+    since: tuple[int, int, Cell] | None = None,
+    step: int | None = None,
 ) -> Result[Compiled]:
     """The motions number `first` to `last` (not included; None: to the end) of a plan, as a program of their own.
 
     What stands between two motions belongs to the first of them. What stands in front of them all, such as a WAIT, belongs to the
-    first motion, or to none (`with_lead`).
+    first motion, or to none (`with_lead`). The part begins with the step number `step`, if it is given, at which the robot stands
+    where the first motion begins. `since` is a motion, a step, and the cell with its parts as they were before that step, at which the robot stands where
+    that motion begins (None: they follow from the beginning of the plan).
 
     Returns:
         A finding instead, where a part would cut motions that flow into each other, or a WHEN.
@@ -118,15 +138,93 @@ def part(
             and (begin := chain_begin(plan, number)) != number
         ):
             return Result(None, (_in_a_chain(plan, number, begin),))
-    end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
-    begin = 0 if first == 0 and with_lead else motion.step
+    begin, end = steps_of(plan, first, last, with_lead=with_lead, step=step)
     chosen = steps[begin:end]
     if (inside := _cut_way(chosen)) is not None:
         message = "a program can't be begun or paused inside a WHEN: which way is taken isn't known"
         help_ = "begin in front of the WHEN, or behind its END"
         return Result(None, (Diagnostic("Y1164", message, plan.program.source, inside.origin.span, help_),))
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
-    return _compiled(program, request)
+    around = _cells(plan) if since is None else _cells_since(plan, *since)
+    if around is not None and plan.program.cell is not None:
+        # where its parts are is known from all that goes before
+        cells = {step - begin: cell for step, cell in around.items() if begin <= step < end}
+        program = replace(program, cell=without_parts(plan.program.cell), cells=cells)
+    return compiled_part(program, request)
+
+
+def steps_of(
+    plan: MotionPlan, first: int, last: int | None = None, *, with_lead: bool = True, step: int | None = None
+) -> tuple[int, int]:
+    """Return the steps that belong to the motions number `first` to `last` of a plan, as `part` does: the first of them, and that after the last."""
+    steps = plan.program.steps
+    end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
+    begin = 0 if first == 0 and with_lead else plan.motions[first].step
+    return begin if step is None else step, end
+
+
+def parts_before(plan: MotionPlan, step: int) -> Parts | None:
+    """Return where the parts are in front of a step of a plan; None if its cell has none."""
+    whole = followed_plan(plan)
+    if whole is None or plan.program.cell is None:
+        return None
+    if step in whole.before:
+        return whole.before[step]
+    earlier = [parts for at, parts in whole.changes if at < step]
+    return earlier[-1] if earlier else first_parts(plan.program.cell)
+
+
+def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ...]:
+    """Return the gripper that the motion of a step leads out from its part, if the part is `now` as the plan has it there."""
+    whole, then = followed_plan(plan), parts_before(plan, step)
+    handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
+    leads = handling.runs.away.get(step, ())
+    grasps = () if whole is None else tuple(whole.grasps.get(one.to) for one in leads)
+    grasp = grasps[0] if grasps and None not in grasps else None
+    if grasp is None or then is None:
+        return ()
+    meant, known = ({one.name: one for one in parts.items} for parts in (then, now))
+    same = all(name in known and is_same(known[name], meant[name]) for name in grasp.moved)
+    return (handling.leaving(grasp),) if same else ()
+
+
+def cell_before(plan: MotionPlan, number: int) -> Cell | None:
+    """Return the cell with its parts as they are in front of motion `number` of a plan."""
+    whole, cell = followed_plan(plan), plan.program.cell
+    if whole is None or cell is None:
+        return cell
+    return surroundings(cell, whole.before[plan.motions[number].step])
+
+
+@lru_cache(maxsize=4)
+def followed_plan(plan: MotionPlan) -> Followed | None:
+    """Follow the parts through a plan; None if the cell has none."""
+    handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
+    if not handling.is_needed:
+        return None
+    return followed(handling, plan.program.start, ends_of(plan))
+
+
+def _cells(plan: MotionPlan) -> Mapping[int, Cell | None] | None:
+    whole = followed_plan(plan)
+    return None if whole is None else whole.cells
+
+
+def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mapping[int, Cell | None] | None:
+    """Return the cell during each motion from number `number` on; before the step `step` in front of it the parts were as they are in `cell`."""
+    handling = handling_of(plan.robot, cell, plan.program.steps[step:])
+    if not handling.is_needed:
+        return None
+    ends = {at - step: q for at, q in ends_of(plan).items() if at >= step}
+    found = followed(handling, plan.motions[number].curve.points[0], ends)
+    return {at + step: one for at, one in found.cells.items()}
+
+
+def ends_of(plan: MotionPlan) -> dict[int, Array]:
+    """Return where each motion of a plan ends (n,) [rad or m], by its step."""
+    return {
+        motion.step: motion.curve.sample(np.array([motion.curve.duration]))[0][0] for motion in plan.motions
+    }
 
 
 def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
@@ -147,7 +245,7 @@ def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
 
 def chain_begin(plan: MotionPlan, number: int) -> int:
     """The number of the motion with which the robot starts from rest to get to motion `number` without a stop: mostly itself."""
-    while number and plan.motions[number - 1].overlap:
+    while number and plan.motions[number - 1].flows:
         number -= 1
     return number
 
@@ -158,7 +256,7 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
     Returns:
         The first number of each group, and that behind its last.
     """
-    flows = [motion.overlap > 0 for motion in plan.motions]
+    flows = [motion.flows for motion in plan.motions]
     begins = [
         number for number in range(first, len(plan.motions)) if number == first or not flows[number - 1]
     ]
@@ -191,9 +289,55 @@ def _called(origin: Origin) -> str:
 
 
 def _origin(plan: MotionPlan, number: int) -> Origin:
-    step = plan.program.steps[plan.motions[number].step]
+    return _step_origin(plan, plan.motions[number].step)
+
+
+def _step_origin(plan: MotionPlan, at: int) -> Origin:
+    step = plan.program.steps[at]
     assert not isinstance(step, Gap)  # a gap is never planned
     return step.origin
+
+
+def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
+    """Return the first motion and the first step of a program that begins at a place: that of a motion, or of a WAIT, SET, HOLD or DWELL, at which the robot stands.
+
+    Returns:
+        The numbers of the motion and of the step; a finding where a program can't begin there.
+    """
+    steps = plan.program.steps
+    moves = {motion.step for motion in plan.motions}
+    labels = {
+        at: step.origin.label
+        for at, step in enumerate(steps)
+        if not isinstance(step, Gap)
+        and (at in moves or isinstance(step, WaitInput | SetOutput | Hold | Dwell))
+    }
+    found = matching(labels, place)
+    if not found:
+        number = motion_number(plan, place)
+        return number if isinstance(number, Diagnostic) else (number, plan.motions[number].step)
+    at = found[0]
+    behind = next((one for one, motion in enumerate(plan.motions) if motion.step >= at), None)
+    if behind is not None:
+        return behind, at
+    message = f"{place} is no motion, and none comes after it"
+    last = f"the last motion is {_called(_origin(plan, len(plan.motions) - 1))}" if plan.motions else ""
+    return Diagnostic("Y1164", message, plan.program.source, _step_origin(plan, at).span, help=last)
+
+
+def can_begin_at(plan: MotionPlan, place: str) -> bool:
+    """Return True if a program can begin at the step with this place, which is no motion."""
+    found = beginning(plan, place)
+    if isinstance(found, Diagnostic):
+        return False
+    number, step = found
+    return chain_begin(plan, number) == number and _cut_way(plan.program.steps[step:]) is None
+
+
+def stands_for(plan: MotionPlan, first: int, step: int) -> float:
+    """Return how long the robot stands by DWELLs from a step on before the motion number `first` [s]."""
+    between = plan.program.steps[step : plan.motions[first].step]
+    return sum(one.duration for one in between if isinstance(one, Dwell))
 
 
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
@@ -214,7 +358,8 @@ def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
     )
 
 
-def _compiled(program: Program, request: Request) -> Result[Compiled]:
+def compiled_part(program: Program, request: Request) -> Result[Compiled]:
+    """Plan and certify a program that is a part of another, or leads to one."""
     planned = plan_program(program, request)
     if planned.value is None:
         return Result(None, planned.diagnostics)

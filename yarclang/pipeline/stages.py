@@ -38,6 +38,9 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 from yarclang.units import MS
 
+CellNow = Callable[[Cell, Array], Cell | None]
+"""Gives a cell with its parts where they are now, for a program that starts at joint positions (n,); None: nobody knows better than the cell's file."""
+
 
 @frozen(eq=False)
 class Request:
@@ -46,7 +49,8 @@ class Request:
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
     the modules that the program uses, `load_cell` its cell; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
-    keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough.
+    keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough. `present` gives
+    the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file).
     """
 
     robot: Robot
@@ -61,6 +65,7 @@ class Request:
     index_needed: bool = True
     memory: Memory = NO_MEMORY
     enough: int | None = None
+    present: CellNow | None = None
 
 
 @frozen(eq=False)
@@ -75,7 +80,12 @@ class Compiled:
 
 def check_program(module: Module, request: Request) -> Result[Program]:
     """Syntax tree to checked program."""
-    return check(module, context_of(request))
+    checked = check(module, context_of(request))
+    program = checked.value
+    if program is None or request.present is None or program.cell is None or not program.cell.parts:
+        return checked
+    cell = request.present(program.cell, program.start)
+    return checked if cell is None else Result(replace(program, cell=cell), checked.diagnostics)
 
 
 def context_of(request: Request) -> Context:
@@ -170,6 +180,8 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     header = _header(lowered, planned, request)
     tell("certifying: reading the text", 0)
     text = emitted.text(header.lines())
+    # of a long text they are as large as all that is proved of it
+    del lowered, emitted
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
@@ -215,7 +227,7 @@ def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> Head
         made_with=_made_with(searches),
         start=start,
         units=", ".join(units),
-        duration=planned.duration,
+        lasting=planned.lasting,
         segments=tuple(segment_time(time / MS) for time in ends),
         longest="" if request.tm is None else segment_time(request.tm),
     )
@@ -242,5 +254,6 @@ def claims_of(planned: MotionPlan) -> Claims:
             if not isinstance(steps[motion.step], LineMove | ArcMove)
         },
         kept={motion.step: motion.kept for motion in planned.motions if motion.kept < 1.0},
+        least={motion.step: motion.least for motion in planned.motions if motion.least < 1.0},
         any_jerk=planned.any_jerk,
     )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from yarclang.frozen import frozen
+from yarclang.lasting import Lasting
 from yarclang.pmac.program import Target
 
 LOADING: Mapping[Target, str] = MappingProxyType(
@@ -37,7 +38,7 @@ class Header:
         made_with: the packages that took part, with their versions.
         start: the joint positions at which the motion begins, printed as a move line.
         units: the axis units, such as `deg, mm`.
-        duration: of all motions [s].
+        lasting: the time that all motions and dwells take, and the number of waits.
         segments: the segment times in use as printed [ms]: none, one, or the least and the largest.
         longest: the longest segment time that was asked for (--tm) as printed [ms]; empty for the robot's own.
         certificate: one line that sums up what was proved.
@@ -55,7 +56,7 @@ class Header:
     made_with: str
     start: str
     units: str
-    duration: float
+    lasting: Lasting
     segments: tuple[str, ...]
     longest: str = ""
     certificate: str = UNSEALED
@@ -72,7 +73,7 @@ class Header:
             f"program {self.program_fingerprint}",
             f"made with {self.made_with}",
             f"start {self.start} ({self.units})",
-            f"duration {self.duration:.3f} s{segments}",
+            f"duration {self.lasting.text()}{segments}",
             *longest,
             LOADING[self.target].format(system=self.system),
             COLUMNS,

@@ -81,7 +81,7 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 class Command:
     """What the map in the header says of a command of the program.
 
-    `overlap` are the segments in which it flows into the next one, half of them after the end of its lines; 0 if it ends at rest. `any_jerk` says
+    `overlap` are the segments in which it flows into the next one, half of them after the end of its lines; None if it ends at rest. `any_jerk` says
     that its law has no limit of the jerk.
     """
 
@@ -89,7 +89,7 @@ class Command:
     index: str
     name: str
     source_line: int
-    overlap: int = 0
+    overlap: int | None = None
     any_jerk: bool = False
 
 

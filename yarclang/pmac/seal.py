@@ -19,8 +19,10 @@ def sealed(text: str, certificate: str) -> str:
         text: with `UNSEALED` in place of both.
         certificate: the summary, one line of ASCII.
     """
-    certified = text.replace(_CERTIFICATE, f"\n; certificate {certificate}\n", 1)
-    return certified.replace(_UNSEALED, f"\n; sha256 {_hash(certified)}\n", 1)
+    # only the header changes, and a long text is copied once
+    end = max(text.find(mark) + len(mark) for mark in (_CERTIFICATE, _UNSEALED))
+    header = text[:end].replace(_CERTIFICATE, f"\n; certificate {certificate}\n", 1)
+    return header.replace(_UNSEALED, f"\n; sha256 {_hash(header, text[end:])}\n", 1) + text[end:]
 
 
 def is_sealed(text: str) -> bool:
@@ -29,5 +31,14 @@ def is_sealed(text: str) -> bool:
     return found is not None and _hash(_SEAL.sub(_UNSEALED, text, count=1)) == found[1]
 
 
-def _hash(text: str) -> str:
-    return hashlib.sha256(text.encode("ascii", "replace")).hexdigest()
+_AT_ONCE = 1 << 20
+"""Characters that are encoded at once."""
+
+
+def _hash(*texts: str) -> str:
+    """Return the SHA-256 of texts, one after the other, as 64 hex digits."""
+    digest = hashlib.sha256()
+    for text in texts:
+        for begin in range(0, len(text), _AT_ONCE):
+            digest.update(text[begin : begin + _AT_ONCE].encode("ascii", "replace"))
+    return digest.hexdigest()

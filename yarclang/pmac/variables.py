@@ -25,8 +25,14 @@ WATCHED = "P8104"
 ECHO = "P8105"
 """The heartbeat as the feedback PLC has seen it last."""
 
+HOMING = "P8106"
+"""1 while a motor searches its home and the controller waits for words of this computer, 2 after it has stopped the search since none came, else 0."""
+
 FEEDBACK_PLC = 0
 """The foreground PLC that computes the joint positions from those of the motors."""
+
+HOMING_PLC = 27
+"""The background PLC that stops a home search when this computer falls silent; it is loaded for a search, and deleted after it."""
 
 OUTPUTS_PLC = 28
 """The background PLC of a program that gives its outputs their safe values when the guard has held the motion."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang.certify.certificate import bound_text
-from yarclang.coordinator.describing import joints_of
+from yarclang.coordinator.describing import joints_of, lasting_of
 from yarclang.coordinator.messages.events import Finished
 from yarclang.coordinator.messages.replies import ClearanceBound, Ended, MotionOffered, OfferDescribed, Peaks
 from yarclang.report.pose_text import pose_text
@@ -15,13 +15,18 @@ _TIGHT = 0.005
 """Shares of a limit that are nearer to each other are one."""
 
 
+_SAME_TIME = 5e-3
+"""Times that differ by less are printed as one [s]."""
+
+
 def offer_text(offer: OfferDescribed) -> str:
-    """What would be done: a line a motion, and the whole, if there are several."""
+    """What would be done: a line a motion, and the whole, if that isn't one motion alone."""
     lines = [_motion_text(one) for one in offer.motions]
-    if len(lines) != 1:
-        lines.append(
-            f"{offer.duration_s:.2f} s in all" if lines else f"{offer.duration_s:.2f} s, nothing moves"
-        )
+    # what stands or waits besides the one motion counts
+    if len(lines) != 1 or offer.takes.waits or offer.takes.duration_s > offer.motions[0].seconds + _SAME_TIME:
+        time = lasting_of(offer.takes).text(hundredths)
+        lines.append(f"{time} in all" if lines else f"{time}, nothing moves")
+    lines += offer.parts
     return "\n".join(lines)
 
 
@@ -37,6 +42,11 @@ def _motion_text(one: MotionOffered) -> str:
             f"path within {bound_text(one.path.position_mm)} mm, {bound_text(one.path.angle_deg)} deg"
         )
     return "  ".join(word for word in words if word)
+
+
+def hundredths(seconds: float) -> str:
+    """Return a time as the prompt writes it."""
+    return f"{seconds:.2f} s"
 
 
 def _peak_text(peaks: Peaks) -> str:
@@ -65,7 +75,8 @@ def ended_text(ended: Ended | Finished, robot: Robot) -> str:
         lines.append(f"  help: {ended.help}")
     if ended.joints is not None:
         where = f"  {robot.name} stands at {joints_text(robot, joints_of(robot, ended.joints))}"
-        lines.append(f"{where}, {ended.done_s:.2f} s into {ended.command}" if ended.command else where)
+        into = f", in {ended.command}, {ended.done_s:.2f} s after the start"
+        lines.append(f"{where}{into}" if ended.command else where)
     return "\n".join(lines)
 
 

@@ -11,11 +11,21 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.calibration.touching import Touching
 from yarclang.coordinator.attached import Attached, Here
-from yarclang.coordinator.describing import joints_of
+from yarclang.coordinator.describing import joints_of, signal_of
 from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.messages import orders
-from yarclang.coordinator.messages.events import BaseEvent, Finished, OwnerChanged, StateChanged, Told
+from yarclang.coordinator.messages.events import (
+    BaseEvent,
+    Finished,
+    InputChanged,
+    OutputSet,
+    OwnerChanged,
+    StateChanged,
+    Told,
+    WaitEnded,
+)
 from yarclang.coordinator.messages.findings import findings_of
 from yarclang.coordinator.messages.replies import Ended, OfferDescribed, Offered
 from yarclang.coordinator.names import Names
@@ -27,10 +37,10 @@ from yarclang.repl.answers import ended_text, offer_text
 from yarclang.repl.dot import DotCommand, Misused, dot_commands
 from yarclang.repl.file import LoadedFile
 from yarclang.repl.jogging import Jogging
-from yarclang.repl.touching import Touching
 from yarclang.report.finding import finding_text
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
+from yarclang.runtime.signals import signal_text
 from yarclang.runtime.state import State
 from yarclang.semantics.scope import Scope
 
@@ -395,7 +405,8 @@ class Interpreter:
                 f"{event.owner} owns the robot" if event.owner else "nobody owns the robot",
                 tell=event.owner != self.attached.welcome.name,
             )
-
+        elif isinstance(event, OutputSet | WaitEnded | InputChanged):
+            self._keep(signal_text(signal_of(event)), tell=True)
         elif isinstance(event, Finished):
             self.ended_live = event
 

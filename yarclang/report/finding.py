@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from yarclang.diagnostics import Diagnostic
+from yarclang.diagnostics import Diagnostic, Fix, Within
 
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 _WIDEST = 150
@@ -15,7 +15,7 @@ _WIDEST = 150
 
 
 def finding_text(diagnostic: Diagnostic) -> str:
-    """One finding: file:line:column, severity, code, message; the source line with carets; the remedy."""
+    """Return one finding as text: file:line:column, severity, code, message; the source line with carets; the line of a module that was called; the remedy."""
     place = ""
     if diagnostic.source is not None:
         place = f"{diagnostic.source.name}: "
@@ -26,6 +26,8 @@ def finding_text(diagnostic: Diagnostic) -> str:
     )
     lines = [f"{place}{severity}: {diagnostic.message}"]
     lines += _excerpt(diagnostic)
+    if diagnostic.within is not None:
+        lines.append(f"  {diagnostic.within.text}")
     if diagnostic.help:
         lines.append(f"  help: {diagnostic.help}")
     return "\n".join(lines)
@@ -58,7 +60,6 @@ def _excerpt(diagnostic: Diagnostic) -> list[str]:
 def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
     """One finding as plain data; lines and columns count from 1, `end_column` lies behind the last character."""
     span = diagnostic.span
-    fix = diagnostic.fix
     return {
         "file": diagnostic.source.name if diagnostic.source else None,
         "line": span.line if span else None,
@@ -69,27 +70,52 @@ def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
         "code": diagnostic.code,
         "message": diagnostic.message,
         "help": diagnostic.help or None,
-        "fix": None
-        if fix is None
-        else {
-            "title": fix.title,
-            "edits": [
-                {
-                    "line": edit.span.line,
-                    "column": edit.span.column,
-                    "end_line": edit.span.end_line,
-                    "end_column": edit.span.end_column,
-                    "text": edit.text,
-                }
-                for edit in fix.edits
-            ],
-        },
+        "fix": _fix_json(diagnostic.fix),
+        **({} if diagnostic.within is None else {"within": _within_json(diagnostic.within)}),
     }
 
 
-def count_text(diagnostics: Iterable[Diagnostic]) -> str:
-    """How many errors and warnings there are, in words; empty where there are none."""
-    counts = {"error": 0, "warning": 0}
+def _within_json(within: Within) -> dict[str, Any]:
+    """Return where in a module a finding's cause is: an installed module has no file, since nobody edits it."""
+    span, source = within.span, within.source
+    return {
+        "module": source.module,
+        "file": None if source.is_installed else source.name,
+        "line": span.line,
+        "column": span.column,
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+        "text": source.line(span.line).strip(),
+        "through": list(within.through),
+        "fix": _fix_json(within.fix),
+    }
+
+
+def _fix_json(fix: Fix | None) -> dict[str, Any] | None:
+    if fix is None:
+        return None
+    edits = [
+        {
+            "line": edit.span.line,
+            "column": edit.span.column,
+            "end_line": edit.span.end_line,
+            "end_column": edit.span.end_column,
+            "text": edit.text,
+        }
+        for edit in fix.edits
+    ]
+    return {"title": fix.title, "edits": edits}
+
+
+def told_text(diagnostic: Diagnostic) -> str:
+    """Return what a finding says, for a place that other programs show: the message, the line of a module that was called, the remedy."""
+    within = diagnostic.within.text if diagnostic.within is not None else ""
+    return "\n".join(part for part in (diagnostic.message, within, diagnostic.help) if part)
+
+
+def count_text(diagnostics: Iterable[Diagnostic], *, notes: bool = False) -> str:
+    """Return how many errors and warnings there are, and with `notes` how many notes, in words; empty if there are none."""
+    counts = {"error": 0, "warning": 0, **({"note": 0} if notes else {})}
     for diagnostic in diagnostics:
         if diagnostic.severity in counts:
             counts[diagnostic.severity] += 1

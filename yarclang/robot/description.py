@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -53,7 +54,7 @@ T = TypeVar("T")
 
 
 def load_robot(name_or_path: str) -> Result[Robot]:
-    """Reads a robot.
+    """Reads a robot; one of the standard library once, as long as none of its files changes.
 
     Args:
         name_or_path: a robot of the standard library by its name in any case (INDUSTRIAL6), or the path of a
@@ -68,6 +69,28 @@ def load_robot(name_or_path: str) -> Result[Robot]:
         remedy = f"The robots are {names}; a robot of yours is named by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy
         return _nothing(Diagnostic("Y1301", f"There is no robot {name_or_path[:80]!r}.", help=remedy))
+    if path.parent.parent == stdlib_folder() / "robots":
+        return _of_library(path, _stamp(path.parent))
+    return _read(path)
+
+
+@lru_cache(maxsize=16)
+def _of_library(path: Path, _: Hashable) -> Result[Robot]:
+    """Read a robot of the library; the second argument changes with its files."""
+    return _read(path)
+
+
+def _stamp(folder: Path) -> Hashable:
+    """Return a value that changes when a file of a robot's folder does."""
+    try:
+        files = [(one, one.stat()) for one in sorted(folder.iterdir())]
+    except OSError:
+        return object()
+    return tuple((str(one), seen.st_mtime_ns, seen.st_size, seen.st_ino) for one, seen in files)
+
+
+def _read(path: Path) -> Result[Robot]:
+    """Read the robot of a robot.toml."""
     source = read_text(path, "Name a folder with a robot.toml, or a robot of the library.")
     if isinstance(source, Diagnostic):
         return _nothing(source)

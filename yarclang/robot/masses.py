@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -109,3 +110,23 @@ def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
     limit = joint.element.first("limit")
     effort = urdf.numbers(limit, "effort", 1, (0.0,)) if limit else None
     return effort[0] if effort and effort[0] > 0.0 else np.inf
+
+
+def with_load(dynamics: Dynamics, mass: float, center: Array, inertia: Array) -> Dynamics:
+    """Add a body that the last joint moves.
+
+    Args:
+        dynamics: without the body.
+        mass: of the body [kg].
+        center: (3,) its center in {B} with all joints at zero [m].
+        inertia: (3, 3) about its center, along the axes of {B} [kg m^2].
+    """
+    size = len(dynamics.mass)
+    last = _Lump(size, float(dynamics.mass[-1]), dynamics.center[-1], dynamics.inertia[-1])
+    both = _together([last, _Lump(size, mass, center, inertia)])
+    return replace(
+        dynamics,
+        mass=constant(np.append(dynamics.mass[:-1], both.mass)),
+        center=constant(np.concatenate([dynamics.center[:-1], both.center[None]])),
+        inertia=constant(np.concatenate([dynamics.inertia[:-1], both.inertia[None]])),
+    )

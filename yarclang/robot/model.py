@@ -7,6 +7,7 @@ one entry a joint, from the base to the flange.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
@@ -43,9 +44,8 @@ class Chain:
 
     @property
     def is_prismatic(self) -> NDArray[np.bool_]:
-        """Which joints slide (n,)."""
-        prismatic: NDArray[np.bool_] = ~np.any(self.screws[:, 3:], axis=1)
-        return prismatic
+        """Which joints slide (n,); it can't be written to."""
+        return _prismatic(self)
 
 
 @frozen(eq=False)
@@ -120,6 +120,17 @@ class Tolerance:
     """[m], of the moving frame, and of prismatic joints"""
     angle: float = 0.002 * DEG
     """[rad], of the moving frame, and of revolute joints"""
+
+    def of_motion(self, told: float | None, *, leads_frame: bool) -> Tolerance:
+        """Return the tolerance of a motion.
+
+        Args:
+            told: what the motion says of the distance [m]; None: nothing.
+            leads_frame: whether it leads the moving frame along a path: then that may also be turned, by a degree for each millimetre that is told.
+        """
+        if told is None:
+            return self
+        return Tolerance(told, max(self.angle, told / MM * DEG) if leads_frame else self.angle)
 
 
 @frozen(eq=False)
@@ -223,10 +234,26 @@ class Robot:
 
     @property
     def axis_units(self) -> Array:
-        """The axis unit of each joint in SI (n,): pi/180 for deg, 0.001 for mm."""
-        return np.where(self.chain.is_prismatic, MM, DEG)
+        """The axis unit of each joint in SI (n,): pi/180 for deg, 0.001 for mm; it can't be written to."""
+        return _axis_units(self.chain)
 
     @property
     def axis_unit_names(self) -> tuple[str, ...]:
         """`deg` or `mm`, for each joint."""
         return tuple("mm" if prismatic else "deg" for prismatic in self.chain.is_prismatic)
+
+
+@lru_cache(maxsize=256)
+def _prismatic(chain: Chain) -> NDArray[np.bool_]:
+    """Return which joints of a chain slide (n,); a chain never changes."""
+    prismatic: NDArray[np.bool_] = ~np.any(chain.screws[:, 3:], axis=1)
+    prismatic.setflags(write=False)
+    return prismatic
+
+
+@lru_cache(maxsize=256)
+def _axis_units(chain: Chain) -> Array:
+    """Return the axis unit of each joint of a chain in SI (n,)."""
+    units = np.where(_prismatic(chain), MM, DEG)
+    units.setflags(write=False)
+    return units

@@ -92,14 +92,13 @@ class Feed:
         """Lines that were executed when `PR` was answered last; the two that are calculated ahead aren't."""
         return max(0, self._sent_then - self._ahead - AHEAD)
 
-    def executed_within(self, now: float, behind: float = 0.0) -> tuple[int, int]:
+    def executed_within(self, now: float) -> tuple[int, int]:
         """Lines that have been executed by now, at least and at most, however fast somebody lets the time pass.
 
         Args:
             now: the host's clock [s].
-            behind: how far the host's clock may be behind the controller's [s].
         """
-        taken = int(FASTEST * (now + behind - self._asked_then) / self.job.segment) + 1 + AHEAD
+        taken = int(FASTEST * (now - self._asked_then) / self.job.segment) + 1 + AHEAD
         return self.executed, self.executed + AHEAD + taken
 
     def heard(self, ahead: int, asked: float, now: float) -> None:
@@ -137,6 +136,7 @@ class Feed:
 
 
 def _moves(job: Job) -> IntArray:
-    """Which lines take time: the last of those that wait for the same instant, but for those before the first motion."""
+    """Which lines move: the last of those that wait for the same instant, but for those before the first motion, and for dwells."""
     lasts = np.diff(np.append(job.times, job.duration)) > 0.0
+    lasts[[row for row, _ in job.dwells]] = False
     return np.flatnonzero(lasts & (job.times > 0.0))

@@ -15,6 +15,8 @@ from yarclang.runtime.state import Event, State
 from yarclang.runtime.supervision import HELD, Flow
 from yarclang.runtime.watching import raise_trouble
 
+_PAUSED = "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more"
+
 _STILL = 0.5
 """How long after a hold nothing may move [s], besides what the hold itself takes."""
 
@@ -101,7 +103,11 @@ class Holding:
         )
 
     def for_others(self, told: str) -> Script[None]:
-        """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on."""
+        """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on.
+
+        Raises:
+            Trouble: nobody is there who could say so.
+        """
         if told in self._told:
             return
         slew = self._supervision.hold_again(told)
@@ -114,6 +120,7 @@ class Holding:
             self._told |= {told, also}
             told = ", ".join(dict.fromkeys(one for one in (told, also) if one))
         self._told.add(told)
+        self._check_attended(f"somebody else uses this controller: {told}")
         self.operation.remark(
             f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
             warning=True,
@@ -128,21 +135,33 @@ class Holding:
             silence = (
                 f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"
             )
-            operation.go(Event.HOLD, silence)
-            operation.remark(
-                "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more",
-                warning=True,
-            )
+            operation.go(Event.HOLD, silence, remedy=_PAUSED)
+            operation.remark(_PAUSED, warning=True)
         else:
-            operation.go(Event.HOLD, "the guard PLC has held the motion: too few lines lay ahead")
+            what = "the guard PLC has held the motion: too few lines lay ahead"
+            operation.go(Event.HOLD, what, remedy=_PAUSED)
         yield from come_to_rest(operation, self._job.robot)
         self.refilling = True
 
     def by_nobody(self) -> None:
-        """Nothing moves though lines are ahead, and nobody knows why: somebody must say."""
+        """Nothing moves though lines are ahead, and nobody knows why: somebody must say.
+
+        Raises:
+            Trouble: nobody is there.
+        """
         operation = self.operation
         operation.go(Event.HOLD, "the motion is held, and not by this run")
+        self._check_attended("somebody else holds the motion")
         operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
+
+    def _check_attended(self, why: str) -> None:
+        """Check that somebody may resume a hold.
+
+        Raises:
+            Trouble: nobody is there.
+        """
+        if self.operation.unattended:
+            raise Trouble(why, "nobody is here to resume it: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
         """At rest: look whether all is as it was, refill, look after the guard, R."""

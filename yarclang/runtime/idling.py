@@ -7,6 +7,7 @@ from collections.abc import Callable
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Script, Trouble, Wait
 from yarclang.runtime.operation import Operation
+from yarclang.runtime.rest import motor_statuses
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.watching import look_at_motors, sample
 
@@ -17,7 +18,7 @@ STATUS_EACH = 0.1
 def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Script[None]:
     """Tell where the robot is, until something is wanted; whoever wants something wakes the session.
 
-    A motor that can't move is a fault, told once. Orders mean nothing here, and are forgotten.
+    A motor that can't move is a fault, told once; behind it the motors are only looked at. Orders mean nothing here, and are forgotten.
 
     Raises:
         Lost: the connection is of no use any more.
@@ -26,17 +27,19 @@ def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Scri
     while not wanted():
         operation.orders.clear()
         now = operation.now
-        if now >= status and operation.state is not State.FAULT:
+        if now >= status:
             status = now + STATUS_EACH
+            if operation.state is State.FAULT:
+                yield from motor_statuses(operation, robot)
+                continue
             try:
                 yield from look_at_motors(operation, robot)
             except Trouble as trouble:
-                operation.go(Event.FAULT, trouble.what)
+                operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
                 if trouble.remedy:
                     operation.remark(trouble.remedy, warning=True)
         elif now >= positions:
             positions = max(positions + operation.positions_each, now)
             operation.notices.append((yield from sample(operation, robot, 0.0)))
         else:
-            ahead = positions if operation.state is State.FAULT else min(status, positions)
-            yield Wait(ahead)
+            yield Wait(min(status, positions))

@@ -13,6 +13,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Script, Wait
 from yarclang.runtime.feedback import MotorStatus
 from yarclang.runtime.operation import Operation, Refused, number_in
+from yarclang.runtime.pace import OTHER_PACE, OTHER_PACE_REMEDY, pace_of
 from yarclang.runtime.rest import motor_statuses, stands_at, system_words
 from yarclang.runtime.supervision import AT_REST_WITHIN, needed, patience_for, remember, wound_up
 
@@ -338,6 +339,11 @@ def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]
     spent = operation.now - begun
     yield from operation.ask(f"{WATCHED}=0")
     yield from operation.ask(f"&{controller.coordinate_system}A")
+    if flag != 2.0 or lasted < _EARLIEST * _TRIAL:
+        pace = yield from pace_of(operation, controller)
+        if abs(pace - 1.0) > OTHER_PACE:
+            found = f"passes about {pace:.2g} times as fast as here"
+            return [Checked("the controller's time", found, "real time", "error", OTHER_PACE_REMEDY)]
     return [
         _biting(operation, robot, flag, lasted, remedy),
         _beating(operation, beat - first, spent, remedy),

@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.lasting import NO_TIME, Lasting
 from yarclang.robot.model import Array, Robot
 
 
 @dataclass(frozen=True, slots=True)
 class JobCommand:
-    """A motion command and when it is executed, from `begins` to `ends` [s of the program]."""
+    """A motion command and when it is executed, from `begins` to `ends` [s of the program].
+
+    `clock` is the latest known time at which it begins [s]: `begins` counts the ways of a WHEN one after the other, of which only one is taken.
+    """
 
     index: str
     name: str
     source_line: int
     begins: float
     ends: float
+    clock: float
 
     @property
     def title(self) -> str:
         """`P0010 MOVEL_RPY_LSPB`, or the name alone."""
         return f"{self.index} {self.name}" if self.index and self.index != "-" else self.name
+
+
+def clock_at(commands: Sequence[JobCommand], time: float) -> float:
+    """Return the latest known time [s] at which a program gets to a time that counts the ways of a WHEN one after the other."""
+    command = next((one for one in commands if time <= one.ends), commands[-1] if commands else None)
+    return time if command is None else time + command.clock - command.begins
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +54,24 @@ class Barrier:
     source_line: int
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What a leg is to the program that is carried out: whether legs were `begun` before, and the title of the barrier that it leads to (empty: the end)."""
+
+    begun: bool
+    leads_to: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
     """What is streamed up to a barrier (None: nothing but outputs and dwells could stand there, and none does), and the barrier
-    behind it (None: the program's end).
+    behind it (None: the program's end). `ends` is when it ends [s of the job], and `clock` the latest known time of that.
     """
 
     job: Job | None
     barrier: Barrier | None
+    ends: float = 0.0
+    clock: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,25 +83,28 @@ class Job:
         robot: whom it is for.
         setup: the lines before the rotary is opened, one command each.
         lines: what goes into the rotary.
-        times: (len(lines),) the program time [s] at which the motion towards each line's point begins; of a line
-            that doesn't move, that of the next that does.
+        times: (len(lines),) the program time [s] at which the motion towards each line's point begins, or the dwell of a line; of a line
+            that takes no time, that of the next that does. Motions and dwells count, with the ways of a WHEN one after the other.
         commands: the motions, in order.
         start: (n,) where it starts [rad or m].
         end: (n,) where it ends [rad or m].
         slack: (n,) how far off the start a joint may be [rad or m].
         segment: the shortest segment time [s].
-        duration: of the whole program [s].
+        duration: the last of these times [s]. `lasting` is how long the program takes.
         words: size of the rotary.
         low: I16, the lines below which the guard PLC holds; `full`: I17.
         guarded: whether the program arms the guard.
         text: the whole controller text.
         source: the program's own text, or empty.
         certificate: what was proved, as plain JSON text.
-        offset: where it begins in the program that it is a part of [s].
+        offset: where it begins in the program that it is a part of [s]; `clock` is the latest known time at which it begins, with both ways of a WHEN at once.
+        behind: the known time [s] from its end to the end of the job that it is a leg of, along the longest ways.
+        lasting: how long it takes, with the number of its waits.
         outputs: variables of outputs, and what they become at any stop, hold or fault.
         sets: which lines set a variable: the row in `lines`, the variable, the value.
-        longest_dwell: the longest time that a line stands still [s].
+        dwells: which lines stand still: the row in `lines`, how long [s].
         legs: of a program with barriers, what is streamed one after the other; else empty.
+        part: of a leg that is carried out; else None.
     """
 
     name: str
@@ -103,8 +128,12 @@ class Job:
     offset: float = 0.0
     outputs: tuple[tuple[str, float], ...] = ()
     sets: tuple[tuple[int, str, float], ...] = ()
-    longest_dwell: float = 0.0
+    dwells: tuple[tuple[int, float], ...] = ()
     legs: tuple[Leg, ...] = ()
+    clock: float = 0.0
+    behind: float = 0.0
+    lasting: Lasting = NO_TIME
+    part: Part | None = None
 
     @property
     def capacity(self) -> int:
@@ -120,6 +149,11 @@ class Job:
     def fits(self) -> bool:
         """Whether all of it is loaded before it begins."""
         return len(self.lines) <= self.capacity
+
+    @property
+    def longest_dwell(self) -> float:
+        """The longest time that a line stands still [s]."""
+        return max((seconds for _, seconds in self.dwells), default=0.0)
 
     def time_of(self, executed: int) -> float:
         """The program time [s] when so many lines have been executed."""

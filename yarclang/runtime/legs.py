@@ -3,21 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
-from yarclang.runtime.job import Barrier, Job, Leg
-from yarclang.runtime.notices import Abort, Fail, Hold, Override, Resume, Stop
+from yarclang.runtime.job import Barrier, Job, Leg, Part
+from yarclang.runtime.notices import Abort, Fail, Hold, Override, Reached, Resume, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.rest import leave, stands_at
+from yarclang.runtime.signals import WaitBegan, WaitEnded, state_text
 from yarclang.runtime.state import Event
+
+LOST = "Y1606"
+"""Code of a connection that was lost."""
 
 _LOOK = 0.02
 """Time between two looks at an input [s]."""
 
 Perform = Callable[[Operation, Job], Script[Ended]]
+
+
+@frozen(eq=False)
+class _Standing:
+    """The robot stands at a barrier: at `joints` (n,) [rad or m], `done` [s] into the program, or `clock` [s] with both ways of a WHEN at once."""
+
+    barrier: Barrier
+    joints: Array
+    done: float
+    clock: float
 
 
 def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[Ended]:
@@ -29,30 +45,45 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
         perform: runs a job without any.
     """
     place: int | None = 0
-    stands = job.start
+    stands, begun = job.start, False
+    ways: tuple[bool, ...] = ()
+    barriers = 0
     while place is not None and place < len(job.legs):
         leg = job.legs[place]
         if leg.job is not None:
-            ended = yield from perform(operation, leg.job)
+            offset, clock = job.offset + leg.job.offset, job.clock + leg.job.clock
+            part = Part(begun, _title(leg.barrier) if leg.barrier is not None else "")
+            begun = True
+            ended = yield from perform(operation, replace(leg.job, offset=offset, clock=clock, part=part))
             if not ended.well:
-                return ended
+                return replace(ended, ways=ways, barriers=barriers)
             stands = leg.job.end
         if leg.barrier is None:
             break
+        here = _Standing(leg.barrier, stands, job.offset + leg.ends, job.clock + leg.clock)
         try:
-            place = yield from _pass(operation, job, place, leg.barrier)
+            before, place = place, (yield from _pass(operation, job, place, leg.barrier))
         except Stopped as stopped:
-            over = Trouble(str(stopped), code="")
-            return (yield from _ended(operation, job, leg.barrier, Event.STOP, over, stands))
+            ended = yield from _ended(operation, job, here, Event.STOP, Trouble(str(stopped), code=""))
         except Trouble as trouble:
-            return (yield from _ended(operation, job, leg.barrier, Event.FAULT, trouble, stands))
+            ended = yield from _ended(operation, job, here, Event.FAULT, trouble)
         except Lost as lost:
-            return _lost(operation, leg.barrier, str(lost), stands)
-    return Ended(True, joints=stands, done=job.offset + job.duration)
+            ended = _lost(operation, here, str(lost))
+        else:
+            barriers += 1
+            if leg.barrier.kind == "when":
+                ways = (*ways, place == before + 1)
+            continue
+        return replace(ended, ways=ways, barriers=barriers, at_barrier=True)
+    clock = job.clock + job.lasting.most
+    done = job.offset + job.duration
+    return Ended(True, joints=stands, done=done, clock=clock, ways=ways, barriers=barriers)
 
 
 def _pass(operation: Operation, job: Job, place: int, barrier: Barrier) -> Script[int]:
     """Wait at a barrier; the number of the leg that comes next."""
+    if barrier.kind in ("wait", "hold"):
+        operation.notices.append(Reached(operation.now, barrier.label))
     match barrier.kind:
         case "wait":
             yield from _wait_for_input(operation, barrier)
@@ -61,7 +92,7 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier) -> Scrip
         case "when":
             (value,) = yield from operation.numbers(barrier.variable, 1)
             holds = value == barrier.value
-            operation.remark(f"{_title(barrier)}: {barrier.name} is {_state(value)}")
+            operation.remark(f"{_title(barrier)}: {barrier.name} is {state_text(value)}")
             return place + 1 if holds else _behind(job.legs, place, "else", "end")
         case "else":
             return _behind(job.legs, place, "end")
@@ -87,21 +118,37 @@ def _wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
     """Until the input is as it shall be, or its time is over."""
     since = operation.now
     (value,) = yield from operation.numbers(barrier.variable, 1)
+    place = barrier.label or f"line {barrier.source_line}"
+    operation.notices.append(
+        WaitBegan(operation.now, place, barrier.name, barrier.variable, barrier.value, value)
+    )
     if value == barrier.value:
+        _tell_end(operation, barrier, value, 0.0)
         return
-    operation.go(Event.HOLD, f"{_title(barrier)} waits for {barrier.name} to be {_state(barrier.value)}")
+    operation.go(Event.HOLD, f"{_title(barrier)} waits for {barrier.name} to be {state_text(barrier.value)}")
     while value != barrier.value:
         if barrier.timeout is not None and operation.now - since > barrier.timeout:
+            _tell_end(operation, barrier, value, operation.now - since)
             raise Trouble(
                 f"{_title(barrier)} has waited {barrier.timeout:g} s for {barrier.name} ({barrier.variable}) to be "
-                f"{_state(barrier.value)}: it is {_state(value)}",
+                f"{state_text(barrier.value)}: it is {state_text(value)}",
                 "look at the input, then go on with --from",
                 "Y1604",
             )
         yield Wait(operation.now + _LOOK)
         yield from _obey(operation)
         (value,) = yield from operation.numbers(barrier.variable, 1)
-    operation.go(Event.END, f"{barrier.name} is {_state(value)}")
+    _tell_end(operation, barrier, value, operation.now - since)
+    operation.go(Event.END)
+
+
+def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:
+    """Tell that a WAIT is over."""
+    place = barrier.label or f"line {barrier.source_line}"
+    met = value == barrier.value
+    operation.notices.append(
+        WaitEnded(operation.now, place, barrier.name, barrier.variable, value, waited, met)
+    )
 
 
 def _wait_for_operator(operation: Operation, job: Job, barrier: Barrier) -> Script[None]:
@@ -139,12 +186,10 @@ def _obey(operation: Operation) -> Script[bool]:
     yield  # a script, though it asks nothing
 
 
-def _ended(
-    operation: Operation, job: Job, barrier: Barrier, event: Event, why: Trouble, stands: Array
-) -> Script[Ended]:
+def _ended(operation: Operation, job: Job, here: _Standing, event: Event, why: Trouble) -> Script[Ended]:
     """The robot stands: leave the controller in a state that is known, outputs safe."""
     operation.orders.clear()
-    joints, what = stands, why.what
+    barrier, joints, what = here.barrier, here.joints, why.what
     try:
         yield from leave(operation, job.robot)
         yield from Outputs(job).secure(operation)
@@ -152,8 +197,8 @@ def _ended(
     except Trouble as trouble:
         what = f"{what}; then: {trouble.what}"
     except Lost as lost:
-        return _lost(operation, barrier, f"{what}; then: {lost}", stands)
-    operation.go(event, what)
+        return _lost(operation, here, f"{what}; then: {lost}")
+    operation.go(event, what, why.code, why.remedy)
     return Ended(
         False,
         what,
@@ -161,26 +206,30 @@ def _ended(
         joints,
         _title(barrier),
         barrier.label,
+        here.done,
         code=why.code,
         concerns=_concerned(barrier),
+        clock=here.clock,
     )
 
 
-def _lost(operation: Operation, barrier: Barrier, why: str, stands: Array) -> Ended:
+def _lost(operation: Operation, here: _Standing, why: str) -> Ended:
     """The connection is lost while the robot stands: it goes on standing."""
     what = f"the connection was lost: {why}"
-    operation.go(Event.LOST, what)
-    operation.go(Event.FAULT, what)
     remedy = "the robot stands; find out why, run `yarc doctor`, then go on with --from"
+    operation.go(Event.LOST, what, LOST, remedy)
+    operation.go(Event.FAULT, what, LOST, remedy)
     return Ended(
         False,
         what,
         remedy,
-        stands,
-        _title(barrier),
-        barrier.label,
-        code="Y1606",
-        concerns=_concerned(barrier),
+        here.joints,
+        _title(here.barrier),
+        here.barrier.label,
+        here.done,
+        code=LOST,
+        concerns=_concerned(here.barrier),
+        clock=here.clock,
     )
 
 
@@ -190,7 +239,3 @@ def _concerned(barrier: Barrier) -> Concerned:
 
 def _title(barrier: Barrier) -> str:
     return f"{barrier.label or f'line {barrier.source_line}:'} {barrier.kind.upper()}"
-
-
-def _state(value: float) -> str:
-    return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:g}")

@@ -188,7 +188,7 @@ class LiveStream:
         operation.notices.append(found)
         executed = max(0, self._sent - self._ahead - AHEAD)
         self._course.forget(executed)
-        since = operation.now + operation.behind - self._asked
+        since = operation.now - self._asked
         most = executed + 2 * AHEAD + 1 + int(FASTEST * since / job.segment)
         off = self._course.off(found, (executed, most), operation.now - asked)
         yield from look_whether_astray(operation, job.robot, off)

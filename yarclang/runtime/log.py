@@ -59,6 +59,7 @@ class RunLog:
         version: str,
         on_failure: Callable[[str], object] | None = None,
         anchor: Anchor,
+        client: str = "",
     ) -> None:
         self.path = path
         self.failure: str | None = None
@@ -77,6 +78,7 @@ class RunLog:
                 "yarclang": version,
                 "started": datetime.fromtimestamp(anchor.wall / 1e9, UTC).isoformat(timespec="milliseconds"),
                 "pace": f"{anchor.pace:g}",
+                **({"client": client} if client else {}),
             }
         )
         self._flush()
@@ -95,6 +97,7 @@ class RunLog:
         pace: float = 1.0,
         clock: float | None = None,
         anchor: Anchor | None = None,
+        client: str = "",
     ) -> RunLog:
         """Make a log and write what doesn't change into it.
 
@@ -108,6 +111,7 @@ class RunLog:
             pace: of the session.
             clock: the time of the session [s]; None: that of the host, at its pace.
             anchor: when the run starts; now, if it isn't given. It goes before `pace` and `clock`.
+            client: who ordered the first motion, for people; empty: not known.
 
         Raises:
             OSError: the file can't be made or written; none is left behind.
@@ -116,7 +120,16 @@ class RunLog:
         anchor = anchor or Anchor(now, time.time_ns(), pace)
         path, stream = _create(place, job.name, anchor.wall)
         try:
-            return cls(stream, path, job, address, version=version, on_failure=on_failure, anchor=anchor)
+            return cls(
+                stream,
+                path,
+                job,
+                address,
+                version=version,
+                on_failure=on_failure,
+                anchor=anchor,
+                client=client,
+            )
         except BaseException:
             with contextlib.suppress(OSError):
                 stream.close()

@@ -18,6 +18,7 @@ from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Progress, Remark
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
 
 FORMAT = "1"
 """Of what stands in the messages; another one can't be read as this one is."""
@@ -112,6 +113,10 @@ class Record:
                 self._message("progress", when, content | {"source_line": item.source_line})
             case Remark(time=when, text=text, warning=warning):
                 self._message("events", when, {"kind": "warning" if warning else "remark", "text": text})
+            case OutputSet() | WaitBegan() | WaitEnded() | InputChanged():
+                content = {"kind": _KINDS[type(item)], **asdict(item)}
+                del content["time"]
+                self._message("signals", item.time, content)
             case Ordered(time=when, order=order):
                 self._message("events", when, {"kind": "order", "text": _order_text(order)})
             case Begun(job=job):
@@ -161,6 +166,12 @@ class Record:
         }
 
 
+_KINDS: dict[type, str] = {
+    OutputSet: "set",
+    WaitBegan: "wait began",
+    WaitEnded: "wait ended",
+    InputChanged: "input",
+}
 _NUMBER, _TEXT, _TRUTH = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
 _COUNTS = {"type": "array", "items": _NUMBER}
 
@@ -180,6 +191,17 @@ def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
         "state": {"state": _TEXT, "why": _TEXT},
         "progress": {"done_s": _NUMBER, "left_s": _NUMBER, "command": _TEXT, "source_line": _NUMBER},
         "events": {"kind": {"enum": ["remark", "warning", "order"]}, "text": _TEXT},
+        "signals": {
+            "kind": {"enum": list(_KINDS.values())},
+            "name": _TEXT,
+            "variable": _TEXT,
+            "value": _NUMBER,
+            "place": _TEXT,
+            "wanted": _NUMBER,
+            "waited": _NUMBER,
+            "met": _TRUTH,
+            "cause": _TEXT,
+        },
         "jobs": {"job": _TEXT, "offset_s": _NUMBER, "duration_s": _NUMBER, "of_program": _TRUTH},
         "outcome": {
             "well": _TRUTH,
@@ -210,6 +232,7 @@ def _described(job: Job) -> dict[str, Any]:
     limits = np.column_stack((robot.limits.lower, robot.limits.upper)) / robot.axis_units[:, None]
     return {
         "duration_s": job.duration,
+        "takes": job.lasting.to_json(),
         "commands": [
             {
                 "index": command.index,
@@ -217,6 +240,7 @@ def _described(job: Job) -> dict[str, Any]:
                 "source_line": command.source_line,
                 "begins_s": command.begins,
                 "ends_s": command.ends,
+                "clock_s": command.clock,
             }
             for command in job.commands
         ],

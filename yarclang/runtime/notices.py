@@ -6,21 +6,27 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from yarclang.runtime.feedback import Sample
+from yarclang.runtime.signals import Signal
 from yarclang.runtime.state import State
 
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """The state is another one now, and why."""
+    """The state is another one now, and why; if something went wrong, the code of the finding, and what to do."""
 
     time: float
     state: State
     why: str
+    code: str = ""
+    remedy: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far the program is: seconds done and to go at the present override, and the command that is executed."""
+    """How far the program is: the known seconds done, those to go at the present override, and the command that is executed.
+
+    Motions and dwells count. Of a program whose ways part, `done` and `left` are those of the longer way.
+    """
 
     time: float
     done: float
@@ -38,7 +44,15 @@ class Remark:
     warning: bool = False
 
 
-Notice: TypeAlias = Changed | Progress | Remark | Sample
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """The robot stands at a command that waits for an input or the operator: its place in the program, such as P0020(I=2)>P0010."""
+
+    time: float
+    place: str
+
+
+Notice: TypeAlias = Changed | Progress | Remark | Reached | Signal | Sample
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from collections import deque
 
 from yarclang.pmac.errors import ERRORS
 from yarclang.runtime.actions import Lost, Script, TooLate, Trouble, Wait
+from yarclang.runtime.feedback import MotorStatus
 from yarclang.runtime.memory import Memory
 from yarclang.runtime.messages import (
     Answer,
@@ -85,8 +86,13 @@ class Operation:
         silence: for how long this computer may be silent, before its controller holds [s].
         wanted_silence: that time, if a person has chosen it [s].
         slowest: the slowest reply since the last look began [s].
+        latest: how long the last reply took [s].
+        motors: the motors' words as they were heard last, in the robot's order.
+        ahead: lines in the controller's buffer as they were counted last; None if nothing is streamed.
         beat: time between two beats of the guard PLC [s].
-        behind: how far this clock may be behind the controller's, of a simulator that waits for this process [s].
+        outputs: the names of outputs, by their variables; those of others aren't known.
+        searches: whether a motor searches its home: no hold stops it, only an abort.
+        unattended: whether nobody is there who could resume a hold that no person has asked for: such a hold ends the run.
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -105,8 +111,13 @@ class Operation:
         self.silence = SILENCE
         self.wanted_silence: float | None = None
         self.slowest = 0.0
+        self.latest = 0.0
+        self.motors: tuple[MotorStatus, ...] = ()
+        self.ahead: int | None = None
         self.beat = 0.0
-        self.behind = 0.0
+        self.outputs: dict[str, str] = {}
+        self.searches = False
+        self.unattended = False
 
     @property
     def now(self) -> float:
@@ -120,11 +131,18 @@ class Operation:
             self.slept = max(self.slept, now - self._now)
         self._now = now
 
-    def go(self, event: Event, why: str = "") -> None:
-        """Change the state as the table says, and tell it."""
+    def go(self, event: Event, why: str = "", code: str = "", remedy: str = "") -> None:
+        """Change the state as the table says, and tell it.
+
+        Args:
+            event: that changes it.
+            why: in words.
+            code: of the finding, if something went wrong.
+            remedy: what to do then.
+        """
         before, self.state = self.state, after(self.state, event)
         if self.state is not before or why:
-            self.notices.append(Changed(self.now, self.state, why))
+            self.notices.append(Changed(self.now, self.state, why, code, remedy))
 
     def remark(self, text: str, *, warning: bool = False) -> None:
         """Tell something."""
@@ -144,7 +162,8 @@ class Operation:
             self._give_way()
             asked = self.now
             event = yield Ask(line)
-            self.slowest = max(self.slowest, self.now - asked)
+            self.latest = self.now - asked
+            self.slowest = max(self.slowest, self.latest)
             match event:
                 case Answer(items=items, error=None):
                     return items

@@ -20,7 +20,7 @@ class Concerned:
 class Where:
     """Where that command stands: `file`, line and columns (from 1, the last one behind it), and the `text` of the line.
 
-    Where the source isn't known, `file` is empty, and `note` says why.
+    Where the source isn't known, `file` is empty, and `note` says why. Of a command in a module, the line is the one that calls, and `note` the module's.
     """
 
     file: str = ""
@@ -36,8 +36,9 @@ class Ended:
     """How a run has ended.
 
     `what` says why it didn't end well, `remedy` what to do; `joints` (n,) [rad or m] is where the robot is commanded to stand (None: not
-    known), `command` what was executed, `done` how far the program was [s]. Of a fault, `code` is that of the finding, `concerns` the
-    command that it is about, and `where` its place in the source, which whoever knows the source fills in.
+    known), `command` what was executed, `done` how far the program was [s], with the ways of a WHEN one after the other. Of a fault, `code` is that of the finding, `concerns` the
+    command that it is about, and `where` its place in the source, which whoever knows the source fills in. `ways` says of each WHEN that was passed, in order, if its first way was taken;
+    `barriers` counts what was passed at which legs end, and `at_barrier` is True if the robot stands at the next of them.
     """
 
     well: bool
@@ -50,3 +51,12 @@ class Ended:
     code: str = ""
     concerns: Concerned | None = None
     where: Where | None = None
+    clock: float | None = None
+    ways: tuple[bool, ...] = ()
+    barriers: int = 0
+    at_barrier: bool = False
+
+    @property
+    def reached(self) -> float:
+        """The latest known time at which a run gets there [s], with both ways of a WHEN at once: what people are told."""
+        return self.done if self.clock is None else self.clock

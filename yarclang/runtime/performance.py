@@ -18,7 +18,7 @@ from yarclang.runtime.actions import (
 )
 from yarclang.runtime.inspection import Inspection, Item, inspect
 from yarclang.runtime.job import Job
-from yarclang.runtime.legs import perform_legs
+from yarclang.runtime.legs import LOST, perform_legs
 from yarclang.runtime.link import Link, measure
 from yarclang.runtime.live import Live, LiveStream
 from yarclang.runtime.messages import Control
@@ -27,7 +27,15 @@ from yarclang.runtime.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIEN
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.outputs import Outputs
 from yarclang.runtime.protocol import GREETING
-from yarclang.runtime.rest import LONGEST, come_to_rest, described, leave, stands_at
+from yarclang.runtime.rest import (
+    LONGEST,
+    come_to_rest,
+    described,
+    leave,
+    motor_statuses,
+    stands_at,
+    system_words,
+)
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.streaming import Stream
 from yarclang.runtime.watching import RESET_REMEDY, were_reset
@@ -122,7 +130,9 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
             yield from Outputs(job).secure(operation)
         except (Trouble, Lost) as trouble:
             what = f"the program has ended, but its outputs can't be made safe: {trouble}"
-            operation.go(Event.FAULT, what)
+            operation.go(
+                Event.FAULT, what, trouble.code if isinstance(trouble, Trouble) else LOST, "look at them"
+            )
             return Ended(False, what, "look at them", ended.joints)
     return ended
 
@@ -153,7 +163,7 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
         ended = yield from _recover(operation, stream, str(lost))
     else:
         job = stream.job
-        return Ended(True, joints=job.end, done=job.offset + job.duration)
+        return Ended(True, joints=job.end, done=job.offset + job.duration, clock=job.clock + job.duration)
     operation.watch, operation.patience = (), PATIENCE
     operation.orders.clear()
     return ended
@@ -181,11 +191,11 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
             )
         yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
-        operation.go(event, what)
+        operation.go(event, what, why.code, remedy)
         return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None, why)
     except Lost as lost:
         return (yield from _recover(operation, stream, f"{what}; then: {lost}"))
-    operation.go(event, what)
+    operation.go(event, what, why.code, remedy)
     return _ended(stream, what, remedy, joints, why)
 
 
@@ -219,7 +229,7 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
 
 def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Script[Ended]:
     """The connection is lost: the guard PLC holds the motion when the buffer runs low. Make another connection, hold, and look."""
-    operation.go(Event.LOST, why)
+    operation.go(Event.LOST, why, LOST)
     operation.watch = ()
     robot = stream.job.robot
     until = operation.now + AGAIN_FOR
@@ -239,20 +249,20 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
             except Lost as lost:
                 outcome = Unreachable(str(lost))
             except Trouble as trouble:
-                operation.go(Event.FAULT, what)
+                operation.go(Event.FAULT, what, LOST, trouble.remedy)
                 return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy, None)
             else:
-                operation.go(Event.FAULT, what)
                 remedy = (
                     "find out why, run `yarc doctor`, then go on with --from"
                     if joints is not None
                     else RESET_REMEDY
                 )
+                operation.go(Event.FAULT, what, LOST, remedy)
                 return _ended(stream, what, remedy, joints)
         if operation.now >= until:
-            operation.go(Event.FAULT, what)
             silence = f"when it has heard nothing of this computer for {operation.silence:.2g} s"
             remedy = f"its guard PLC holds the motion on the path {silence}; look at the robot, then run `yarc doctor`"
+            operation.go(Event.FAULT, what, LOST, remedy)
             return _ended(
                 stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None
             )
@@ -264,7 +274,7 @@ def _reason(outcome: object) -> str:
     return outcome.reason if isinstance(outcome, Unreachable) else "it doesn't stay"
 
 
-_LOST = Trouble("", code="Y1606")
+_LOST = Trouble("", code=LOST)
 """What kind of fault a lost connection is."""
 
 
@@ -285,7 +295,24 @@ def _ended(
         job.offset + stream.done if stream.begun else 0.0,
         why.code,
         Concerned(about.index, about.name, about.source_line) if about and why.code else None,
+        clock=job.clock + stream.done if stream.begun else 0.0,
     )
+
+
+def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
+    """End a program that is left in the middle, held or starved, where the robot stands at rest with all loops closed: that of a computer that has failed.
+
+    Returns:
+        False if there is none; what moves, or has an open loop, is left as it is.
+    """
+    motors = yield from motor_statuses(operation, robot)
+    words = yield from system_words(operation, robot)
+    if not words.running or any(motor.has("open loop") or not motor.at_rest for motor in motors):
+        return False
+    yield from come_to_rest(operation, robot)
+    yield from leave(operation, robot)
+    operation.remark("a program that was left in the middle is ended where the robot stands", warning=True)
+    return True
 
 
 def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:

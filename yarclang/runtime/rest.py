@@ -48,7 +48,8 @@ def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStat
             found |= statuses_in(text, group, motors)
         except ReportError as error:
             raise Lost(str(error)) from None
-    return tuple(found[motor] for motor in motors)
+    operation.motors = tuple(found[motor] for motor in motors)
+    return operation.motors
 
 
 def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
@@ -96,6 +97,7 @@ def leave(operation: Operation, robot: Robot) -> Script[None]:
     A ends and lifts. It would close the loops of motors that were killed, so that it is left out where one is open and nothing runs.
     """
     system = robot.controller.coordinate_system
+    operation.ahead = None
     yield from operation.ask("CLOSE ALL")
     yield from operation.ask(f"{ARMED}=0 {WATCHED}=0")
     motors = yield from motor_statuses(operation, robot)

@@ -6,10 +6,10 @@ The only module of the runtime, with `transports/`, that knows time and the netw
 from __future__ import annotations
 
 import asyncio
-import math
+import contextlib
 import os
 from collections.abc import Awaitable, Callable
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
 from yarclang.runtime.messages import Event, Late, Request, Violation
@@ -24,10 +24,30 @@ Listener = Callable[[Notice], None]
 Connector = Callable[[str, int, float], Awaitable[Wire]]
 """Makes a connection: to a host and a port, within a time [s]."""
 
+
+class Leash(Protocol):
+    """The time of a simulator in this process, which waits for the session that has it (`yarclang.simulator.leash`).
+
+    Attributes:
+        until: up to when its time may pass [s]; None: nobody has it.
+    """
+
+    until: float | None
+
+    def now(self) -> float:
+        """Return the simulator's time [s]."""
+
+
+_EXCHANGE = 0.02
+"""Longest time of a leashed simulator from one step of a script to the next, besides what the script waits for [s]: less than half of the watchdog's passes in the longest row of questions."""
+
 REPLY_TIME = 1.0
 """A reply that takes longer is lost [s]."""
 
 _TURN = 0.005
+
+_SHORTEST = 0.0002
+"""Shortest wait [s of the wall clock]."""
 
 CONNECT_TIME = 5.0
 """A connection that takes longer can't be made [s]."""
@@ -42,8 +62,7 @@ class Session:
         reply_time: after so long a reply is lost [s].
         pace: how fast the controller's time passes: 1, but for a simulator.
         connector: makes connections; TCP, but where a controller lives in this very process.
-        leash: how far the controller's time goes at most while nothing is asked [s], of a simulator that waits for this process
-            (`yarclang.simulator.leash`); None: it waits for nobody.
+        leash: the time of a simulator that waits for this session, which is the session's as well; None: the controller waits for nobody.
     """
 
     def __init__(
@@ -54,17 +73,14 @@ class Session:
         reply_time: float = REPLY_TIME,
         pace: float = 1.0,
         connector: Connector = connect,
-        leash: float | None = None,
+        leash: Leash | None = None,
     ) -> None:
         self.host = host
         self.port = port
         self.pace = pace
         self.operation = Operation()
         self.operation.longest_sleep = max(LONGEST_SLEEP, reply_time + 1.0) * pace
-        self._leash = math.inf if leash is None else leash
-        self.operation.behind = 0.0 if leash is None else 2.0 * leash  # each end leaves time out by itself
-        self._most = math.inf
-        self._left_out = 0.0
+        self._leash = leash
         self._reply_time = reply_time
         self.connector = connector
         self._listeners: list[Listener] = []
@@ -120,7 +136,7 @@ class Session:
                     case _:
                         outcome = await self._exchange(action)
         finally:
-            self._most = math.inf
+            self._allow(None)
 
     async def order_given(self, kind: type[Order]) -> None:
         """Wait, with nothing moving, until an order of a kind is given; a stop or an abort ends the wait, too, and stays."""
@@ -139,19 +155,23 @@ class Session:
             self._wire = None
 
     def now(self) -> float:
-        """Return the host's clock, at the controller's pace [s]. On a leash, the time is left out in which this process was kept from its work."""
-        return min(self._passed() - self._left_out, self._most)
+        """Return the host's clock, at the controller's pace [s]; of a leashed simulator its own time, from which is left out when this process was kept from its work."""
+        return self._passed() if self._leash is None else self._leash.now()
 
     def _passed(self) -> float:
         """Return the host's clock with nothing left out [s]."""
         return asyncio.get_running_loop().time() * self.pace
 
     def _step(self) -> float:
-        """Return the time of a script's next step [s]; until the one after it no more than the leash passes."""
+        """Return the time of a script's next step [s]; until the one after it a leashed simulator goes on by no more than `_EXCHANGE`."""
         now = self.now()
-        self._left_out = self._passed() - now
-        self._most = now + self._leash
+        self._allow(now + _EXCHANGE)
         return now
+
+    def _allow(self, until: float | None) -> None:
+        """Let the time of a leashed simulator pass until then [s]; None: it isn't looked after."""
+        if self._leash is not None:
+            self._leash.until = until
 
     def _later(self, delay: float, event: asyncio.Event) -> asyncio.TimerHandle:
         """Set an event after a time of that clock [s]."""
@@ -174,14 +194,19 @@ class Session:
     async def _wait(self, until: float) -> None:
         """Until a time, or until somebody orders something."""
         self._woken.clear()
-        now = self.now()
-        if until <= now:
+        if until <= self.now():
             await asyncio.sleep(0)
             return
-        self._most = until + self._leash  # who waits isn't kept from anything
-        timer = self._later(until - now, self._woken)
-        await self._woken.wait()
-        timer.cancel()
+        self._allow(until + _EXCHANGE)
+        while not self._woken.is_set() and (left := until - self.now()) > 0.0:
+            # a leashed simulator may need longer
+            await self._woken_within(max(left / self.pace, _SHORTEST))
+
+    async def _woken_within(self, seconds: float) -> None:
+        """Wait until somebody wakes this session, but no longer than some seconds of the wall clock."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await self._woken.wait()
 
     async def _connect(self) -> Outcome:
         self.close()
@@ -225,6 +250,8 @@ class Session:
 
     def _last_words(self) -> None:
         """What is said on a connection whose replies can't be trusted any more: hold, or abort if that was asked for."""
-        if self._wire is None or self.operation.state not in (State.MOVE, State.HOLD):
+        operation = self.operation
+        if self._wire is None or not (operation.searches or operation.state in (State.MOVE, State.HOLD)):
             return
-        self._wire.send(Connection().last_words(ABORT_ALL if Abort() in self.operation.orders else HOLD_ALL))
+        aborts = operation.searches or Abort() in operation.orders
+        self._wire.send(Connection().last_words(ABORT_ALL if aborts else HOLD_ALL))

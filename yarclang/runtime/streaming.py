@@ -10,12 +10,14 @@ import numpy as np
 
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.feed import AHEAD
 from yarclang.runtime.holding import Holding
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import URGENT, Interrupted, Operation, Refused
 from yarclang.runtime.rest import away_from_start, come_to_rest, described, leave, stands_at
 from yarclang.runtime.rotary import Rotary
+from yarclang.runtime.signals import OutputSet
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.supervision import HELD, SETTINGS_EACH, Flow
 from yarclang.runtime.watching import (
@@ -83,11 +85,40 @@ class Stream:
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
         self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
+        self._dwells = np.array([row for row, _ in job.dwells], dtype=np.intp)
+        self._rested: float | None = None
+        self._taken = self._outputs_told = 0
+        self._since = self._looked = operation.now
 
     @property
     def done(self) -> float:
-        """How far the program is [s]."""
-        return self.job.time_of(self.feed.executed)
+        """Return how far the job is [s], from the lines that were executed. During a dwell no line is executed, so the clock counts instead."""
+        job, operation = self.job, self.operation
+        executed = self._taken
+        begins = job.time_of(executed)
+        # the controller takes no line behind a dwell before that is over
+        place = int(np.searchsorted(self._dwells, executed + AHEAD)) - 1
+        if not self.begun or place < 0 or self._dwells[place] < executed:
+            return begins
+        row, seconds = job.dwells[place]
+        if place and self._dwells[place - 1] >= executed:
+            begins = float(job.times[row])
+        passed = (operation.now if operation.state is State.MOVE else self._looked) - self._since
+        # an override slows motions, and no dwell
+        motion = float(job.times[row]) - begins
+        slowed = motion / max(operation.override, 0.01)
+        if passed <= slowed:
+            return begins + passed * operation.override
+        return begins + motion + min(passed - slowed, seconds)
+
+    def _dwells_on(self) -> bool:
+        """Return True if the job ends with a dwell that may not be over. Called once the motors rest: they rest in a dwell as they do after it."""
+        job = self.job
+        if not job.dwells or job.dwells[-1][0] < len(job.lines) - 1:
+            return False
+        if self._rested is None:
+            self._rested = self.operation.now
+        return self.operation.now < self._rested + job.dwells[-1][1]
 
     @property
     def command(self) -> JobCommand | None:
@@ -109,7 +140,8 @@ class Stream:
         """
         operation = self.operation
         yield from away_from_start(operation, self.job)
-        operation.go(Event.LOAD, f"loading {self.job.name}")
+        part = self.job.part
+        operation.go(Event.LOAD, "" if part is not None and part.begun else f"loading {self.job.name}")
         yield from self.supervision.check()
         yield from self._load()
         operation.watch = URGENT
@@ -121,8 +153,14 @@ class Stream:
                     ended = yield from step()
         operation.watch = ()
         yield from leave(operation, self.job.robot)
-        operation.notices.append(Progress(operation.now, self.job.offset + self.job.duration, 0.0, "", 0))
-        operation.go(Event.END, f"at the end of {self.job.name}, to a count")
+        operation.notices.append(
+            Progress(operation.now, self.job.clock + self.job.duration, self.job.behind, "", 0)
+        )
+        self._tell_outputs(len(self.job.lines))
+        leads_to = part.leads_to if part is not None else ""
+        operation.go(
+            Event.END, f"at {leads_to}" if leads_to else f"at the end of {self.job.name}, to a count"
+        )
 
     # before
 
@@ -205,6 +243,12 @@ class Stream:
     def _ask_lines(self) -> Script[None]:
         operation, due = self.operation, self._due
         flow = yield from self.rotary.ask()
+        if self.feed.executed != self._taken:
+            self._taken, self._since = self.feed.executed, operation.now
+            self._tell_outputs(self._taken)
+        elif operation.state is not State.MOVE:
+            self._since += operation.now - self._looked
+        self._looked = operation.now
         each = min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
         due.lines = operation.now + (min(each, _DOUBT) if self.supervision.doubtful else each)
         if operation.now >= due.progress:
@@ -229,19 +273,38 @@ class Stream:
         if told := (yield from self.supervision.compare()):
             yield from self.holding.for_others(told)
 
+    def _tell_outputs(self, executed: int) -> None:
+        """Tell what the first `executed` lines have set, once."""
+        operation, sets = self.operation, self.job.sets
+        while self._outputs_told < len(sets) and sets[self._outputs_told][0] < executed:
+            _, variable, value = sets[self._outputs_told]
+            name = operation.outputs.get(variable, variable)
+            operation.notices.append(OutputSet(operation.now, name, variable, value))
+            self._outputs_told += 1
+
     def _tell_progress(self) -> None:
         command, done = self.command, self.done
-        left = (self.job.duration - done) / max(self.operation.override, 0.01)
         title, line = (command.title, command.source_line) if command else ("", 0)
-        self.operation.notices.append(Progress(self.operation.now, self.job.offset + done, left, title, line))
+        self.operation.notices.append(
+            Progress(self.operation.now, self.job.clock + done, self._time_left(done), title, line)
+        )
+
+    def _time_left(self, done: float) -> float:
+        """Return how long the rest takes at the present override [s]: it slows motions, and no dwell."""
+        job = self.job
+        stands = sum(
+            min(seconds, max(float(job.times[row]) + seconds - done, 0.0)) for row, seconds in job.dwells
+        )
+        return (job.duration - done - stands + job.behind) / max(self.operation.override, 0.01) + stands
 
     def _ask_positions(self) -> Script[None]:
         operation, job = self.operation, self.job
         self._due.positions = operation.now + operation.positions_each
         asked = operation.now
-        found = yield from sample(operation, job.robot, job.offset + self.done)
+        done = self.done
+        found = yield from sample(operation, job.robot, job.offset + done, job.clock + done)
         operation.notices.append(found)
-        executed = self.feed.executed_within(operation.now, operation.behind)
+        executed = self.feed.executed_within(operation.now)
         self.rotary.course.forget(executed[0])
         if operation.state is State.MOVE:
             off = self.rotary.course.off(found, executed, operation.now - asked)
@@ -348,7 +411,8 @@ class Stream:
             yield from self._ask_positions()
         if operation.now >= self._due.lines:
             yield from self._ask_lines()
-        if operation.state is not State.MOVE or not all(motor.at_rest for motor in motors):
+        rests = all(motor.at_rest for motor in motors)
+        if operation.state is not State.MOVE or not rests or self._dwells_on():
             self._stands = None
             yield Wait(operation.now + _LOOK)
             return False

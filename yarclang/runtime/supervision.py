@@ -238,9 +238,11 @@ class Supervision:
             flow: the last answer, at rest.
             all_in: whether all lines are in: fewer may be than the guard wants, and no more come.
         """
-        if all_in and flow.armed:
+        if all_in and (
+            flow.armed or self._disarmed
+        ):  # the line that arms the guard is calculated, then or now
             self._disarmed = True
-            return f"{ARMED}=0"
+            return f"{ARMED}=0" if flow.armed else ""
         wanted = self._flag(self._sent - flow.ahead)
         return f"{ARMED}={wanted:g}" if flow.armed != wanted else ""
 
@@ -263,6 +265,7 @@ class Supervision:
             raise Lost(f"{items[0]!r} in reply to PR")
         self._asked = operation.now
         flow = Flow(int(ahead), percent, armed, beat, watched, echo)
+        operation.ahead = flow.ahead
         self._take_beat(flow, asked)
         return flow
 

@@ -91,13 +91,16 @@ def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
         )
 
 
-def sample(operation: Operation, robot: Robot, program_time: float) -> Script[Sample]:
+def sample(
+    operation: Operation, robot: Robot, program_time: float, clock: float | None = None
+) -> Script[Sample]:
     """Where the robot is, by ^P and ^F.
 
     Args:
         operation: the run.
         robot: whose motors.
-        program_time: how far the program is [s].
+        program_time: how far the program is [s], with the ways of a WHEN one after the other.
+        clock: likewise, with both ways at once.
 
     Raises:
         Lost: a report isn't one.
@@ -116,4 +119,4 @@ def sample(operation: Operation, robot: Robot, program_time: float) -> Script[Sa
             following |= counts_in(errors, group, motors)
         except ReportError as error:
             raise Lost(str(error)) from None
-    return Sample(operation.now, program_time, in_order(actual, motors), in_order(following, motors))
+    return Sample(operation.now, program_time, in_order(actual, motors), in_order(following, motors), clock)

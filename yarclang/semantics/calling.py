@@ -38,7 +38,7 @@ class Calls:
         if not bind(statement, scope, file.findings, head, source, inner):
             return None
         self._subs.append(sub)
-        self._given.append(given_by(statement, file.findings.source, head, source))
+        self._given.append(given_by(statement, file.findings.source, head, source, self.given))
         return sub, inner
 
     def end(self) -> None:

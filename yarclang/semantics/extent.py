@@ -60,7 +60,8 @@ class Extent:
 
     def _look(self) -> None:
         self._next = self._lines + _EVERY
-        tell("checking", self._lines, max(self._lines, self._expected))
+        # outside of loops and SUBs nobody has counted what follows
+        tell("checking", self._lines, self._expected if self._expected > self._lines else 0)
         if any(map(self._has_new_errors, self._collectors)):
             self._limit(ENOUGH_WITH_ERRORS)
         if self._enough is not None and self._again > self._enough:

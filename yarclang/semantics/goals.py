@@ -111,15 +111,15 @@ def _goal(
     line: Line, waypoint: WayPoint, numbers: Array, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
     """One goal from values in SI."""
-    span, findings = line.statement.span(waypoint.place), line.findings
+    statement, findings = line.statement, line.findings
     if values is Values.JOINTS:
-        check_limits(line.robot, numbers, findings, span)
+        check_limits(line.robot, numbers, findings, statement.span(waypoint.place))
         return JointGoal(constant(numbers))
     if values is Values.JOINT_DELTAS:
         return JointDelta(constant(numbers))
     if values is Values.POSITION:
         return None if frames is None else constant((frames[1].transform @ np.append(numbers, 1.0))[:3])
-    rotation = rotation_of(values, numbers[3:], findings, span)
+    rotation = rotation_of(values, numbers[3:], findings, lambda: statement.span(waypoint.place))
     if rotation is None or frames is None:
         return None
     flange_from_moving, axes = frames[0].transform, frames[1]
@@ -128,7 +128,7 @@ def _goal(
         cosine = (rotation.trace() - 1.0) / 2.0
         if turned >= np.pi - 1e-9 or cosine <= -1.0 + 1e-12:
             message = "an increment of half a turn or more has no short way"
-            findings.add("Y0409", message, span, "make two commands of it")
+            findings.add("Y0409", message, statement.span(waypoint.place), "make two commands of it")
             return None
         return PoseDelta(
             constant(numbers[:3]),

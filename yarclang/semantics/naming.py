@@ -119,7 +119,7 @@ def declare_frame(
     if base is not None:
         on_flange = base.on_flange
         if numbers is not None:
-            rotation = rotation_of(values, numbers[3:], findings, statement.whole_span)
+            rotation = rotation_of(values, numbers[3:], findings, lambda: statement.whole_span)
             if rotation is not None:
                 transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
             link = FrameLink(name, constant(transform), base.link, findings.source, statement.whole_span)

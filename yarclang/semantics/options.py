@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 from yarclang.hir import Reading, Timing
 from yarclang.semantics.amounts import AmountError
@@ -54,11 +55,17 @@ def _blend(line: Line, option: Option) -> Reading | None:
             line.findings.add("Y0307", f"{found} is neither a length nor an angle", span)
         return Reading(length, angle)
     units = line.units or {}
-    length, angle = (found.value * units[kind].factor if kind in units else None for kind in _OF_BLENDS)
-    return Reading(length, angle)
+    metre, radian = (units[kind].factor if kind in units else None for kind in _OF_BLENDS)
+    return _reading(found.value + 0.0, metre, radian)
 
 
 _OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
+
+
+@lru_cache(maxsize=64)
+def _reading(value: float, length: float | None, angle: float | None) -> Reading:
+    """Return a number in units of so many m and rad: one value for all lines that have it."""
+    return Reading(None if length is None else value * length, None if angle is None else value * angle)
 
 
 def _tolerance(line: Line, option: Option) -> float | None:

@@ -10,7 +10,7 @@ from yarclang.diagnostics import Collector, suggest
 from yarclang.hir import Output
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError
-from yarclang.semantics.arguments import Given
+from yarclang.semantics.arguments import Given, names_in
 from yarclang.semantics.files import values_of
 from yarclang.semantics.frames import known_frame
 from yarclang.semantics.naming import frame_may_be_declared, may_be_declared
@@ -167,14 +167,21 @@ def _bind_one(
     return True
 
 
-def given_by(statement: Statement, caller: SourceFile, head: Statement, source: SourceFile) -> Given:
-    """What a CALL in the file `caller` gives for each parameter, as findings in the SUB's file, `source`, speak of it."""
+def given_by(
+    statement: Statement, caller: SourceFile, head: Statement, source: SourceFile, outer: Given
+) -> Given:
+    """Return what a CALL in the file `caller` gives for each parameter, as findings in the SUB's file, `source`, speak of it; what was given for the CALL's own
+    parameters, `outer`, follows.
+    """
     told: dict[str, str] = {}
     for parameter, value in zip(parameters_of(head), values_of(statement)[1:], strict=True):
         word = _word(parameter)
         if word is not None:
             line = Where(caller, statement.span(value.place)).seen_from(source)
-            told[word.name] = f"{word.text} is `{value.text}` in {line}"
+            said = [f"{word.text} is `{value.text}` in {line}"]
+            if isinstance(value, Computed):
+                said += (outer[name] for name in dict.fromkeys(names_in(value.expression)) if name in outer)
+            told[word.name] = ", and there ".join(said)
     return told
 
 

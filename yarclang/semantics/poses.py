@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache
+
 import numpy as np
 
 from yarclang.commands.spec import Values
@@ -9,7 +12,7 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import Array
 from yarclang.robot.model import Robot
 from yarclang.source import Span
-from yarclang.transforms import QUATERNION_TOLERANCE, quaternion_rotation, rpy_rotation
+from yarclang.transforms import QUATERNION_TOLERANCE, constant, quaternion_rotation, rpy_rotation
 
 
 def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
@@ -35,13 +38,21 @@ def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> Non
     findings.add("Y0502", message, span, help_)
 
 
-def rotation_of(values: Values, numbers: Array, findings: Collector, span: Span) -> Array | None:
-    """The rotation (3, 3) of roll pitch yaw [rad], or of a quaternion x y z w."""
+def rotation_of(
+    values: Values, numbers: Array, findings: Collector, span: Callable[[], Span]
+) -> Array | None:
+    """Return the rotation (3, 3) of roll pitch yaw [rad], or of a quaternion x y z w; None with a finding in a `span` that is asked for then."""
     if not values.is_quaternion:
-        return rpy_rotation(numbers)
+        return _rpy_rotation(numbers.tobytes())
     norm = float(np.linalg.norm(numbers))
     if abs(norm - 1.0) > QUATERNION_TOLERANCE:
         message = f"the quaternion qx qy qz qw has the norm {norm:.6g}, not 1"
-        findings.add("Y0404", message, span, "the order is qx qy qz qw, with the real part last")
+        findings.add("Y0404", message, span(), "the order is qx qy qz qw, with the real part last")
         return None
     return quaternion_rotation(numbers)
+
+
+@lru_cache(maxsize=64)
+def _rpy_rotation(numbers: bytes) -> Array:
+    """Return the rotation (3, 3) of roll pitch yaw [rad]: often a program's poses have one orientation."""
+    return constant(rpy_rotation(np.frombuffer(numbers)))

@@ -71,7 +71,7 @@ class Where:
     def seen_from(self, source: SourceFile) -> str:
         """How a message in `source` speaks of it."""
         line = f"line {self.span.line}"
-        return line if source.name == self.source.name else f"{line} of {self.source.name}"
+        return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
 Named = Amount | JointPosition | Input | Output | Routine | Library

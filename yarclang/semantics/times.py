@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import Reading, Timing
@@ -96,8 +97,8 @@ def resolve_time(
                 span = statement.span(time.place) if own else statement.head_span
                 findings.add("Y0407", message, span, "write [20], [MIN] or [50%]")
                 return Timing(None)
-            chosen = units if own else {**units, **defaults.units}
-            return Timing(None, speed=_speed(time, line, statement, own, chosen, where, findings))
+            chosen = units if own or statement.units is None else {**units, **defaults.units}
+            return _at(_speed(time, line, statement, own, chosen, where, findings))
         case Percent(value=value):
             return Timing(None, share=value / 100.0)
         case ComputedPercent() as item:
@@ -112,6 +113,12 @@ def resolve_time(
     return Timing(None)
 
 
+@lru_cache(maxsize=64)
+def _at(speed: Reading | None) -> Timing:
+    """Return what a speed says of a motion: one value for all lines that have it."""
+    return Timing(None, speed=speed)
+
+
 def _speed(
     time: Time,
     line: Statement,
@@ -124,20 +131,23 @@ def _speed(
     """A speed in m/s and in rad/s; None with a finding."""
     item = time.items[1]
     span = statement.span(item.place) if own else statement.head_span
-    if not isinstance(item, Number | Computed) or (found := amount(item, scope, line, findings)) is None:
-        return None
-    try:
-        value = found.plain("a speed")
-    except AmountError as error:
-        findings.add(error.code, error.message, span, error.help)
-        return None
-    if not _speed_is_sound(value, f"{found}", span, findings):
+    if isinstance(item, Number):  # nearly always
+        value = item.value
+    else:
+        if not isinstance(item, Computed) or (found := amount(item, scope, line, findings)) is None:
+            return None
+        try:
+            value = found.plain("a speed")
+        except AmountError as error:
+            findings.add(error.code, error.message, span, error.help)
+            return None
+    if not _speed_is_sound(value, f"{value:.10g}", span, findings):
         return None
     if (second := units.get("time")) is None:
         message, help_ = missing_unit("time", "the speed")
         findings.add("Y0304", message, span, help_)
         return None
-    length, angle = (units.get(kind) for kind in ("length", "angle"))
+    length, angle = units.get("length"), units.get("angle")
     return Reading(
         value * length.factor / second.factor if length else None,
         value * angle.factor / second.factor if angle else None,

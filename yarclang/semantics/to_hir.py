@@ -73,12 +73,14 @@ def origin_of(
     """Where a command comes from."""
     moving, base = moved.links
     return Origin(
-        index=f"P{int(statement.index.text[1:]):04d}" if statement.index else "",
+        index=_index(statement.index.text) if statement.index else "",
         name=name,
         source=findings.source,
         span=statement.head_span,
         time_span=statement.span(statement.time.place) if statement.time else None,
         time_unit=units["time"].name if units and "time" in units else "s",
+        length_unit=units["length"].name if units and "length" in units else "mm",
+        angle_unit=units["angle"].name if units and "angle" in units else "deg",
         end_span=_end(statement),
         name_span=statement.span(statement.name.place),
         values_span=_values(statement),
@@ -87,6 +89,12 @@ def origin_of(
         tool=moved.tool,
         base=base,
     )
+
+
+def _index(text: str) -> str:
+    """Return an index as it is listed; the same object if it is written so."""
+    listed = f"P{int(text[1:]):04d}"
+    return text if text == listed else listed
 
 
 def _values(statement: Statement) -> Span | None:

@@ -10,9 +10,9 @@ from concurrent.futures import Future
 from types import TracebackType
 
 from yarclang.simulator.faults import Fault
-from yarclang.simulator.leash import leash
+from yarclang.simulator.leash import Leash
 from yarclang.simulator.machine import Machine
-from yarclang.simulator.server import SimulatorServer
+from yarclang.simulator.server import SimulatorServer, wall_clock
 
 _STOP_TIME = 1.0
 """A server that needs longer to stop hangs in its machine [s]."""
@@ -28,6 +28,10 @@ class EmbeddedSimulator:
         seed: of the faults.
         tell: gets a line for a person whenever something is odd; called in the simulator's thread.
         leashed: whether the machine's time waits for its client where the computer has too much else to do (`leash.py`).
+
+    Attributes:
+        port: where it listens.
+        leash: for the client that looks after the robot; None if the machine isn't leashed, or is as fast as it goes.
     """
 
     def __init__(
@@ -41,9 +45,9 @@ class EmbeddedSimulator:
         leashed: bool = True,
     ) -> None:
         self.port = 0
-        most = leash(rate) if leashed and rate is not None else None
+        self.leash = Leash(rate, wall_clock) if leashed and rate is not None else None
         self._server = SimulatorServer(
-            machine, port=0, rate=rate, faults=faults, seed=seed, tell=tell, leash=most
+            machine, port=0, rate=rate, faults=faults, seed=seed, tell=tell, leash=self.leash
         )
         self._thread = threading.Thread(target=self._run, name="yarc simulator", daemon=True)
         self._listens: Future[int] = Future()

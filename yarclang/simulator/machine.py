@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -29,6 +30,19 @@ from yarclang.simulator.wiring import wire
 _MOST_WORDS = 1000
 
 
+class Companion(Protocol):
+    """Something outside of the controller that lives in its time, such as the machines around the robot."""
+
+    @property
+    def next_event(self) -> float:
+        """When it has something to do next [s]; -inf for now."""
+        ...
+
+    def handle(self) -> None:
+        """Do what is due."""
+        ...
+
+
 class Machine:
     """One Turbo PMAC after `$$$***`; `commissioning` has machines that are ready.
 
@@ -40,6 +54,7 @@ class Machine:
         systems: coordinate systems by number, 1 to 16.
         programs: PROG buffers by number.
         plcs: the PLCs.
+        companions: what lives in its time beside it.
         unknown_words: words of programs that were skipped, in the order of their first use.
     """
 
@@ -60,6 +75,7 @@ class Machine:
         self.background = Background(self)
         self.unknown_words: dict[str, int] = {}
         self.gathering = False
+        self.companions: list[Companion] = []
         self.ports: dict[int, Port] = {}
         self._messages: dict[int, deque[str]] = {0: deque(maxlen=_MOST_WORDS)}
         self._saved: Saved | None = None
@@ -98,6 +114,8 @@ class Machine:
             when = min(when, motor.next_event)
         for system in self._used:
             when = min(when, system.next_event)
+        for companion in self.companions:
+            when = min(when, companion.next_event)
         return when
 
     def _handle(self) -> None:
@@ -115,6 +133,8 @@ class Machine:
             system.handle()
         self.plcs.handle()
         self.background.handle()
+        for companion in self.companions:
+            companion.handle()
 
     # ports
 

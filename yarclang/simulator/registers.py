@@ -137,6 +137,7 @@ class Variables:
         self.lazy: frozenset[tuple[str, int]] = frozenset()
         self.refresh: Callable[[], None] = lambda: None
         self.on_i: Callable[[int], None] = lambda _number: None
+        self._watching: dict[tuple[str, int], Callable[[float], None]] = {}
         self.initialise()
 
     def initialise(self) -> None:
@@ -173,11 +174,17 @@ class Variables:
             case _:
                 return self.q[system].get(index, 0.0)
 
+    def watch(self, letter: str, index: int, heard: Callable[[float], None]) -> None:
+        """Call `heard` with each value that is written to a variable, before it is stored."""
+        self._watching[letter, index] = heard
+
     def write(self, letter: str, index: int, value: float, system: int) -> None:
         """Give a variable a value; ERR003 where there is none."""
         if not 0 <= index < VARIABLES:
             raise Refusal(DATA)
         value = bounded(value)
+        if self._watching and (heard := self._watching.get((letter, index))) is not None:
+            heard(value)
         match letter:
             case "P":
                 self.p[index] = value

@@ -18,6 +18,7 @@ from yarclang.pmac import requests as pmac
 from yarclang.pmac.requests import Code
 from yarclang.simulator.ethernet import Packet, PacketReader, Station
 from yarclang.simulator.faults import Fault, Troubles
+from yarclang.simulator.leash import AHEAD, Leash, tick
 from yarclang.simulator.machine import Machine
 
 LOOPBACK = "127.0.0.1"
@@ -48,6 +49,11 @@ _MEMORY = 1 << 14
 """Size of the dual-ported memory [bytes]."""
 
 
+def wall_clock() -> float:
+    """Return the time of the wall clock [s], from any beginning."""
+    return time.monotonic()
+
+
 class SimulatorServer:
     """A machine on a TCP port, in the running event loop.
 
@@ -59,8 +65,8 @@ class SimulatorServer:
         faults: what shall go wrong.
         seed: of the faults.
         tell: gets a line for a person whenever something happens that isn't a client's doing, or odd.
-        leash: how far the machine's time may go ahead of what was asked last, while a client is connected [s of its time]; the time for which
-            it waits is left out. None: it keeps up with the wall clock. Means nothing to a machine that is as fast as it goes.
+        leash: on which the machine's time waits for its clients; the time for which it waits is left out. None: it keeps up with the wall clock.
+            Means nothing to a machine that is as fast as it goes.
     """
 
     def __init__(
@@ -73,7 +79,7 @@ class SimulatorServer:
         faults: Iterable[Fault] = (),
         seed: int = 0,
         tell: Callable[[str], None] | None = None,
-        leash: float | None = None,
+        leash: Leash | None = None,
     ) -> None:
         self.machine = machine
         self.host = host
@@ -88,6 +94,7 @@ class SimulatorServer:
         self._since = 0.0
         self._leash = leash
         self._ahead = 0.0
+        self._each = _TICK if rate is None else tick(rate)
         self._failed: asyncio.Future[None] | None = None
         self.loop: asyncio.AbstractEventLoop
 
@@ -106,6 +113,7 @@ class SimulatorServer:
             self._server = await self._listen(ports[0])
         self.port = ports[0]
         self._since = self.loop.time()
+        self._tell_time()
         self._tick()
 
     async def _listen(self, port: int) -> asyncio.Server:
@@ -113,6 +121,7 @@ class SimulatorServer:
 
     async def close(self) -> None:
         """Close all connections and stop the time."""
+        self._let_go()
         if self._timer is not None:
             self._timer.cancel()
         if self._failed is not None and not self._failed.done():
@@ -158,13 +167,20 @@ class SimulatorServer:
             if self.loop.time() - now > _BURST:
                 break
         self._since = now - due / self.rate
+        self._tell_time()
         self.act()
 
+    def _tell_time(self) -> None:
+        if self._leash is not None:
+            self._leash.tell(self.machine.now)
+
     def _most(self) -> float:
-        """Return how far time may go now [s of the machine]: without bounds, unless it waits for a client to ask something."""
-        if self._leash is None or not self._clients or any(one.waits for one in self._clients.values()):
+        """Return how far time may go now [s of the machine]: without bounds, unless it waits for a client."""
+        # a fault that keeps a reply back ends with time
+        if self._leash is None or not self._clients or any(one.kept for one in self._clients.values()):
             return math.inf
-        return max(0.0, self._leash - self._ahead)
+        until = self._leash.until
+        return max(0.0, AHEAD - self._ahead if until is None else until - self.machine.now)
 
     def asked(self) -> None:
         """A client is there, or has asked something."""
@@ -191,11 +207,16 @@ class SimulatorServer:
 
     def fail(self, error: Exception) -> None:
         """Something inside the machine went wrong: no more connections, and `serve` raises it."""
+        self._let_go()
         if self._failed is not None and not self._failed.done():
             self._failed.set_exception(error)
         if self._timer is not None:
             self._timer.cancel()
         self.drop_all()
+
+    def _let_go(self) -> None:
+        if self._leash is not None:
+            self._leash.stop()
 
     def join(self, client: _Client) -> int | None:
         """The port of the machine for a new client; None if it has no more."""
@@ -226,7 +247,7 @@ class SimulatorServer:
         if self.rate is None:
             self._timer = self.loop.call_soon(self._tick)
         else:
-            self._timer = self.loop.call_later(_TICK, self._tick)
+            self._timer = self.loop.call_later(self._each, self._tick)
 
 
 class _Client(asyncio.Protocol):
@@ -244,9 +265,10 @@ class _Client(asyncio.Protocol):
         self._station: Station | None = None
 
     @property
-    def waits(self) -> bool:
-        """True if a reply of the machine is awaited."""
-        return bool(self._packets) or self._held is not None
+    def kept(self) -> bool:
+        """True if a fault keeps a reply back."""
+        troubles = self._server.troubles
+        return self._held is not None or (bool(self._packets) and troubles.any and troubles.frozen)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)

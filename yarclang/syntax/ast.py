@@ -154,7 +154,7 @@ class Statement:
     def head_span(self) -> Span:
         """The index (if there is one) and the name."""
         first = self.index.place if self.index else self.name.place
-        return Span.on_line(self.line, first.start, self.name.place.end)
+        return Span(self.line, first.start, self.line, self.name.place.end)
 
     @property
     def whole_span(self) -> Span:

@@ -181,6 +181,12 @@ parse_statement = Lately(_read, _KEPT)
 _LATELY: tuple[Lately[Any], ...] = (_placed, parse_statement)
 
 
+def forget() -> None:
+    """Forget the statements that were read: where nothing is edited, none is read again."""
+    for kept in _LATELY:
+        kept.cache_clear()
+
+
 def statement_by_grammar(text: str) -> Statement | Fault:
     """The same, of any text."""
     from lark.exceptions import UnexpectedCharacters, UnexpectedToken

@@ -94,6 +94,7 @@ _TYPES = {
     "float_type": "a number",
     "int_type": "a whole number",
     "int_from_float": "a whole number",
+    "bool_type": "true or false",
     "string_type": 'a text in "quotes"',
     "list_type": "a list in [brackets]",
     "dict_type": "a table",

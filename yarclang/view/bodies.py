@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from yarclang.view.stage import Axes, Colour, Item
 
 MOST_AXES = 60
 """More frames than this would cover the picture."""
+_SHAPE_OPACITY = 0.35
 _PLANE = 2.4
 """The edges of the piece of a half space's border that is drawn [m]."""
 
@@ -56,6 +58,31 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
             f"shown by collision shapes, as the visual ones can't be read: {', '.join(sorted(spoilt))}"
         )
     return tuple(items), tuple(dict.fromkeys(notes))
+
+
+def collision_items(robot: Robot) -> tuple[Item, ...]:
+    """Return the collision shapes of those links that have visual shapes: what judges them, where that isn't what is seen. Shapes that can't be read are left out."""
+    seen = {one.link for one in visual_shapes(robot)}
+    found = []
+    for link in robot.shapes:
+        solid = solid_of(link.shape) if link.link in seen else None
+        if solid is not None:
+            colour = _link_colour(link.joint)
+            found.append(Item(link.link, "shape", link.joint, link.base_from_shape, solid, colour, 1.0))
+    return tuple(found)
+
+
+def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
+    """Return the collision shapes of those links that are shown by what they look like, to be seen through.
+
+    Args:
+        robot: whose links.
+        items: what is shown; links that aren't among it have no shape beside them.
+    """
+    shown = {item.name for item in items if item.kind == "robot"}
+    return tuple(
+        replace(item, opacity=_SHAPE_OPACITY) for item in collision_items(robot) if item.name in shown
+    )
 
 
 def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, ...]]:
@@ -104,30 +131,38 @@ def _border(zone: Zone) -> tuple[Array, Solid] | None:
 
 
 def axes_of(
-    robot: Robot, program: Program | None, cell: Cell | None
+    robot: Robot, program: Program | None, cell: Cell | None, followed: str
 ) -> tuple[tuple[Axes, ...], tuple[str, ...]]:
-    """{B}, the robot's frames on its flange, the cell's frames, and those that the program's commands use; and how many are left out."""
-    found = [Axes("B", 0, np.eye(4), False), _on_flange(robot, "FLANGE", np.eye(4), False)]
-    found += [
-        _on_flange(robot, name, pose, False)
-        for name, pose in robot.flange_from_frame.items()
-        if name != "FLANGE"
-    ]
+    """Return {B}, the robot's frames on its flange, the cell's frames and those that the program's commands use, and how many are left out.
+
+    Args:
+        robot: that has frames on its flange.
+        program: whose commands use frames; None if it isn't known.
+        cell: that has frames; None without one.
+        followed: name of the frame whose path is shown.
+    """
+    used = tuple(_used(robot, program)) if program is not None else ()
+    matter = {"B", followed, *(one.name for one in used)}
+    found = [Axes("B", 0, np.eye(4), False)]
+    on_flange = {"FLANGE": np.eye(4), **robot.flange_from_frame}
+    found += [_on_flange(robot, name, pose, False, name in matter) for name, pose in on_flange.items()]
     for frame in cell.frames.values() if cell else ():
-        mount = frame.mount
-        if mount.on_flange:
-            found.append(_on_flange(robot, frame.name, mount.transform, False))
+        pose, matters = frame.mount.transform, program is None or frame.name in matter
+        if frame.mount.on_flange:
+            found.append(_on_flange(robot, frame.name, pose, False, matters))
         else:
-            found.append(Axes(frame.name, 0, mount.transform, False))
+            found.append(Axes(frame.name, 0, pose, False, matters))
     known = {(one.name, one.base_from_frame.tobytes()) for one in found}
+    names = {one.name for one in found}
     left = 0
-    for one in _used(robot, program) if program is not None else ():
+    for one in used:
         key = (one.name, one.base_from_frame.tobytes())
         if key in known:
             continue
         known.add(key)
         if len(found) < MOST_AXES:
-            found.append(one)
+            found.append(replace(one, matters=one.name not in names))
+            names.add(one.name)
         else:
             left += 1
     return tuple(found), ((f"{left} more frames aren't shown",) if left else ())
@@ -145,7 +180,7 @@ def _used(robot: Robot, program: Program) -> Iterable[Axes]:
                 done.add(id(here))
                 root, pose = _rooted(here)
                 if root == "FLANGE":
-                    yield _on_flange(robot, here.name, pose, True)
+                    yield _on_flange(robot, here.name, pose, True, True)
                 elif root == "B":
                     yield Axes(here.name, 0, pose, True)
                 here = here.parent
@@ -161,8 +196,9 @@ def _rooted(link: FrameLink) -> tuple[str, Array]:
     return root, pose
 
 
-def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bool) -> Axes:
-    return Axes(name, robot.size, robot.chain.base_from_flange @ flange_from_frame, of_program)
+def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bool, matters: bool) -> Axes:
+    placed = robot.chain.base_from_flange @ flange_from_frame
+    return Axes(name, robot.size, placed, of_program, matters)
 
 
 def _link_colour(joint: int) -> Colour:

@@ -9,7 +9,7 @@ import numpy as np
 from yarclang.collision.placing import box_gaps, distances, place, relative
 from yarclang.collision.scene import Scene
 from yarclang.robot.model import Array
-from yarclang.view.stage import Rows
+from yarclang.view.stage import Rows, Stage
 
 SEEN = 0.2
 """Farther apart than this [m], bodies aren't looked at more closely."""
@@ -37,6 +37,15 @@ def near(scene: Scene, q: Array) -> Near:
             for name in ("apart", "pair", "closest", "worst")
         )
     )
+
+
+def apart_over(stage: Stage, times: Array) -> Array:
+    """Return how far apart the bodies of a stage are at least at times (N,) [s]: at most `SEEN` [m], (N,)."""
+    found = np.full(len(times), SEEN)
+    q = stage.track.at(times)[0]
+    for scene, rows in stage.scenes_over(times):
+        found[rows] = near(scene, q[rows]).apart
+    return found
 
 
 def _near(scene: Scene, q: Array) -> Near:

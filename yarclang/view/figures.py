@@ -7,7 +7,10 @@ from html import escape
 
 import numpy as np
 
+from yarclang.collision.scene import Scene
+from yarclang.findings import Severity
 from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array
 from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM
 from yarclang.view import colours
@@ -18,16 +21,20 @@ from yarclang.view.track import followed
 _TABLE = '<table style="font-size:12px;border-spacing:8px 0;margin:2px 0;width:100%">{}</table>'
 _BLOCK = '<div style="font-size:12px;padding:2px 10px;line-height:1.45;overflow-wrap:anywhere">{}</div>'
 
+STYLE = """<style>
+.mantine-Button-root { height: auto; min-height: 1.9rem; padding-block: 0.25rem; }
+.mantine-Button-label { white-space: normal; overflow: visible; overflow-wrap: anywhere; text-align: left; line-height: 1.3; height: auto; }
+.mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
+</style>"""
+"""Buttons whose texts are whole: viser cuts off what doesn't fit in a line."""
+
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
     """Where the robot is at a time: its joints, the followed frame's pose in {B}, its speed, and what bodies are `nearest`."""
     times = np.array([time])
     q, v = stage.track.at(times)
     robot = stage.robot
-    joints = _values(
-        zip(robot.joint_names, (q[0] / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
-    )
-    rows = [("joints", joints), (f"{{{stage.frame}}} in {{B}}", _pose(stage, q))]
+    rows = stand_rows(stage, q[0])
     speed = float(followed(robot.chain, q, v, stage.flange_from_frame)[1][0])
     rows.append(("speed", f"{speed / MM:.1f} mm/s"))
     if nearest is not None:
@@ -39,10 +46,19 @@ def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
         worst = int(np.argmax(np.abs(q[0] - wanted[0]) / robot.axis_units))
         off = float((q[0] - wanted[0])[worst] / robot.axis_units[worst])
         rows.append(("worst joint", f"{robot.joint_names[worst]} {off:+.3f} {robot.axis_unit_names[worst]}"))
-    return _rows(rows)
+    return rows_html(rows)
 
 
-def _pose(stage: Stage, q: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
+def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
+    """Return where the robot is at joint positions (n,) [rad or m]: its joints, and the followed frame's pose in {B}."""
+    robot = stage.robot
+    joints = _values(
+        zip(robot.joint_names, (q / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
+    )
+    return [("joints", joints), (f"{{{stage.frame}}} in {{B}}", _pose(stage, q[None]))]
+
+
+def _pose(stage: Stage, q: Array) -> str:
     pose = tool_poses(stage.robot.chain, q, stage.flange_from_frame)[0]
     place = " ".join(f"{value:.1f}" for value in (pose[:3, 3] / MM).round(1) + 0.0)
     turn = " ".join(f"{value:.1f}" for value in (roll_pitch_yaw(pose[:3, :3]) / DEG).round(1) + 0.0)
@@ -57,12 +73,12 @@ def _values(named: Iterable[tuple[str, float, str]]) -> str:
     return " ".join(f"{value:.2f} {unit}" for _, value, unit in rounded)
 
 
-def near_text(stage: Stage, found: Near) -> str:
+def near_text(scene: Scene | None, found: Near) -> str:
     """How far the nearest two bodies are apart at one position."""
     pair = int(found.pair[0])
-    if stage.scene is None or pair < 0:
+    if scene is None or pair < 0:
         return f"over {SEEN / MM:.0f} mm"
-    first, second = stage.scene.names(pair)
+    first, second = scene.names(pair)
     return f"{float(found.apart[0]) / MM:.1f} mm ({first}, {second})"
 
 
@@ -73,7 +89,17 @@ def piece_html(piece: Piece) -> str:
     )
     where = f" · line {piece.line}" if piece.line else ""
     head = f'<b data-piece="{escape(piece.label)}">{escape(piece.title)}</b>{where}'
-    return _BLOCK.format(head) + _rows([("from, to", when), *piece.facts])
+    return _BLOCK.format(head) + rows_html([("from, to", when), *piece.facts])
+
+
+def plain_html(text: str) -> str:
+    """Return a line; of an empty text nothing."""
+    return _BLOCK.format(escape(text)) if text else ""
+
+
+def word_html(text: str, severity: Severity) -> str:
+    """Return a line in the colour of findings."""
+    return _BLOCK.format(f'<b style="color:{_css(colours.SEVERITIES[severity])}">{escape(text)}</b>')
 
 
 def mark_html(mark: Mark) -> str:
@@ -103,27 +129,43 @@ def notes_html(stage: Stage) -> str:
     return _BLOCK.format(f"<b>{escape(stage.title)}</b><br>{escape(stage.subtitle)}{notes}")
 
 
+def robots_html(stage: Stage) -> str:
+    """Return which of the two robots of a run is which; of another stage nothing."""
+    if stage.ghost is None:
+        return ""
+    planned = "planned robot (seen through) and planned path (thin)"
+    actual = "actual robot in its own colours, and its path in those of the scale"
+    return _BLOCK.format("<br>".join([_swatch(colours.GHOST, planned), _swatch(colours.JOINT_BODY, actual)]))
+
+
 def key_html(stage: Stage) -> str:
     """What the other colours mean."""
     kinds = {item.kind for item in stage.items}
     entries: list[tuple[Colour, str]] = []
     if stage.ghost is not None:
-        entries.append((colours.GHOST, "planned, beside the actual robot and path"))
+        entries.append((colours.GHOST, "planned robot and path"))
     if stage.scene is not None:
         entries.append((colours.TOUCHING, "bodies that touch, or are within their margin"))
     if "tool" in kinds:
         entries.append((colours.TOOL, "what the robot carries"))
+    if "part" in kinds:
+        entries.append((colours.PART, "parts; seen through where one only may be"))
     if "obstacle" in kinds:
         entries.append((colours.OBSTACLE, "obstacles"))
     shown = {item.colour for item in stage.items if item.kind == "zone"}
     entries += [(colour, f"zone: {rule}") for rule, colour in colours.ZONES.items() if colour in shown]
     severities = dict.fromkeys(mark.severity for mark in stage.marks if mark.place is not None)
     entries += [(colours.SEVERITIES[one], f"{one} on the path") for one in severities]
-    swatch = '<span style="display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:6px;background:{}"></span>{}'
-    return _BLOCK.format("<br>".join(swatch.format(_css(colour), escape(text)) for colour, text in entries))
+    return _BLOCK.format("<br>".join(_swatch(colour, text) for colour, text in entries))
 
 
-def _rows(rows: Iterable[tuple[str, str]]) -> str:
+def _swatch(colour: Colour, text: str) -> str:
+    square = "display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:6px"
+    return f'<span style="{square};background:{_css(colour)}"></span>{escape(text)}'
+
+
+def rows_html(rows: Iterable[tuple[str, str]]) -> str:
+    """Return a table of names and values."""
     cells = (
         f'<tr><td style="color:#777;white-space:nowrap;vertical-align:top">{escape(name)}</td><td>{escape(value)}</td></tr>'
         for name, value in rows

@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.robot.model import Array
 from yarclang.view.labels import Label, labelled, raised
 from yarclang.view.stage import Mark
+from yarclang.view.switches import Switches
 
 _TITLE = 60
 """Characters of a finding's label."""
@@ -18,16 +19,16 @@ _TITLE = 60
 class Lettering:
     """Labels are given one after the other, and then written all at once, so that none lies on another."""
 
-    def __init__(self, scene: Any, marks: Sequence[Mark]) -> None:
-        self._scene, self._marks = scene, marks
-        self._given: list[tuple[Label, list[Any]]] = []
+    def __init__(self, scene: Any, marks: Sequence[Mark], switches: Switches) -> None:
+        self._scene, self._marks, self._switches = scene, marks, switches
+        self._given: list[tuple[Label, tuple[str, ...]]] = []
         self._findings: list[tuple[Label, list[int]]] = []
         self._nodes: list[tuple[list[int], Any]] = []
-        self._piece, self._shown = -1, True
+        self._piece = -1
 
-    def give(self, label: Label, group: list[Any]) -> None:
-        """A label that is hidden and shown with a group of nodes."""
-        self._given.append((label, group))
+    def give(self, label: Label, *groups: str) -> None:
+        """Add a label that is visible if none of some groups is switched off."""
+        self._given.append((label, groups))
 
     def give_marks(self, numbers: list[int], place: Array) -> None:
         """The label of the findings at one spot."""
@@ -52,8 +53,8 @@ class Lettering:
         self._nodes = [
             (numbers, node) for (_, numbers), node in zip(self._findings, nodes[:count], strict=True)
         ]
-        for (_, group), node in zip(self._given, nodes[count:], strict=True):
-            group.append(node)
+        for (_, groups), node in zip(self._given, nodes[count:], strict=True):
+            self._switches.add(node, *groups)
         self._label()
 
     def follow(self, piece: int) -> None:
@@ -62,18 +63,18 @@ class Lettering:
             self._piece = piece
             self._label()
 
-    def show_marks(self, is_shown: bool) -> None:
-        """Show or hide the labels of findings."""
-        self._shown = is_shown
+    def look(self) -> None:
+        """Show what the switches let be seen now."""
         self._label()
 
     def _label(self) -> None:
         wanted = labelled(self._marks, self._piece)
+        is_shown = self._switches.is_shown("marks")
         for numbers, node in self._nodes:
             text = self._said(number for number in numbers if number in wanted)
-            if self._shown and text:
+            if is_shown and text:
                 node.text = text
-            node.visible = self._shown and bool(text)
+            node.visible = is_shown and bool(text)
 
     def _said(self, numbers: Iterable[int]) -> str:
         """What a label says of findings."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -42,6 +43,6 @@ class Listing:
 
     def follow(self, row: int) -> None:
         """Turn to the page that has a row; where no row of that number was chosen, stay."""
-        if row in self.shown or row not in self.chosen:
-            return
-        self.page = self.chosen.index(row) // self.size
+        at = bisect_left(self.chosen, row)
+        if at < len(self.chosen) and self.chosen[at] == row:
+            self.page = at // self.size

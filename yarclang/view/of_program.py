@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
+from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate, CommandCertificate
-from yarclang.collision.scene import Scene
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, WaitInput, When
 from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.progress import each
+from yarclang.report.carried import Carried, carried_in_plan
 from yarclang.report.distances import distances_of
+from yarclang.report.nearest import nearest_places
 from yarclang.report.pictures.drawn_frame import drawn_frame
-from yarclang.report.pictures.plot import duration_text
+from yarclang.report.pictures.plot import time_facts
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
 from yarclang.view.clearance import near
-from yarclang.view.stage import Mark, Piece, Stage
+from yarclang.view.parts import facts_of_motion, facts_of_set, parts_of_plan, with_parts
+from yarclang.view.stage import Later, Mark, Piece, Scenes, Stage, Worst
 from yarclang.view.surroundings import surroundings_of
 from yarclang.view.track import Curves, way_of_curves
 
+_RANKS = {"error": 0, "warning": 1, "note": 2}
+"""Severities in the order in which findings are listed."""
+_SHORT = 40
+"""A program of up to so many commands has no list of its worst places: all of them are seen at once."""
 _LOOKS = 200
 """Places of a motion at which a collision that was found is looked for."""
 MEETINGS = ("Y0901", "Y0902", "Y0903", "Y0930")
@@ -45,12 +55,13 @@ def stage_of_program(
     """
     robot, program = plan.robot, plan.program
     frame = drawn_frame(plan)
-    curves = Curves(program.start, tuple(one.curve for one in plan.motions), plan.starts[:-1])
+    curves = Curves(program.start, tuple(one.curve for one in plan.motions), plan.begins)
     proved = {one.step: one for one in certificate.commands} if certificate is not None else {}
-    pieces, number_of = _pieces(plan, proved)
+    carried = carried_in_plan(plan)
+    pieces, number_of = _pieces(plan, proved, carried)
     owners = [number_of[motion.step] for motion in plan.motions]
     way = way_of_curves(curves, robot.chain, frame.flange_from_frame, owners)
-    around = surroundings_of(robot, program)
+    around = surroundings_of(robot, program, frame.name)
     unplanned = sum(isinstance(step, Motion) for step in program.steps) - len(plan.motions)
     notes = around.notes
     if unplanned and any(one.is_error for one in findings):
@@ -58,12 +69,15 @@ def stage_of_program(
             f"{unplanned} motion{'s' * (unplanned != 1)} can't be planned; the path shows the others",
             *notes,
         )
-    stands = _Stands(plan, frame.flange_from_frame, pieces, number_of, around.scene)
+    shown = parts_of_plan(plan, carried)
+    scenes = Scenes(robot, np.zeros(1), (program.cell,)) if shown is None else shown.scenes
+    stands = _Stands(plan, frame.flange_from_frame, pieces, number_of, scenes)
+    marks = sorted((stands.mark(one) for one in each(findings)), key=lambda one: _RANKS[one.severity])
     count = len(plan.motions)
     motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion"
-    return Stage(
+    stage = Stage(
         title=name,
-        subtitle=f"{robot.name} · {duration_text(plan.duration)} · {motions}",
+        subtitle=" · ".join((robot.name, *time_facts(plan.lasting, plan.duration), motions)),
         notes=notes,
         robot=robot,
         items=around.items,
@@ -75,33 +89,52 @@ def stage_of_program(
         way=way,
         ghost_way=None,
         pieces=pieces,
-        marks=tuple(stands.mark(one) for one in findings),
+        marks=tuple(marks),
         scene=around.scene,
         duration=plan.duration,
         cell=around.cell,
+        worst=_worst(certificate, robot, around.cell, number_of),
+    )
+    return with_parts(stage, shown)
+
+
+def _worst(
+    certificate: Certificate | None, robot: Robot, cell: Cell | None, number_of: Mapping[int, int]
+) -> tuple[Worst, ...]:
+    """The places of a long program that come nearest to what they are held to."""
+    if certificate is None or len(certificate.commands) <= _SHORT:
+        return ()
+    return tuple(
+        Worst(
+            number_of[one.command.step],
+            f"{'' if one.share is None else f'{100.0 * one.share:.0f} % '}{one.what}: {one.figure}, {one.command.index or one.command.name}",
+        )
+        for one in nearest_places(certificate, robot, cell)
     )
 
 
 def _pieces(
-    plan: MotionPlan, proved: Mapping[int, CommandCertificate]
+    plan: MotionPlan, proved: Mapping[int, CommandCertificate], carried: Carried | None
 ) -> tuple[tuple[Piece, ...], dict[int, int]]:
     """All commands in order, and which of them each step of the program is."""
     at = {motion.step: number for number, motion in enumerate(plan.motions)}
     pieces: list[Piece] = []
     number_of: dict[int, int] = {}
-    now = 0.0
-    for number, step in enumerate(plan.program.steps):
+    places = plan.schedule.places
+    for number, step in enumerate(each(plan.program.steps)):
         if isinstance(step, Gap):
             continue
         origin, here = step.origin, at.get(number)
-        begins, moves = now, isinstance(step, Motion)
+        begins, ends, moves = places[number], places[number + 1], isinstance(step, Motion)
+        facts: Iterable[tuple[str, str]]
         if here is not None:
-            begins, now = float(plan.starts[here]), float(plan.starts[here + 1])
-            facts = motion_facts(plan.robot, plan.motions[here], step, proved.get(number))
+            facts = Later(
+                partial(_facts, plan.robot, plan.motions[here], step, number, proved.get(number), carried)
+            )
         elif moves:
             facts = (("motion", "can't be planned: see the findings"),)
         else:
-            facts = _action_facts(step)
+            facts = (*_action_facts(step), *facts_of_set(carried, number))
         number_of[number] = len(pieces)
         pieces.append(
             Piece(
@@ -109,13 +142,24 @@ def _pieces(
                 origin.name,
                 origin.span.line,
                 begins,
-                now,
+                ends,
                 moves and here is not None,
                 here is not None or not moves,
                 facts,
             )
         )
     return tuple(pieces), number_of
+
+
+def _facts(
+    robot: Robot,
+    motion: PlannedMotion,
+    step: Step,
+    number: int,
+    proved: CommandCertificate | None,
+    carried: Carried | None,
+) -> tuple[tuple[str, str], ...]:
+    return (*motion_facts(robot, motion, step, proved), *facts_of_motion(carried, number))
 
 
 def motion_facts(
@@ -156,7 +200,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
     return ()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _Stands:
     """Finds where on the path findings belong."""
 
@@ -164,7 +208,7 @@ class _Stands:
     flange_from_frame: Array
     pieces: tuple[Piece, ...]
     number_of: Mapping[int, int]
-    scene: Scene | None
+    scenes: Scenes
 
     def mark(self, finding: Diagnostic) -> Mark:
         """A finding with its command, its time and its place, as far as it has them."""
@@ -175,28 +219,40 @@ class _Stands:
         return Mark(finding.code, finding.severity, finding.message, finding.help, time, place, piece)
 
     def _step(self, finding: Diagnostic) -> int | None:
-        span = finding.span
-        if span is None or finding.source is None:
+        source, span = finding.made_at
+        if source is None or span is None:
             return None
-        found: int | None = None
+        there = self._at_line.get((source.name, span.line), ())
+        places = (number for number in there if finding.place and self._origin(number).place == finding.place)
+        return next(places, there[0] if there else None)
+
+    @cached_property
+    def _at_line(self) -> Mapping[tuple[str, int], Sequence[int]]:
+        """The steps that come from each line of each file."""
+        found: dict[tuple[str, int], list[int]] = {}
         for number, step in enumerate(self.plan.program.steps):
-            if isinstance(step, Gap) or not _is_at(step.origin, finding):
-                continue
-            if finding.place and step.origin.place == finding.place:
-                return number
-            if found is None:
-                found = number
+            if not isinstance(step, Gap):
+                span = step.origin.span
+                for line in range(span.line, span.end_line + 1):
+                    found.setdefault((step.origin.source.name, line), []).append(number)
         return found
+
+    def _origin(self, number: int) -> Origin:
+        step = self.plan.program.steps[number]
+        assert not isinstance(step, Gap)  # gaps come from no line
+        return step.origin
 
     def _time(self, finding: Diagnostic, step: int | None, piece: Piece) -> float:
         """Of bodies that meet the worst moment, of a motion else its middle; of what couldn't be planned where the robot would begin it."""
         if not piece.moves:
             return piece.begins
-        if finding.code in MEETINGS and self.scene is not None:
+        middle = (piece.begins + piece.ends) / 2.0
+        scene = self.scenes.scene(int(self.scenes.numbers(np.array([middle]))[0]))
+        if finding.code in MEETINGS and scene is not None:
             times = np.linspace(piece.begins, piece.ends, _LOOKS)
-            closest = near(self.scene, self._positions(times, step)).closest
+            closest = near(scene, self._positions(times, step)).closest
             return float(times[int(np.argmin(closest))])
-        return (piece.begins + piece.ends) / 2.0
+        return middle
 
     def _place(self, time: float, step: int | None) -> Array:
         place: Array = tool_poses(
@@ -205,17 +261,10 @@ class _Stands:
         return place
 
     def _positions(self, times: Array, step: int | None) -> Array:
-        for number, motion in enumerate(self.plan.motions):
-            if motion.step == step:
-                return motion.curve.sample(times - self.plan.starts[number])[0]
+        motions = self.plan.motions
+        count = len(motions) if step is None else bisect_left(motions, step, key=lambda one: one.step)
+        if step is not None and count < len(motions) and motions[count].step == step:
+            return motions[count].curve.sample(times - self.plan.begins[count])[0]
         # in front of a motion that couldn't be planned the robot stands where the one before it ends
-        before = [motion for motion in self.plan.motions if step is None or motion.step < step]
-        q = before[-1].curve.points[-1] if before else self.plan.program.start
+        q = motions[count - 1].curve.points[-1] if count else self.plan.program.start
         return np.tile(q, (len(times), 1))
-
-
-def _is_at(origin: Origin, finding: Diagnostic) -> bool:
-    span = finding.span
-    assert span is not None  # asked before
-    same = finding.source is not None and origin.source.name == finding.source.name
-    return same and origin.span.line <= span.line <= origin.span.end_line

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path, PurePath
 
 import numpy as np
@@ -10,20 +11,26 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.findings import Severity
 from yarclang.pipeline.cells import session_cell
+from yarclang.pipeline.executed import Executed, executed
+from yarclang.pipeline.inputs import named_robot, robot_made_for
 from yarclang.pipeline.origins import Origins, origins_of_text
 from yarclang.report.pictures.plot import duration_text
 from yarclang.report.runs.course import marks_of, outcome_text
 from yarclang.report.runs.log import RecordedRun, read_run
 from yarclang.report.runs.planned import Planned, planned_motion
 from yarclang.report.runs.tracking import Tracking, tracking_of
-from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
+from yarclang.view.parts import facts_of_motion, unfollowed, with_parts
+from yarclang.view.recorded_parts import RecordedParts, recorded_parts
 from yarclang.view.stage import Mark, Piece, Stage
 from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import Recorded, Shifted, way_of_track
 
 _MOST_POINTS = 20_000
+
+_SEEN = 0.2
+"""Of a motion that takes longer, there is a sample [s]."""
 
 
 def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> Result[Stage]:
@@ -31,7 +38,7 @@ def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> 
 
     Args:
         file: the log.
-        robot_name: the robot, if the command line names it; else the one of the library that the log names.
+        robot_name: the robot, if the command line names it; else the one that the log names, of the folder's yarc.toml or of the library.
         cell: the path of a cell.toml, if the command line names one; else the yarc.toml of the log's folder may.
 
     Returns:
@@ -45,7 +52,8 @@ def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> 
         message = f"{file} has no positions: {outcome_text(run)[0]}"
         help_ = f"`yarc replay {file}` shows what was told"
         return Result(None, (*found, Diagnostic("Y1405", message, help=help_)))
-    loaded = load_robot(robot_name or run.robot.name)
+    folder = Path(file).parent
+    loaded = robot_made_for(folder, run.robot.name) if robot_name is None else named_robot(folder, robot_name)
     robot = loaded.value
     if robot is None:
         help_ = "if it is one of your own, say where it is: --robot PATH"
@@ -79,7 +87,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
     tracking = tracking_of(run, planned)
     frame = followed_frame(robot, program)
     flange_from_frame = frame.flange_from_frame
-    around = surroundings_of(robot, program, origins.missing, cell)
+    around = surroundings_of(robot, program, frame.name, origins.missing, cell)
     notes = around.notes
     track = Recorded(run.times, run.actual)
     plan_times = _plan_times(run, tracking)
@@ -89,10 +97,12 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
     if robot.fingerprint != run.robot.fingerprint:
         notes = (f"{robot.name} has changed since the run: what is shown is the robot of today", *notes)
     text, _ = outcome_text(run)
-    return Stage(
+    does = executed(run.text, robot, run.file).value
+    parts = recorded_parts(run, tracking, does, program) if does is not None else None
+    stage = Stage(
         title=PurePath(run.file).name,
         subtitle=f"a run of {run.program} on {run.robot.name} · {duration_text(run.end)} · {text}",
-        notes=notes,
+        notes=(*notes, *unfollowed(around.cell, parts.carried if parts is not None else None)),
         robot=robot,
         items=around.items,
         axes=around.axes,
@@ -104,12 +114,23 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
         ghost_way=way_of_track(
             _AsPlanned(planned), np.linspace(0.0, planned.duration, 2_000), robot.chain, flange_from_frame
         ),
-        pieces=_pieces(run, tracking),
+        pieces=_pieces(run, tracking, _carries(run, does, parts)),
         marks=_marks(run, tracking, track, robot, flange_from_frame),
         scene=around.scene,
         duration=float(run.end),
         cell=around.cell,
     )
+    return with_parts(stage, parts.shown if parts is not None else None)
+
+
+def _carries(
+    run: RecordedRun, does: Executed | None, parts: RecordedParts | None
+) -> tuple[tuple[tuple[str, str], ...], ...]:
+    """Return what is said of the parts that each command of the run carries."""
+    if does is None or parts is None:
+        return ((),) * len(run.commands)
+    steps = [act.step for act in does.acts if act.curve is not None]
+    return tuple(facts_of_motion(parts.carried, step) for step in steps)
 
 
 class _AsPlanned:
@@ -130,7 +151,9 @@ def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
     return run.times[tracking.rows], tracking.times
 
 
-def _pieces(run: RecordedRun, tracking: Tracking) -> tuple[Piece, ...]:
+def _pieces(
+    run: RecordedRun, tracking: Tracking, carries: Sequence[tuple[tuple[str, str], ...]]
+) -> tuple[Piece, ...]:
     """The commands, when they were carried out; of several passes in the last one. What wasn't reached has no time and stays out."""
     if not len(tracking.rows):
         return ()
@@ -139,18 +162,22 @@ def _pieces(run: RecordedRun, tracking: Tracking) -> tuple[Piece, ...]:
     real, program = run.times[tracking.rows][last], tracking.times[last]
     off = np.abs(tracking.error[last]) / run.robot.axis_units
     found = []
-    for one in run.commands:
+    for one, carried in zip(run.commands, carries, strict=False):
         if not (program[0] <= one.ends and one.begins <= program[-1]):
             continue
         begins, ends = (float(np.interp(time, program, real)) for time in (one.begins, one.ends))
         here = (program >= one.begins) & (program <= one.ends)
-        facts = [("planned", f"{one.begins:.3f} to {one.ends:.3f} s of the program")]
+        if not here.any() and one.ends - one.begins > _SEEN:
+            continue  # the way of a WHEN that wasn't taken
+        planned_ends = one.clock + one.ends - one.begins
+        facts = [("planned", f"{one.clock:.3f} to {planned_ends:.3f} s of the program")]
         if here.any():
             joint = int(np.argmax(off[here].max(axis=0)))
             unit = run.robot.axis_unit_names[joint]
             facts.append(
                 ("farthest off", f"{run.robot.joint_names[joint]} by {off[here, joint].max():.3f} {unit}")
             )
+        facts += carried
         if one.begins < program[-1] < one.ends and outcome_text(run)[1] is not True:
             facts.append(("", "the run ended in it"))
         found.append(

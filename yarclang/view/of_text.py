@@ -12,9 +12,11 @@ from yarclang.hir import Program
 from yarclang.pipeline.cells import session_cell
 from yarclang.pipeline.executed import Executed, executed
 from yarclang.pipeline.origins import origins_of_text
-from yarclang.report.pictures.plot import duration_text
+from yarclang.report.carried import carried_in_text
+from yarclang.report.pictures.plot import time_facts
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile
+from yarclang.view.parts import facts_of_motion, facts_of_set, parts_of_text, unfollowed, with_parts
 from yarclang.view.stage import Piece, Stage
 from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import Curves, way_of_curves
@@ -47,17 +49,20 @@ def stage_of_text(source: SourceFile, folder: Path, robot: Robot, cell: str | No
 def _stage(name: str, does: Executed, program: Program | None, missing: str, cell: Cell | None) -> Stage:
     robot = does.robot
     frame = followed_frame(robot, program)
-    around = surroundings_of(robot, program, missing, cell)
+    around = surroundings_of(robot, program, frame.name, missing, cell)
+    carried = carried_in_text(does, program)
     begins, pieces, owners = [], [], []
     now = 0.0
     for number, act in enumerate(does.acts):
         facts: tuple[tuple[str, str], ...] = (("does", act.what),) if act.what else ()
+        facts = (*facts, *facts_of_set(carried, act.step))
         if act.curve is not None:
             begins.append(now)
             owners.append(number)
             segments = f"{act.curve.segments} of {act.curve.segment * 1e3:g} ms"
-            facts = (("duration", f"{act.duration:.3f} s"), ("segments", segments))
-        ends = now + (act.duration if act.curve is not None else 0.0)
+            told = (("duration", f"{act.duration:.3f} s"), ("segments", segments))
+            facts = (*told, *facts_of_motion(carried, act.step))
+        ends = now + act.duration
         pieces.append(
             Piece(act.place, act.name, act.source_line, now, ends, act.curve is not None, True, facts)
         )
@@ -67,10 +72,11 @@ def _stage(name: str, does: Executed, program: Program | None, missing: str, cel
         tuple(act.curve for act in does.acts if act.curve is not None),
         np.array(begins, dtype=np.float64),
     )
-    return Stage(
+    motions = f"{len(begins):,} motions as the controller executes them"
+    stage = Stage(
         title=PurePath(name).name,
-        subtitle=f"{robot.name} · {duration_text(now)} · {len(begins):,} motions as the controller executes them",
-        notes=around.notes,
+        subtitle=" · ".join((robot.name, *time_facts(does.lasting, now), motions)),
+        notes=(*around.notes, *unfollowed(around.cell, carried)),
         robot=robot,
         items=around.items,
         axes=around.axes,
@@ -86,3 +92,4 @@ def _stage(name: str, does: Executed, program: Program | None, missing: str, cel
         duration=now,
         cell=around.cell,
     )
+    return with_parts(stage, parts_of_text(does, carried))

@@ -63,8 +63,8 @@ def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[
         if plan is None:
             return Result(None, found)
     if checked.compiled is None:
-        said = {(one.code, one.span, one.place) for one in found}
+        said = {(one.code, one.made_at[1], one.place) for one in found}
         more = [one for one in met(plan) if (one.code, one.span, one.place) not in said]
-        found = told((*found, *more), source, folder)
+        found = told((*found, *more), source, folder, checked.opened)
     certificate = checked.compiled.certificate if checked.compiled is not None else None
     return Result(stage_of_program(source.name, plan, certificate, found), found)

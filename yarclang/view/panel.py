@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal
 from yarclang.view import figures
 from yarclang.view.listing import Listing
 from yarclang.view.stage import Stage
+from yarclang.view.switches import Switches
 
 if TYPE_CHECKING:
     import viser
 
 FACTORS = ("0.1×", "0.25×", "0.5×", "1×", "2×", "5×", "10×")
 _ROWS = 10
-_LONGEST = 58
 _Shade = Literal["gray", "blue"]
 _PLAIN: _Shade = "gray"
 _CURRENT: _Shade = "blue"
@@ -27,7 +27,9 @@ _CURRENT: _Shade = "blue"
 class Order:
     """Something that somebody wants: what, and which or how much."""
 
-    kind: Literal["play", "time", "factor", "piece", "mark", "ramp", "group", "ray", "find", "turn"]
+    kind: Literal[
+        "play", "time", "factor", "piece", "mark", "worst", "ramp", "group", "ray", "find", "turn", "input"
+    ]
     value: Any = None
     more: Any = None
 
@@ -39,7 +41,7 @@ class Rows:
     """A listing as buttons, with a field to search and two buttons to turn pages."""
 
     def __init__(
-        self, gui: viser.GuiApi, rows: list[str], kind: Literal["piece", "mark"], give: Give
+        self, gui: viser.GuiApi, rows: list[str], kind: Literal["piece", "mark", "worst"], give: Give
     ) -> None:
         self.listing = Listing(rows, _ROWS)
         self._kind = kind
@@ -85,7 +87,7 @@ class Rows:
         shown = self.listing.shown
         for place, button in enumerate(self._buttons):
             number = shown[place] if place < len(shown) else -1
-            text = self.listing.rows[number][:_LONGEST] if number >= 0 else " "
+            text = self.listing.rows[number] if number >= 0 else " "
             wanted: tuple[str, bool, _Shade] = (
                 text,
                 number >= 0,
@@ -105,13 +107,13 @@ class Panel:
     """The controls of a stage."""
 
     def __init__(
-        self, gui: viser.GuiApi, stage: Stage, groups: dict[str, str], ramps: dict[str, str], give: Give
+        self, gui: viser.GuiApi, stage: Stage, switches: Switches, ramps: dict[str, str], give: Give
     ) -> None:
         self._gui, self._stage = gui, stage
         self._shown_time = -1.0
         gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
         gui.set_panel_label("yarc view")
-        gui.add_html(figures.notes_html(stage))
+        gui.add_html(figures.STYLE + figures.notes_html(stage) + figures.robots_html(stage))
         self._play = gui.add_button("Play", color="blue", disabled=stage.duration <= 0.0)
         most = max(math.ceil(stage.duration * 1e3) / 1e3, 1e-3)
         self._slider: Any = gui.add_slider("Time [s]", 0.0, most, _step(stage.duration), 0.0)
@@ -141,10 +143,14 @@ class Panel:
             self._mark = gui.add_html("" if stage.marks else _NONE)
             rows = [f"{mark.code} {self._whose(mark.piece)}{mark.text}".strip() for mark in stage.marks]
             self.marks = Rows(gui, rows, "mark", give)
+        if stage.worst:
+            with tabs.add_tab("Worst"):
+                gui.add_html(_NEAREST)
+                Rows(gui, [one.text for one in stage.worst], "worst", give)
         with tabs.add_tab("Show"):
             gui.add_html(figures.key_html(stage))
-            for name, text in groups.items():
-                box: Any = gui.add_checkbox(text, True)
+            for name, text in switches.groups.items():
+                box: Any = gui.add_checkbox(text, switches.is_shown(name))
                 box.on_update(lambda _, name=name, box=box: give(Order("group", name, bool(box.value))))
 
     def _slid(self, give: Give, event: Any) -> None:
@@ -187,6 +193,9 @@ class Panel:
         self._mark.content = figures.mark_html(self._stage.marks[number])
 
 
+_NEAREST = (
+    '<div style="font-size:12px;padding:2px 10px">The places nearest to a limit, the nearest first.</div>'
+)
 _NONE = '<div style="font-size:12px;padding:2px 10px">There are no findings.</div>'
 
 

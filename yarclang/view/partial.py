@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.clearance import find_clearances
+from yarclang.certify.handled import follow
 from yarclang.certify.layout import Layout, Place
 from yarclang.certify.zones import find_zones
 from yarclang.diagnostics import Diagnostic, in_order
@@ -22,10 +23,13 @@ _TOGETHER = 1e-9
 def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
     """The collisions and broken zones of the motions that are planned, by the very proofs that a whole program gets."""
     found: list[Diagnostic] = []
+    if not plan.motions:
+        return ()
+    handled, _ = follow(_layout(plan, plan.motions), plan.program, plan.robot)
     for motions in _without_gaps(plan.motions):
         layout = _layout(plan, motions)
         for find in (find_clearances, find_zones):
-            found += find(layout, plan.program, plan.robot)[1]
+            found += find(layout, plan.program, plan.robot, handled)[1]
     return in_order(found)
 
 

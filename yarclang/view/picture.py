@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.robot.model import Array
 from yarclang.view import colours
+from yarclang.view.bodies import shapes_beside
 from yarclang.view.camera import first_view, shown_box
+from yarclang.view.detail import FINEST, drawn_lines, exact_lines
 from yarclang.view.labels import SHARE, Label, spots
 from yarclang.view.lettering import Lettering, short
-from yarclang.view.stage import Item, Stage, Way, moved_by
+from yarclang.view.placing import move_nodes, position_and_turn
+from yarclang.view.stage import Item, Rows, Stage, Way, moved_by
+from yarclang.view.switches import OFF_AT_FIRST, Parts, Switches
+from yarclang.view.triads import names_of, triads_of
 
 if TYPE_CHECKING:
     import viser
@@ -20,34 +27,36 @@ _AXES_LENGTH = 0.12
 _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
 """Widths of lines [pixels]: of the path, of the planned path beside it, of the chosen command."""
 
-GROUPS = {
-    "robot": "robot",
-    "tool": "tool",
-    "obstacle": "obstacles",
-    "zone": "zones",
-    "axes": "frames",
-    "program_axes": "frames of the program",
-    "way": "path",
-    "marks": "findings",
-    "grid": "floor",
-}
-"""What can be hidden, by the name of its node."""
+
+_AROUND = 200
+"""Commands before and behind the chosen one of which the path is drawn as it is, where the whole is drawn coarsely."""
+_MOST_MARKS = 200
+"""Findings that are drawn on the path; the list has all of them, the most severe first, as the picture."""
 
 
 class Picture:
-    """All nodes of a stage in viser's scene."""
+    """All nodes of a stage in viser's scene.
 
-    def __init__(self, server: viser.ViserServer, stage: Stage) -> None:
+    Args:
+        server: of the page.
+        stage: that is drawn.
+        hidden: the groups that are switched off.
+    """
+
+    def __init__(self, server: viser.ViserServer, stage: Stage, hidden: Iterable[str] = OFF_AT_FIRST) -> None:
         self._scene, self._server, self._stage = server.scene, server, stage
+        self.switches = Switches(hidden)
         self._bodies: dict[str, list[tuple[Any, Item]]] = {}
         self._touching: frozenset[str] = frozenset()
-        self._chosen: Any = None
+        self._chosen: list[Any] = []
         self._written: Any = None
-        self._lettering = Lettering(server.scene, stage.marks)
-        self._groups: dict[str, list[Any]] = {name: [] for name in GROUPS}
+        self._lettering = Lettering(server.scene, stage.marks, self.switches)
+        self._named: set[tuple[str, str]] = set()
+        self._parts = Parts(self.switches)
         self._view = first_view(stage)
         low, high = shown_box(stage, whole=True)
         self._size = float(np.linalg.norm(high - low)) / 2.0
+        self._top = np.array([0.0, 0.0, shown_box(stage, whole=False)[1][2] + 0.1])
         self._joints = [
             self._scene.add_frame(f"/joint_{number}", show_axes=False)
             for number in range(stage.robot.size + 1)
@@ -56,35 +65,76 @@ class Picture:
         self._draw_surroundings()
         for number, item in enumerate(stage.items):
             self._draw_item(number, item)
+        shapes = shapes_beside(stage.robot, stage.items)
+        for number, item in enumerate(shapes, len(stage.items)):
+            self._draw_item(number, item)
+        self._count = len(stage.items) + len(shapes)
         self._draw_axes()
         self._way = self._draw_way("way", stage.way, _WIDTH)
-        self._piece, self._shades = -1, np.zeros((len(_lines(stage.way)), 2, 3), dtype=np.uint8)
+        self._first = exact_lines(stage.way)
+        self._drawn = drawn_lines(stage.way)
+        self._owners = stage.way.piece[np.searchsorted(stage.way.breaks, self._first, side="right") - 1]
+        self._piece, self._shades = -1, np.zeros((len(stage.way.points), 3), dtype=np.uint8)
         if stage.ghost_way is not None:
-            ghost_way = self._draw_way("ghost_way", stage.ghost_way, _THIN)
+            ghost_way = self._draw_way("planned_way", stage.ghost_way, _THIN)
             if ghost_way is not None:
                 ghost_way.colors = np.array(colours.PLANNED_WAY, dtype=np.uint8)
         self._draw_marks()
         self._lettering.write(*self._view)
 
-    @property
-    def groups(self) -> dict[str, str]:
-        """What there is of what can be hidden: its name, and what people call it."""
-        return {name: text for name, text in GROUPS.items() if self._groups[name]}
-
     def show_group(self, name: str, is_shown: bool) -> None:
         """Show or hide all nodes of a group."""
-        for node in self._groups[name]:
-            node.visible = is_shown
+        self.switches.switch(name, is_shown)
+        if name in {"part", "names"}:
+            self._parts.look()
         if name == "marks":
-            self._lettering.show_marks(is_shown)
+            self._lettering.look()
 
     def move_to(self, time: float) -> None:
         """Move what the joints move to where it is at a time."""
         times, chain = np.array([time]), self._stage.robot.chain
         with self._server.atomic():
-            _place(self._joints, moved_by(chain, self._stage.track.at(times)[0][0]))
+            move_nodes(self._joints, moved_by(chain, self._stage.track.at(times)[0][0]))
             if self._stage.ghost is not None:
-                _place(self._ghosts, moved_by(chain, self._stage.ghost.at(times)[0][0]))
+                move_nodes(self._ghosts, moved_by(chain, self._stage.ghost.at(times)[0][0]))
+            self._parts.move_to(time)
+
+    def stand_at(self, q: Array) -> None:
+        """Move what the joints move to where it is at joint positions (n,) [rad or m]."""
+        with self._server.atomic():
+            move_nodes(self._joints, moved_by(self._stage.robot.chain, q))
+
+    def show_parts(self, items: Iterable[Item]) -> None:
+        """Show these parts instead of those before."""
+        with self._server.atomic():
+            self._parts.clear()
+            self._bodies = {
+                name: kept
+                for name, nodes in self._bodies.items()
+                if (kept := [one for one in nodes if one[1].kind != "part"])
+            }
+            for item in items:
+                self._count += 1
+                self._draw_item(self._count, item)
+            self._parts.move_to(0.0)
+
+    def fade(self, text: str) -> None:
+        """Make all bodies grey and write above the robot why they aren't where they are drawn; empty: give them their colours again."""
+        self._touching = frozenset()
+        for nodes in self._bodies.values():
+            for node, item in nodes:
+                node.color = colours.STALE if text else item.colour
+        self.write(text)
+
+    def write(self, text: str) -> None:
+        """Write a text above the robot; empty: nothing."""
+        if self._written is not None:
+            self._written.remove()
+            self._written = None
+        if text:
+            self._written = self._scene.add_label(
+                "/written", text, position=self._top, font_screen_scale=1.2, anchor="bottom-center"
+            )
 
     def colour_bodies(self, touching: frozenset[str]) -> None:
         """Give the bodies that are too near to others their colour, and all others theirs."""
@@ -96,27 +146,40 @@ class Picture:
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
         """Colour the path by values (N,), one for each of its points, from 0 to `most`."""
         if self._way is not None:
-            shades = colours.linear(colours.coloured(values, most, ramp))
-            first = _lines(self._stage.way)
-            self._way.colors = self._shades = np.stack([shades[first], shades[first + 1]], axis=1)
+            self._shades = shades = colours.linear(colours.coloured(values, most, ramp))
+            self._drawn = drawn = drawn_lines(self._stage.way, values, most)
+            with self._server.atomic():
+                self._way.points = _between(self._stage.way.points, drawn.first, drawn.second)
+                self._way.colors = _between(shades, drawn.first, drawn.second)
             self.choose_piece(self._piece)
 
     def choose_piece(self, number: int) -> None:
         """Make the piece of the path stand out that belongs to a command; -1 for none."""
         self._piece = number
         self._lettering.follow(number)
-        if self._chosen is not None:
-            self._chosen.remove()
-            self._chosen = None
-        way = self._stage.way
-        first = _lines(way)
-        (own,) = np.nonzero(way.piece[np.searchsorted(way.breaks, first, side="right") - 1] == number)
-        if number < 0 or not len(own):
+        for node in self._chosen:
+            node.remove()
+        self._chosen = []
+        if number < 0:
             return
-        points = np.stack([way.points[first[own]], way.points[first[own] + 1]], axis=1)
-        self._chosen = self._scene.add_line_segments(
-            "/chosen", points, self._shades[own], thickness=_THICK, thickness_units="screen"
-        )
+        self._draw_exactly("/chosen", self._owners == number, _THICK)
+        if self._drawn.off > FINEST:
+            # what is about it is seen from nearer than the whole path
+            self._draw_exactly("/around", np.abs(self._owners - number) <= _AROUND, _WIDTH)
+
+    def _draw_exactly(self, name: str, wanted: NDArray[np.bool_], width: float) -> None:
+        """Draw some lines of the path as they are."""
+        first = self._first[wanted]
+        if len(first):
+            self._chosen.append(
+                self._scene.add_line_segments(
+                    name,
+                    _between(self._stage.way.points, first, first + 1),
+                    _between(self._shades, first, first + 1),
+                    thickness=width,
+                    thickness_units="screen",
+                )
+            )
 
     def choose_mark(self, number: int) -> None:
         """Write at a finding's place what it is; -1 for none."""
@@ -143,7 +206,7 @@ class Picture:
             section_color=(184, 190, 196),
             shadow_opacity=0.0,
         )
-        self._groups["grid"].append(grid)
+        self.switches.add(grid, "grid")
         eye, middle = self._view
         camera = self._server.initial_camera
         camera.look_at = middle
@@ -153,14 +216,31 @@ class Picture:
     def _draw_item(self, number: int, item: Item) -> None:
         node = self._add_mesh(f"/joint_{item.joint}/item_{number}", item, item.colour, item.opacity)
         self._bodies.setdefault(item.name, []).append((node, item))
-        self._groups[item.kind].append(node)
-        if item.kind in {"zone", "obstacle"}:
+        if item.kind == "part":
+            self._parts.give(item, node, "part")
+            if item.is_named:
+                self._parts.give(item, self._part_label(number, item), "part", "names")
+            return
+        self.switches.add(node, item.kind)
+        if item.kind in {"zone", "obstacle"} and (item.kind, item.name) not in self._named:
+            self._named.add((item.kind, item.name))
             top = (item.base_from_item[:3, :3] @ item.solid.vertices.T).T + item.base_from_item[:3, 3]
             where = top[int(np.argmax(top[:, 2] + 1e-3 * top[:, 0]))]
-            self._lettering.give(Label(item.name, where, 0.8, "bottom-center"), self._groups[item.kind])
+            self._lettering.give(Label(item.name, where, 0.8, "bottom-center"), item.kind, "names")
+
+    def _part_label(self, number: int, item: Item) -> Any:
+        top = item.solid.vertices[:, 2].max()
+        return self._scene.add_label(
+            f"/joint_{item.joint}/item_{number}/name",
+            item.name if item.opacity >= 1.0 else f"{item.name}?",
+            position=(0.0, 0.0, float(top)),
+            font_screen_scale=0.7,
+            anchor="bottom-center",
+            visible=False,
+        )
 
     def _add_mesh(self, name: str, item: Item, colour: tuple[int, int, int], opacity: float) -> Any:
-        position, wxyz = _pose(item.base_from_item)
+        position, wxyz = position_and_turn(item.base_from_item)
         return self._scene.add_mesh_simple(
             name,
             item.solid.vertices.astype(np.float32),
@@ -173,6 +253,7 @@ class Picture:
             receive_shadow=False,
             position=position,
             wxyz=wxyz,
+            visible=item.kind != "part",
         )
 
     def _draw_ghosts(self) -> list[Any]:
@@ -183,56 +264,52 @@ class Picture:
         ]
         for number, item in enumerate(self._stage.items):
             if item.kind in {"robot", "tool"} and item.joint > 0:
-                self._add_mesh(f"/planned_{item.joint}/item_{number}", item, colours.GHOST, 0.22)
+                node = self._add_mesh(f"/planned_{item.joint}/item_{number}", item, colours.GHOST, 0.22)
+                self.switches.add(node, "planned")
         return nodes
 
     def _draw_axes(self) -> None:
         axes = self._stage.axes
-        for number, one in enumerate(axes):
-            position, wxyz = _pose(one.base_from_frame)
-            group = self._groups["program_axes" if one.of_program else "axes"]
+        for number, one in enumerate(triads_of(axes)):
+            position, wxyz = position_and_turn(one.base_from_frame)
             length = _AXES_LENGTH * (1.0 if one.joint == 0 else 0.7)
-            group.append(
-                self._scene.add_frame(
-                    f"/joint_{one.joint}/axes_{number}",
-                    axes_length=length,
-                    axes_radius=length / 30.0,
-                    position=position,
-                    wxyz=wxyz,
-                )
+            node = self._scene.add_frame(
+                f"/joint_{one.joint}/axes_{number}",
+                axes_length=length,
+                axes_radius=length / 30.0,
+                position=position,
+                wxyz=wxyz,
             )
-        for kind in dict.fromkeys((one.joint, one.of_program) for one in axes):
-            alike = [number for number, one in enumerate(axes) if (one.joint, one.of_program) == kind]
-            places = np.array([axes[number].base_from_frame[:3, 3] for number in alike])
-            for spot in spots(places, SHARE * self._size):
-                group = self._groups["program_axes" if kind[1] else "axes"]
-                text = " ".join(f"{{{axes[alike[one]].name}}}" for one in spot)
-                if kind[0] == 0:
-                    self._lettering.give(Label(text, places[spot[0]], 0.7, "top-left"), group)
-                    continue
-                label = self._scene.add_label(
-                    f"/joint_{kind[0]}/axes_{alike[spot[0]]}/name",
-                    text,
-                    font_screen_scale=0.7,
-                    # a frame that the robot brings to another one has its name on the other side
-                    anchor="top-right",
-                )
-                group.append(label)
+            self.switches.add(node, "axes" if one.matters else "other_axes")
+        for number, name in enumerate(names_of(axes, SHARE * self._size)):
+            groups = ("axes" if name.matters else "other_axes", "names")
+            if name.joint == 0:
+                self._lettering.give(Label(name.text, name.place, 0.7, "top-left"), *groups)
+                continue
+            label = self._scene.add_label(
+                f"/joint_{name.joint}/name_{number}",
+                name.text,
+                position=name.place,
+                font_screen_scale=0.7,
+                # a frame that the robot brings to another one has its name on the other side
+                anchor="top-right" if name.matters else "bottom-right",
+            )
+            self.switches.add(label, *groups)
 
     def _draw_way(self, name: str, way: Way, width: float) -> Any:
-        first = _lines(way)
-        if not len(first):
+        drawn = drawn_lines(way)
+        if not len(drawn.first):
             return None
-        points = np.stack([way.points[first], way.points[first + 1]], axis=1)
+        points = _between(way.points, drawn.first, drawn.second)
         node = self._scene.add_line_segments(
             f"/{name}", points, (90, 90, 90), thickness=width, thickness_units="screen"
         )
-        self._groups["way"].append(node)
+        self.switches.add(node, name)
         return node
 
     def _draw_marks(self) -> None:
         marks = self._stage.marks
-        placed = [number for number, mark in enumerate(marks) if mark.place is not None]
+        placed = [number for number, mark in enumerate(marks) if mark.place is not None][:_MOST_MARKS]
         places = np.array([marks[number].place for number in placed]).reshape(-1, 3)
         for number, place in zip(placed, places, strict=True):
             ball = self._scene.add_icosphere(
@@ -242,32 +319,11 @@ class Picture:
                 position=place,
                 cast_shadow=False,
             )
-            self._groups["marks"].append(ball)
+            self.switches.add(ball, "marks")
         for spot in spots(places, SHARE * self._size):
             self._lettering.give_marks([placed[one] for one in spot], places[spot[0]])
 
 
-def _lines(way: Way) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
-    """Which points begin a line that leads to the next one."""
-    first = np.arange(max(len(way.points) - 1, 0))
-    kept: np.ndarray[tuple[int, ...], np.dtype[np.int64]] = first[~np.isin(first + 1, way.breaks)]
-    return kept
-
-
-def _place(nodes: list[Any], poses: Array) -> None:
-    """Move nodes (K) to poses (K, 4, 4); the first one, which no joint moves, stays."""
-    for node, pose, turn in zip(nodes[1:], poses[1:], _quaternions(poses[1:]), strict=True):
-        node.position, node.wxyz = pose[:3, 3], turn
-
-
-def _pose(transform: Array) -> tuple[Array, Array]:
-    """Position, and rotation as a quaternion w x y z."""
-    return transform[:3, 3], _quaternions(transform[None])[0]
-
-
-def _quaternions(poses: Array) -> Array:
-    """The rotations of poses (K, 4, 4) as quaternions w x y z (K, 4)."""
-    from scipy.spatial.transform import Rotation
-
-    quaternions: Array = np.roll(Rotation.from_matrix(poses[:, :3, :3]).as_quat(), 1, axis=1)
-    return quaternions
+def _between(values: Any, first: Rows, second: Rows) -> Any:
+    """Return the values at both ends of lines (L, 2, 3)."""
+    return np.stack([values[first], values[second]], axis=1)

@@ -1,28 +1,16 @@
-"""viser's server, which talks only to the pages that it has served itself.
-
-Any page that is open in the same browser can send requests to this port, and its site can give itself this machine's address (DNS rebinding): the browser then takes both for one
-site. But the request's Host header still has the name that the browser was sent to, and the Origin of a connection that of its page.
-"""
+"""viser's server, which talks only to the pages that it has served itself (`yarclang.hosts`)."""
 
 from __future__ import annotations
 
 import contextlib
-import ipaddress
-import re
 from collections.abc import Callable, Iterator
 from http import HTTPStatus
 from typing import Any
-from urllib.parse import urlsplit
 
 import viser
 from websockets.asyncio import server as websocket_server
 
-_HERE = {"localhost", "127.0.0.1", "::1"}
-"""Names of this machine for itself."""
-
-_HOST = re.compile(
-    r"(?:\[(?P<six>[0-9a-f:.]+)\]|(?P<name>[^\s:@/?#\[\]]+))(?::(?P<port>[0-9]{1,5}))?", re.ASCII
-)
+from yarclang.hosts import HERE, is_called, is_own
 
 Request = Callable[[Any, Any], Any]
 """Callback of websockets for a connection and its request: it returns a response, or None to go on."""
@@ -38,7 +26,7 @@ class GuardedServer(viser.ViserServer):
     """
 
     def __init__(self, host: str, port: int, names: frozenset[str] = frozenset()) -> None:
-        guard = _Guard(_HERE | {host.lower()} | {name.lower() for name in names})
+        guard = _Guard(HERE | {host.lower()} | {name.lower() for name in names})
         with _guarded(guard):
             super().__init__(host=host, port=port, verbose=False)
         if not guard.is_asked:
@@ -57,7 +45,7 @@ class _Guard:
         is_asked: true once the server asks it.
     """
 
-    def __init__(self, names: set[str]) -> None:
+    def __init__(self, names: frozenset[str]) -> None:
         self.is_asked = False
         self._names = names
 
@@ -97,41 +85,3 @@ def _guarded(guard: _Guard) -> Iterator[None]:
         yield
     finally:
         websocket_server.serve = serve  # type: ignore[misc]
-
-
-def is_called(host: str, port: int, names: set[str]) -> bool:
-    """Return True if a Host header has one of a server's names, and its port.
-
-    Args:
-        host: the header.
-        port: that the connection has reached.
-        names: names and addresses in lower case.
-    """
-    found = _HOST.fullmatch(host.lower())
-    if found is None or int(found["port"] or 80) != port:
-        return False
-    return _plain(found["six"] or found["name"].removesuffix(".")) in {_plain(name) for name in names}
-
-
-def is_own(origin: str | None, host: str | None) -> bool:
-    """Whether a page may connect, by the address that it comes from and the one that it connects to; what is no page has no origin."""
-    if origin is None:
-        return True
-    if host is None:
-        return False
-    page, wanted = urlsplit(origin), urlsplit(f"//{host}")
-    try:
-        ports = page.port or 80, wanted.port or 80
-    except ValueError:
-        return False
-    names = page.hostname, wanted.hostname
-    return ports[0] == ports[1] and (names[0] == names[1] or _HERE.issuperset(name or "" for name in names))
-
-
-def _plain(name: str) -> str:
-    """Return an address in the form that is the same for all ways to write it; a name as it is."""
-    try:
-        address = ipaddress.ip_address(name.partition("%")[0])
-    except ValueError:
-        return name
-    return str(getattr(address, "ipv4_mapped", None) or address)

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import queue
-import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +13,8 @@ import numpy as np
 from yarclang.robot.model import Array
 from yarclang.units import MM
 from yarclang.view import colours, figures
-from yarclang.view.clearance import SEEN, near, touching
+from yarclang.view.clearance import SEEN, apart_over, near, touching
+from yarclang.view.door import Door, opened
 from yarclang.view.panel import Order, Panel
 from yarclang.view.picking import ANGLE, beside, picked_time
 from yarclang.view.picture import Picture
@@ -32,28 +30,8 @@ _TEXT_RATE = 8.0
 """How often figures and the slider follow [1/s]."""
 _MOST_CLEARANCES = 3_000
 """Places at which clearances are looked at; in between colours run into each other."""
-_ALL = {"0.0.0.0", "::"}
-"""Hosts that mean all addresses of this machine."""
 _PASSES = 20.0
 """How long a wait for an order may be [s]: only so that an interrupt is seen."""
-
-
-@dataclass(frozen=True, slots=True)
-class Door:
-    """Where the picture is served."""
-
-    host: str
-    port: int
-
-    @property
-    def url(self) -> str:
-        """What to type into a browser."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"http://{host}:{self.port}"
-
-
-class PortTakenError(Exception):
-    """The door can't be opened; the message says why."""
 
 
 def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
@@ -67,38 +45,10 @@ def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
     Raises:
         PortTakenError: something else listens there, or the address isn't one of this machine.
     """
-    server = _open(door)
-    try:
+    with opened(door) as server:
         showing = _Showing(server, stage)
         ready(Door(door.host, server.get_port()))
         showing.run()
-    finally:
-        with contextlib.redirect_stdout(io.StringIO()):
-            server.stop()
-
-
-def _open(door: Door) -> viser.ViserServer:
-    # viser would take the next free port in silence, and wait for ever for an address that isn't ours
-    try:
-        family = socket.getaddrinfo(door.host, door.port, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family[0], socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind(family[4])
-            port = probe.getsockname()[1]
-    except (OSError, UnicodeError) as error:
-        raise PortTakenError((getattr(error, "strerror", None) or str(error)).lower()) from None
-    from yarclang.view.server import GuardedServer
-
-    with contextlib.redirect_stdout(io.StringIO()):  # it prints a table of its own
-        return GuardedServer(door.host, port, _names(door))
-
-
-def _names(door: Door) -> frozenset[str]:
-    """Return the names of this machine by which others in the network call it, if they are let in by all its addresses."""
-    if door.host not in _ALL:
-        return frozenset()
-    name = socket.gethostname()
-    return frozenset({name, f"{name}.local"})
 
 
 class _Showing:
@@ -112,7 +62,7 @@ class _Showing:
         self._ramps = ramps_of(stage)
         self._piece = -2
         self._picture = Picture(server, stage)
-        self._panel = Panel(server.gui, stage, self._picture.groups, self._ramps, self._orders.put)
+        self._panel = Panel(server.gui, stage, self._picture.switches, self._ramps, self._orders.put)
         self._lists = {"piece": self._panel.pieces, "mark": self._panel.marks}
 
         @server.scene.on_click()
@@ -153,6 +103,10 @@ class _Showing:
                 self._choose(order.value)
             case "mark":
                 self._choose_mark(order.value)
+            case "worst":
+                piece = self._stage.worst[order.value].piece
+                self._jump((self._stage.pieces[piece].begins + self._stage.pieces[piece].ends) / 2.0)
+                self._choose(piece)
             case "ramp":
                 self._colour(order.value)
             case "group":
@@ -213,11 +167,12 @@ class _Showing:
         if not figures_too:
             return
         q = stage.track.at(np.array([now]))[0]
-        if stage.scene is not None:
-            self._picture.colour_bodies(touching(stage.scene, q[0]))
+        scene = stage.scene_at(now)
+        if scene is not None:
+            self._picture.colour_bodies(touching(scene, q[0]))
         self._panel.show_time(now)
         self._panel.show_playing(self._player.plays)
-        nearest = figures.near_text(stage, near(stage.scene, q)) if stage.scene is not None else None
+        nearest = figures.near_text(scene, near(scene, q)) if scene is not None else None
         self._panel.show_now(figures.instant_html(stage, now, nearest))
         piece = stage.piece_at(now)
         if piece != self._piece:
@@ -247,9 +202,8 @@ def values_of(stage: Stage, ramp: str) -> Array:
         there = followed(stage.robot.chain, q, v, stage.flange_from_frame)[0]
         away: Array = np.linalg.norm(stage.way.points - there, axis=1) / MM
         return away
-    assert stage.scene is not None  # else it isn't offered
     every = max(-(-len(times) // _MOST_CLEARANCES), 1)
     chosen = np.unique(np.append(np.arange(0, len(times), every), len(times) - 1))
-    apart = near(stage.scene, stage.track.at(times[chosen])[0]).apart / MM
+    apart = apart_over(stage, times[chosen]) / MM
     values: Array = np.interp(np.arange(len(times)), chosen, apart)
     return np.maximum(values, 0.0)

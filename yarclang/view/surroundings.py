@@ -27,23 +27,24 @@ class Surroundings:
 
 
 def surroundings_of(
-    robot: Robot, program: Program | None, missing: str = "", given: Cell | None = None
+    robot: Robot, program: Program | None, followed: str, missing: str = "", given: Cell | None = None
 ) -> Surroundings:
     """What is around.
 
     Args:
         robot: that is shown.
         program: whose frames and cell are shown; None where there is none.
-        missing: why there is none.
+        followed: name of the frame whose path is shown.
+        missing: why there is none; empty: none is wanted.
         given: the cell that is shown without a program.
     """
     cell = program.cell if program is not None else given
     links, unread = robot_items(robot)
     around, placeless = cell_items(robot, cell) if cell is not None else ((), ())
-    axes, more = axes_of(robot, program, cell)
+    axes, more = axes_of(robot, program, cell, followed)
     scene = scene_of(robot, cell).value
     what = "cell and frames" if cell is None else "frames"
-    without = (f"without the program's {what}: {missing}",) if program is None else ()
+    without = (f"without the program's {what}: {missing}",) if program is None and missing else ()
     return Surroundings(
         (*links, *around),
         axes,

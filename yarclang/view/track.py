@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from yarclang.motion.curve import Curve
+from yarclang.motion.curve import Curve, Sampler
+from yarclang.progress import each, go_on
 from yarclang.robot.kinematics.fk import poses_and_jacobians, tool_poses
 from yarclang.robot.model import Array, Chain
 from yarclang.view.stage import Track, Way
@@ -15,10 +18,12 @@ from yarclang.view.stage import Track, Way
 MOST_POINTS = 20_000
 """The points of a path."""
 _MOST_EACH, _FEWEST_EACH = 400, 8
-"""The points of one motion."""
+"""The points of one motion, where there are few motions."""
+_AT_ONCE = 4_096
+"""The points that are worked out at once."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Curves:
     """Motions: the curve `curves[k]` begins at `begins[k]` (m,) [s]; between them the robot stands; before the first it stands at `start` (n,)."""
 
@@ -31,10 +36,19 @@ class Curves:
         q = np.tile(self.start, (len(times), 1))
         v = np.zeros_like(q)
         number = np.searchsorted(self.begins, times, side="right") - 1
-        for motion in np.unique(number[number >= 0]).tolist():
-            here = np.flatnonzero(number == motion)
-            q[here], v[here], _ = self.curves[motion].sample(times[here] - self.begins[motion])
+        moved = number >= 0
+        if moved.any():
+            q[moved], v[moved] = self.of(number[moved], times[moved] - self.begins[number[moved]])
         return q, v
+
+    def of(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array]:
+        """Positions [rad or m] and velocities, (N, n) each, of curves `number` (N,) at times (N,) [s] from the start of each."""
+        q, v, _ = self._sampler.sample(number, times)
+        return q, v
+
+    @cached_property
+    def _sampler(self) -> Sampler:
+        return Sampler(self.curves)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,25 +86,28 @@ class Shifted:
 
 
 def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces: Sequence[int]) -> Way:
-    """The path of a frame through motions, each of which belongs to one of `pieces`; the points are dealt out by how far the joints move."""
-    ways = np.array([np.abs(np.diff(curve.points, axis=0)).sum() for curve in curves.curves])
-    share = ways / max(float(ways.sum()), 1e-12)
-    parts = np.clip((share * MOST_POINTS).astype(np.int64), _FEWEST_EACH, _MOST_EACH)
-    points, speeds, times = [], [], []
-    for curve, begin, count in zip(curves.curves, curves.begins, parts.tolist(), strict=True):
-        local = np.linspace(0.0, curve.duration, count + 1)
-        q, v, _ = curve.sample(local)
-        here, speed = followed(chain, q, v, flange_from_frame)
-        points.append(here)
-        speeds.append(speed)
-        times.append(begin + local)
-    if not points:
+    """The path of a frame through motions, each of which belongs to one of `pieces`; the points are dealt out by how far the joints move.
+
+    The more motions there are, the fewer points a short one has: of very many only its start and its end.
+    """
+    if not curves.curves:
         still = tool_poses(chain, curves.start[None], flange_from_frame)[:, :3, 3]
         return Way(np.zeros(1), still, np.zeros(1), np.array([0, 1]), np.array([-1]))
+    ways = np.array([np.abs(np.diff(curve.points, axis=0)).sum() for curve in each(curves.curves)])
+    share = ways / max(float(ways.sum()), 1e-12)
+    fewest = int(np.clip(MOST_POINTS // len(ways), 1, _FEWEST_EACH))
+    parts = np.clip((share * MOST_POINTS).astype(np.int64), fewest, _MOST_EACH)
     breaks = np.concatenate([[0], np.cumsum(parts + 1)])
-    return Way(
-        np.concatenate(times), np.concatenate(points), np.concatenate(speeds), breaks, np.array(pieces)
-    )
+    owner = np.repeat(np.arange(len(parts)), parts + 1)
+    durations = np.array([curve.duration for curve in curves.curves])
+    local = (np.arange(breaks[-1]) - breaks[owner]) / parts[owner] * durations[owner]
+    points, speeds = np.empty((len(local), 3)), np.empty(len(local))
+    for first in range(0, len(local), _AT_ONCE):
+        rows = slice(first, first + _AT_ONCE)
+        q, v = curves.of(owner[rows], local[rows])
+        points[rows], speeds[rows] = followed(chain, q, v, flange_from_frame)
+        go_on()
+    return Way(curves.begins[owner] + local, points, speeds, breaks, np.array(pieces))
 
 
 def way_of_track(track: Track, times: Array, chain: Chain, flange_from_frame: Array) -> Way:

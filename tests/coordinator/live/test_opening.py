@@ -82,8 +82,8 @@ def admitted():
     points = []
 
     class Seen(Judge):
-        def __init__(self, robot, start, *others):
-            super().__init__(robot, start, *others)
+        def __init__(self, robot, start, *others, **named):
+            super().__init__(robot, start, *others, **named)
             points.append(np.tile(start, (3, 1)))
 
         def admit(self, lines):

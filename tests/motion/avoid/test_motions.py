@@ -88,7 +88,7 @@ def test_it_flows_into_its_neighbours():
     text = f"P0010 MOVEJ -50 25 -20 0 -30 0 BLEND 3\nP0020 MOVEJ_AVOID {GO} BLEND 3\nP0030 MOVEJ 70 20 -20 0 -30 0"
     value, found = made(text)
     assert not [one for one in found if one.is_error], found
-    assert [motion.overlap > 0 for motion in value.plan.motions] == [True, True, False]
+    assert [motion.flows for motion in value.plan.motions] == [True, True, False]
 
 
 def test_the_plan_s_way_points_are_claims_that_are_checked():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from programs import codes, compiled, planned
 
+from yarclang.motion.chains import chain as chains
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.kinematics.fk import tool_poses
 
@@ -75,7 +76,7 @@ def off_path(path, q):
 def test_the_path_is_left_only_inside_the_ball(name):
     plan, found = chain(CHAINS[name])
     assert set(found) <= {"Y0505", "Y0702"}
-    assert all(motion.overlap > 0 for motion in plan.motions[1:-1])
+    assert all(motion.flows for motion in plan.motions[1:-1])
     for number in range(1, len(plan.motions)):
         q = dense(plan, number)[0][::5]
         outside = np.ones(len(q), bool)
@@ -185,7 +186,7 @@ P0030 MOVEL 200 1174.4 1376 0 0 0
 def test_blend_0_leaves_the_path_nowhere():
     plan, found = chain(TANGENT)
     assert found == []
-    assert all(motion.overlap > 0 for motion in plan.motions[1:-1])
+    assert all(motion.flows for motion in plan.motions[1:-1])
     for number in (1, 2, 3):
         q = dense(plan, number)[0][::5]
         beside = [off_path(plan.motions[k].path, q) for k in range(max(1, number - 1), min(4, number + 2))]
@@ -225,7 +226,7 @@ def test_what_the_robot_stands_for_ends_a_chain(between):
         HEAD.replace("OUTPUT", "INPUT DOOR M11\nOUTPUT") + FRAMES.replace("P0020", f"P0015 {between}\nP0020")
     )
     assert codes(diagnostics) == ["Y1010"]
-    assert [motion.overlap > 0 for motion in plan.motions] == [False, False, True, False]
+    assert [motion.flows for motion in plan.motions] == [False, False, True, False]
     _, v, _ = plan.motions[1].curve.sample(np.array([plan.motions[1].curve.duration]))
     assert v == pytest.approx(np.zeros((1, 6)), abs=1e-9)
 
@@ -236,7 +237,7 @@ def test_shares_of_the_limits_hold_in_overlaps_too(options, industrial6):
     plan, _ = chain(
         lines + f"P0030 MOVEL 0 1174.4 1326 0 0 0 {options}\n".replace("[MIN] ACC 30%", "[MIN] ACC 30%")
     )
-    assert any(motion.overlap for motion in plan.motions)
+    assert any(motion.flows for motion in plan.motions)
     share, ramp = (0.5, 0.5) if "%]" in options else (1.0, 0.3)
     for number in (1, 2, 3):
         _, v, a = dense(plan, number)
@@ -250,7 +251,7 @@ def test_a_long_chain_flows_all_the_way():
     )
     plan, found = chain(lines)
     assert found == ["Y1010"]
-    assert sum(motion.overlap > 0 for motion in plan.motions) == 14
+    assert sum(motion.flows for motion in plan.motions) == 14
     assert plan.duration - plan.motions[0].curve.duration == pytest.approx(30, abs=1e-2)
 
 
@@ -258,3 +259,54 @@ def test_the_same_program_gives_the_same_curves():
     one, other = (chain(MIXED)[0] for _ in range(2))
     for first, second in zip(one.motions, other.motions, strict=True):
         assert np.array_equal(first.curve.points, second.curve.points)
+
+
+ZIGZAG = "P0010 MOVEL 20 1174.4 1176 0 0 0 {0} BLEND 4\nP0020 MOVEL 20 1194.4 1176 0 0 0 {0} BLEND 4\nP0030 MOVEL 50 1194.4 1176 0 0 0 {0}\n"
+TURNS = ZIGZAG.replace("MOVEL 20 1194.4 1176", "MOVEC 30 1184.4 1176; 20 1194.4 1176")
+JOINT_TURNS = "P0010 MOVEJ 0 0 0 0 30 0 [MIN] BLEND 4\nP0020 MOVEJ 20 0 0 0 30 0 [MIN] BLEND 4\nP0030 MOVEJ 20 9 0 0 0 0 [MIN]\n"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ZIGZAG.format("[MIN]"),
+        ZIGZAG.format("[V 100]"),
+        ZIGZAG.format("[V 8]"),
+        ZIGZAG.format("[50%]"),
+        TURNS.format("[V 60]"),
+        TURNS.format("[MIN]"),
+        JOINT_TURNS,
+        FRAMES.replace("BLEND 20", "[MIN] BLEND 20", 1),
+    ],
+)
+def test_what_is_given_up_would_not_be_taken(lines, monkeypatch):
+    made, _ = chain(lines)
+    monkeypatch.setattr(chains, "_quickest", lambda found: np.inf)
+    at_length, _ = chain(lines)
+    assert [one.flows for one in made.motions] == [one.flows for one in at_length.motions]
+    assert sum(one.curve.duration for one in made.motions) == pytest.approx(
+        sum(one.curve.duration for one in at_length.motions), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("speeds", [(20, 50), (50, 20), (20, 20.0001), (5, 60), (10, 40, 15)])
+def test_a_speed_changes_where_one_line_goes_on_as_the_next(speeds):
+    lines = [
+        f"P{10 * number:04d} MOVEL {50 * number} 1174.4 1176 0 0 0 [V {speed}] BLEND 0"
+        for number, speed in enumerate(speeds, 1)
+    ]
+    lines[-1] = lines[-1].removesuffix("BLEND 0")
+    _, found = compiled(HEAD + "\n".join(lines) + "\n")
+    assert [one for one in found if one.is_error] == []
+    assert "Y0610" not in codes(found)
+    plan, _ = chain("\n".join(lines) + "\n")
+    assert all(one.flows for one in plan.motions[1:-1])
+    # before a corner nobody goes faster than is asked for there
+    tcp = plan.robot.flange_from_frame["TCP"]
+    for number, speed in enumerate(speeds, 1):
+        q = dense(plan, number)[0]
+        curve = plan.motions[number].curve
+        places = tool_poses(plan.robot.chain, q, tcp)[:, 0, 3] * 1e3
+        rates = np.diff(places) / (curve.duration / (len(q) - 1))
+        inside = (places[:-1] >= 50 * (number - 1) + 0.01) & (places[1:] <= 50 * number - 0.01)
+        assert rates[inside].max() == pytest.approx(speed, rel=2e-3)

@@ -158,3 +158,37 @@ P0020 MOVEL_SPLINE 60 1134.4 1176 0 0 10; 120 1174.4 1226 0 0 20; 180 1174.4 112
     knots = path.frame.positions.knots
     expected = [[0, 1174.4, 1176], [60, 1134.4, 1176], [120, 1174.4, 1226], [180, 1174.4, 1126]]
     assert path.frame.poses(knots)[:, :3, 3] * 1e3 == pytest.approx(np.array(expected), abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [3, 17, 300, 5_000, 40_000])
+def test_pieces_of_a_leg_are_as_many_as_its_bends_need(count):
+    angles = np.linspace(0.0, count / 40.0, count)
+    poses = np.tile(np.eye(4), (count, 1, 1))
+    poses[:, 0, 3], poses[:, 1, 3] = 0.08 * np.cos(angles), 0.08 * np.sin(angles)
+    poses[:, 2, 3] = 1e-5 * np.arange(count)
+    spline = through_poses(poses)
+    pieces = len(spline._fine) - 1
+    assert pieces <= max(16_384 * 2, 8 * (count - 1))
+    length = np.linalg.norm([0.08 * angles[-1], 1e-5 * (count - 1)])
+    assert spline.length == pytest.approx(length, rel=1e-3)
+
+
+@pytest.mark.parametrize("count", [40, 1_500])
+def test_legs_with_cusps_have_no_end_of_pieces(count):
+    """To and fro: the velocity is nothing somewhere on each leg."""
+    poses = np.tile(np.eye(4), (count, 1, 1))
+    poses[:, 0, 3] = np.where(np.arange(count) % 2, 0.01, 0.0)
+    spline = through_poses(poses)
+    assert len(spline._fine) <= 1024 * count
+    assert spline.length == pytest.approx(0.01 * (count - 1), rel=0.2)
+
+
+@given(seeds)
+def test_poses_that_creep_count_as_far_as_they_get(seed):
+    random = np.random.default_rng(seed)
+    poses = drawn(seed, 4)
+    several = np.repeat(poses, random.integers(1, 6, 4), axis=0)
+    several[:, :3, 3] += random.uniform(-2e-13, 2e-13, several[:, :3, 3].shape)
+    spline = through_poses(several)
+    assert len(spline.positions.knots) == 4
+    assert np.diff(spline.positions.knots).min() > 0

@@ -19,6 +19,7 @@ from yarclang.report.pose_text import pose_values
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.semantics.poses import rpy_rotation
+from yarclang.source import SourceFile
 from yarclang.units import DEG
 
 ROBOT = load_robot("INDUSTRIAL6").value
@@ -205,3 +206,26 @@ def test_an_output_says_whether_the_robot_moves():
     assert "at rest, GLUE (M1) becomes OFF" in words(behind)
     assert "stands at" in words(behind)
     assert "stands at" not in words(inside)
+
+
+def test_parts_that_are_carried_taken_and_put_down():
+    examples = Path(__file__).resolve().parents[3] / "examples"
+    text = (examples / "05_pick_and_place.yarc").read_text()
+    studied = study(check_text(SourceFile("05_pick_and_place.yarc", text), examples, Options()))
+    places = ("P0020(#1)>P0020", "P0020(#1)>P0040>P0040", "P0030(#1)>P0060", "P0040(#1)", "P0050(#1)")
+    steps = [inspect_step(studied, matching(labels_of(studied.program), place)[0]) for place in places]
+    takes, carries, puts, removes, empty = map(words, steps)
+    assert "it takes BLANK 2" in takes
+    assert "the robot carries BLANK 2" in carries
+    assert "it puts down BLANK 2" in puts
+    assert "it removes BLANK 2" in removes
+    assert "BLANK 2" not in empty.split("certificate")[0]
+    told = [inspected_json(one) for one in steps]
+    assert [one["carries"] for one in told] == [[], ["BLANK 2"], [], [], []]
+    assert [one["parts"] for one in told] == [
+        {"takes": ["BLANK 2"]},
+        {},
+        {"puts_down": ["BLANK 2"]},
+        {"removes": ["BLANK 2"]},
+        {},
+    ]

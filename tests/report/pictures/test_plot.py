@@ -22,6 +22,7 @@ from yarclang.report.pictures import panels, plot, trace
 from yarclang.report.pictures.drawn_frame import drawn_frame
 from yarclang.report.pictures.palette import MOST_BARS, bars_of
 from yarclang.report.pictures.plot import SIZE, draw, duration_text
+from yarclang.report.pictures.tool_trace import tool_trace_of
 from yarclang.report.pictures.toolpath import MOST_DOTS, MOST_POINTS, ToolPath
 from yarclang.report.pictures.toolpath import tool_path_of as path_of
 from yarclang.report.pictures.trace import MOST_SAMPLES, Trace, peak_of, trace_of
@@ -64,7 +65,7 @@ def long(two: MotionPlan) -> MotionPlan:
     there, back = two.motions[0].curve.points, two.motions[0].curve.points[::-1].copy()
     motions = [
         PlannedMotion(
-            0,
+            k,
             two.motions[0].path,
             "LSPB",
             Curve(back if k % 2 else there, 0.02, there[:, 0]),
@@ -75,7 +76,9 @@ def long(two: MotionPlan) -> MotionPlan:
     ]
     jump = dataclasses.replace(motions[5_000], curve=Curve(there, 0.005, there[:, 0]))
     motions[5_000] = jump
-    return MotionPlan(two.program, two.robot, tuple(motions))
+    step = two.program.steps[two.motions[0].step]
+    program = dataclasses.replace(two.program, steps=(step,) * len(motions))
+    return MotionPlan(program, two.robot, tuple(motions))
 
 
 def de_boor(points: np.ndarray, segment: float, time: float) -> np.ndarray:
@@ -172,12 +175,22 @@ def test_a_long_program_is_bounded_and_keeps_its_peaks(long: MotionPlan) -> None
         wanted, found = getattr(quick, name), getattr(drawn, name)
         assert np.abs(found).max(axis=0) == pytest.approx(np.abs(wanted).max(axis=0), rel=5e-3)
     jump = peak_of(drawn, drawn.velocity)
-    assert jump.time == pytest.approx(float(long.starts[5_000]), abs=2 * long.duration / 4_000)
+    assert jump.time == pytest.approx(float(long.begins[5_000]), abs=2 * long.duration / 4_000)
     path = tool_path_of(long)
     assert len(path.points) <= MOST_POINTS + len(long.motions)
     assert len(path.waypoints) <= MOST_DOTS
     assert len(bars_of(long)) <= MOST_BARS
     assert draw(long, "png").startswith(b"\x89PNG")
+
+
+def test_of_more_motions_than_points_some_are_drawn(long: MotionPlan) -> None:
+    many = 3 * (MOST_POINTS // len(long.motions) + 1)
+    motions = long.motions * many
+    path = tool_path_of(MotionPlan(long.program, long.robot, motions))
+    assert len(path.points) <= 3 * MOST_POINTS
+    assert len(path.bounds) == len(motions) + 1
+    once = tool_path_of(long)
+    assert path.points[-1] == pytest.approx(once.points[-1])
 
 
 def test_the_tool_path_starts_and_ends_where_the_commands_do(two: MotionPlan) -> None:
@@ -333,3 +346,28 @@ def test_the_commands_list_needs_no_matplotlib() -> None:
 )
 def test_durations(seconds: float, text: str) -> None:
     assert duration_text(seconds) == text
+
+
+def test_dwells_have_their_place(tmp_path: Path) -> None:
+    text = (
+        "P0010 WAIT [1] (s)\nP0020 MOVEJ 20 0 0 0 0 0 [2] (deg,s)\nP0030 WAIT [3] (s)\n"
+        "P0040 MOVEJ 0 0 0 0 0 0 [2] (deg,s)\nP0050 WAIT [1.5] (s)\n"
+    )
+    plan = planned(tmp_path, text)
+    drawn = trace_of(plan)
+    assert (drawn.times[0], drawn.times[-1]) == pytest.approx((0.0, 9.5))
+    assert np.all(np.diff(drawn.times) >= 0.0)
+    stands = (drawn.times < 1.0) | ((drawn.times > 3.0) & (drawn.times < 6.0)) | (drawn.times > 8.0)
+    for values in (drawn.velocity, drawn.acceleration, drawn.jerk):
+        assert not values[stands].any()
+    # where it ends and begins to stand, there is no jerk either, which a line would carry through
+    for time in (0.0, 1.0, 3.0, 6.0, 8.0, 9.5):
+        rows = np.abs(drawn.times - time) < 1e-9
+        assert (drawn.jerk[rows] == 0.0).all(axis=1).any()
+    frame = tool_trace_of(plan, drawn_frame(plan))
+    assert (frame.times[0], frame.times[-1]) == pytest.approx((0.0, 9.5))
+    assert frame.speed[frame.times > 8.0].max() == pytest.approx(0.0, abs=1e-9)
+    assert [(bar.start, bar.end) for bar in bars_of(plan)] == [
+        pytest.approx((1.0, 3.0)),
+        pytest.approx((6.0, 8.0)),
+    ]

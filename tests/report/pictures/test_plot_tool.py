@@ -88,8 +88,8 @@ def test_speeds_that_are_asked_for_are_drawn(tmp_path: Path) -> None:
     text = HEAD + "P0020 MOVEL {NOZZLE} 100 0 0 0 0 0 [V 80] {ON}\nP0030 DMOVE {TCP} 0 0 10 0 0 0 [V 7]\n"
     plan = planned(tmp_path, text)
     trace = tool_trace_of(plan, drawn_frame(plan))
-    assert trace.wanted == pytest.approx(np.array([[plan.starts[1], plan.starts[2], 80.0]]))
-    here = (trace.times > plan.starts[1] + 0.4) & (trace.times < plan.starts[2] - 0.4)
+    assert trace.wanted == pytest.approx(np.array([[plan.begins[1], plan.ends[1], 80.0]]))
+    here = (trace.times > plan.begins[1] + 0.4) & (trace.times < plan.ends[1] - 0.4)
     assert trace.speed[here] == pytest.approx(80.0, abs=0.05)
 
 
@@ -116,14 +116,14 @@ def test_corners_lie_where_the_commands_end(rounded: MotionPlan) -> None:
         np.array([[100.0, 900.0, 600.0], [100.0, 1000.0, 600.0]]), abs=1e-3
     )
     assert corners.radii == pytest.approx([20.0, 4.0])
-    assert corners.middles == pytest.approx(rounded.starts[2:4])
+    assert corners.middles == pytest.approx(rounded.ends[1:3])
 
 
 def test_the_path_is_left_in_the_shaded_times_alone(rounded: MotionPlan) -> None:
     """Between them the frame is on its lines, in them at most as far off as the ball allows."""
     frame = drawn_frame(rounded)
     corners = passed_corners(rounded, frame)
-    times = np.linspace(float(rounded.starts[1]), rounded.duration, 3000)
+    times = np.linspace(float(rounded.begins[1]), rounded.duration, 3000)
     places = (
         tool_poses(rounded.robot.chain, rounded.sample(times)[0], frame.flange_from_frame)[:, :3, 3] * 1e3
     )
@@ -178,12 +178,14 @@ def test_balls_and_marks_are_in_the_picture(rounded: MotionPlan) -> None:
 
 def many(plan: MotionPlan, count: int) -> MotionPlan:
     """The motions behind the first, again and again, each flowing into the next."""
-    motions = []
+    motions, steps = [], []
     for number in range(count):
         motion = plan.motions[1 + number % 2]
         assert isinstance(motion, PlannedMotion)
-        motions.append(dataclasses.replace(motion, overlap=4))
-    return MotionPlan(plan.program, plan.robot, tuple(motions))
+        steps.append(plan.program.steps[motion.step])
+        motions.append(dataclasses.replace(motion, step=number, overlap=4))
+    program = dataclasses.replace(plan.program, steps=tuple(steps))
+    return MotionPlan(program, plan.robot, tuple(motions))
 
 
 @pytest.mark.parametrize("count", [1, 59, 90, 3000])

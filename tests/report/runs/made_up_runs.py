@@ -68,6 +68,7 @@ def samples(
     begins: float = 0.1,
     seed: int = 0,
     off: np.ndarray | float = 0.0,
+    left_out: tuple[float, float] | None = None,
 ) -> Samples:
     """What is reported of a pass.
 
@@ -79,12 +80,16 @@ def samples(
         begins: when it begins [s from the log's start].
         seed: of what chance does to the program times.
         off: added to what is commanded [rad or m].
+        left_out: the way of a WHEN that isn't taken, from when to when [s of the program].
     """
     chance = np.random.default_rng(seed)
     fine = np.arange(0.0, plan.duration if length is None else length, 1e-3)
     run = np.concatenate(([0.0], np.cumsum(rate(fine)[:-1]) * 1e-3))
     clock = np.arange(0.0, fine[-1], EACH) + chance.uniform(0.0, 2e-3)
-    times = np.minimum(np.interp(clock, fine, run), plan.duration)
+    times = np.interp(clock, fine, run)
+    if left_out is not None:
+        times = np.where(times > left_out[0], times + left_out[1] - left_out[0], times)
+    times = np.minimum(times, plan.duration)
     commanded = plan.sample(times)[0] + off
     later = plan.sample(np.minimum(times + 1e-3, plan.duration))[0]
     lag = (later - plan.sample(times)[0]) / 1e-3 * 5e-4  # half a millisecond behind

@@ -12,13 +12,15 @@ from mcap.writer import Writer
 from report.runs.made_up_runs import ANCHOR, made, samples, whole, write
 
 from yarclang.report.runs.log import read_run
-from yarclang.report.runs.messages import Outcome, Pass
+from yarclang.report.runs.messages import Outcome, Pass, read_messages
 from yarclang.report.runs.planned import planned_motion
 from yarclang.report.runs.plot import draw_run
 from yarclang.report.runs.text import moments_of
-from yarclang.runtime.log_record import METADATA
+from yarclang.runtime.log import RunLog
+from yarclang.runtime.log_record import METADATA, Anchor
 from yarclang.runtime.notices import Changed, Hold, Progress, Remark
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
 from yarclang.runtime.state import State
 
 
@@ -91,9 +93,51 @@ def test_everything_that_is_told_comes_back(tmp_path):
     )
 
 
-def test_orders_are_told(tmp_path):
-    from yarclang.runtime.log import RunLog
+SIGNALS = (
+    OutputSet(1.0, "GRIP", "M1", 1.0),
+    InputChanged(1.5, "PART_READY", "M11", 0.0, "sensor"),
+    WaitBegan(2.0, "P0010(#1)", "PART_READY", "M11", 1.0, 0.0),
+    WaitEnded(3.0, "P0010(#1)", "PART_READY", "M11", 1.0, 1.0, True),
+)
 
+
+def test_inputs_and_outputs_come_back(tmp_path):
+    job, _ = made()
+    log = RunLog.open(tmp_path, job, "somewhere", version="1", anchor=Anchor(0.0, ANCHOR.wall))
+    for one in SIGNALS:
+        log.take(one)
+    log.close()
+    run = read_run(str(log.path)).value
+    assert run.told == SIGNALS
+    lines = [one.line for one in moments_of(run)]
+    assert lines == [
+        "SET GRIP ON",
+        "input PART_READY is OFF (sensor)",
+        "",
+        "P0010(#1) WAIT: PART_READY is ON after 1.0 s",
+    ]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"kind": "set"},
+        {"kind": "set", "name": "A", "variable": "M1", "value": "much"},
+        {"kind": "wait ended", "name": "A", "variable": "M1", "value": 1.0},
+    ],
+)
+def test_signals_that_say_nothing_are_counted(content):
+    found = read_messages(None, [("signals", {"time_s": 1.0, **content})])
+    assert (found.told, found.unread) == ([], 1)
+
+
+def test_signals_of_a_later_kind_are_left_out():
+    content = {"time_s": 1.0, "kind": "later", "name": "A", "variable": "M1", "value": 1.0}
+    found = read_messages(None, [("signals", content)])
+    assert (found.told, found.unread) == ([], 0)
+
+
+def test_orders_are_told(tmp_path):
     job, _ = made()
     with RunLog.open(tmp_path / "a.mcap", job, "", version="0", anchor=ANCHOR) as log:
         log.ordered(ANCHOR.clock + 1.0, Hold())

@@ -20,9 +20,11 @@ from yarclang.report.runs.log import read_run
 from yarclang.report.runs.panels import Shown, off_path_text
 from yarclang.report.runs.planned import planned_motion
 from yarclang.report.runs.plot import draw_run
+from yarclang.report.runs.signal_rows import signal_rows
 from yarclang.report.runs.tracking import tracking_of
 from yarclang.runtime.notices import Changed, Remark
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
 from yarclang.runtime.state import State
 
 T = ANCHOR.clock
@@ -172,7 +174,7 @@ def test_many_samples_are_thinned_and_keep_their_extremes():
     times = np.sort(np.random.default_rng(0).uniform(0.0, 10.0, 50_000))
     values = np.sin(40.0 * times)[:, None] * [1.0, 3.0]
     values[31_234, 1] = 17.0
-    when, what = run_panels._thinned(times, values, 1000)
+    when, what = run_panels.thinned(times, values, 1000)
     assert len(when) <= 2002
     assert np.all(np.diff(when) >= 0.0)
     assert what.max(axis=0) == pytest.approx(values.max(axis=0))
@@ -199,6 +201,49 @@ def test_texts_do_not_overlap(held):
     assert all(box.x0 >= 0 and box.x1 <= SIZE[0] and box.y0 >= 0 and box.y1 <= SIZE[1] for box in boxes)
     for one, other in pairwise(boxes):
         assert not one.overlaps(other)
+
+
+def test_inputs_and_outputs_are_rows_under_the_curves(tmp_path):
+    """When each was on, and when the robot waited: at the times of the log."""
+    job, plan = made()
+    told = [
+        *samples(job, plan).notices,
+        OutputSet(T + 1.0, "GRIP", "M1", 1.0),
+        InputChanged(T + 1.5, "READY", "M11", 0.0, "sensor"),
+        WaitBegan(T + 2.0, "P0010", "READY", "M11", 1.0, 0.0),
+        InputChanged(T + 3.0, "READY", "M11", 1.0, "sensor"),
+        WaitEnded(T + 3.01, "P0010", "READY", "M11", 1.0, 1.01, True),
+        OutputSet(T + 5.0, "GRIP", "M1", 0.0),
+        WaitBegan(T + 8.0, "P0030", "DOOR", "M12", 1.0, 0.0),
+        *(
+            OutputSet(T + 8.5, f"A_VERY_LONG_NAME_{number} $x$", f"M{number}", 2.5)
+            for number in range(20, 29)
+        ),
+    ]
+    told.sort(key=lambda one: one.time)
+    this = shown(write(tmp_path / "a.mcap", job, told))
+    rows = signal_rows(this.run)
+    grip, ready, door = rows[:3]
+    end = pytest.approx(this.run.end)
+    assert (grip.name, grip.is_input, grip.waits) == ("GRIP", False, ())
+    assert grip.stretches == ((1.0, 5.0, 1.0), (5.0, end, 0.0))
+    assert ready.stretches == ((1.5, 3.0, 0.0), (3.0, end, 1.0))
+    assert ready.waits == ((2.0, pytest.approx(3.01), True),)
+    assert door.waits == ((8.0, end, False),)
+    figure = run_plot._figure(this)
+    figure.canvas.draw()
+    axes = next(one for one in figure.axes if one.get_title(loc="left") == "signals")
+    labels = [one.get_text() for one in axes.get_yticklabels()]
+    assert len(labels) == 8
+    assert labels[-2:] == ["READY", "GRIP"]
+    assert "4 more: yarc replay" in axes.get_title(loc="right")
+    # names lie beside the panels on the left, and the axis lies above the list
+    left = max(one.get_window_extent().x1 for one in figure.axes if one.get_title(loc="left").startswith("J"))
+    assert min(one.get_window_extent().x0 for one in axes.get_yticklabels()) > left
+    assert axes.get_tightbbox().y0 > max(
+        text.get_window_extent().y1 for text in figure.texts if text.get_position()[1] < 0.13
+    )
+    assert draw_run(this.run, this.planned, "png").startswith(b"\x89PNG")
 
 
 def test_a_long_list_is_cut(tmp_path):

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report.runs.made_up_runs import ANCHOR, made, progress, samples, write
 
+from yarclang.lasting import known
 from yarclang.report.runs.log import read_run
 from yarclang.report.runs.text import (
     View,
@@ -29,7 +30,7 @@ TWELVE = Progress(T, 12.3, 27.7, "P0010 MOVEL_RPY_LSPB", 3)
 
 
 def test_the_line_that_changes(industrial6):
-    view = View(industrial6, 40.0).behind(Changed(T, State.INIT, "loading"))
+    view = View(industrial6, known(40.0)).behind(Changed(T, State.INIT, "loading"))
     assert view.line == "init"
     view = view.behind(Changed(T, State.MOVE, "")).behind(TWELVE)
     assert view.line == "P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left"
@@ -38,7 +39,7 @@ def test_the_line_that_changes(industrial6):
     assert view.line == f"P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left  {joints}"
     held = view.behind(Changed(T, State.HOLD, "why")).behind(Remark(T, "x"))
     assert held.line == f"hold  {view.line}"
-    assert view.performing(5.0).line == joints
+    assert view.performing(known(5.0)).line == joints
 
 
 def test_joints_that_slide_are_in_mm(industrial6):
@@ -83,7 +84,7 @@ def test_times(seconds, text):
 
 def test_the_time_left_is_that_at_the_override():
     slow = Progress(T, 10.0, 60.0, "P0010 MOVEJ", 1)
-    assert progress_text(slow, 40.0) == "P0010 MOVEJ  10.0 s of 40.0 s, 60.0 s left"
+    assert progress_text(slow, known(40.0)) == "P0010 MOVEJ  10.0 s of 40.0 s, 60.0 s left"
 
 
 @given(st.text(), st.integers(0, 200))
@@ -132,7 +133,7 @@ def test_a_recorded_run_looks_as_the_live_one_did(run):
     """The same notices through the same view."""
     job, plan = made()
     seen = samples(job, plan, begins=4.0)
-    view = View(job.robot, job.duration, State.MOVE)
+    view = View(job.robot, job.lasting, State.MOVE)
     for one, time in zip(seen.notices, seen.times, strict=True):
         view = view.at(one.joints(job.robot)).behind(progress(job, one.time, time))
     assert list(moments_of(run))[-1].view.line == view.line

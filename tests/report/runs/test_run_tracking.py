@@ -40,6 +40,93 @@ def test_the_planned_motion_is_the_plan(tmp_path, text, robot):
     assert (planned.segment_times(times) <= run.robot.controller.largest_segment + 1e-9).all()
 
 
+DWELLS = """\
+P0005 WAIT [1] (s)
+P0010 MOVEJ_LSPB 40 10 20 0 30 0 [3] (deg,s)
+P0020 WAIT [2] (s)
+P0021 WAIT [1] (s)
+P0030 MOVEJ_LSPB 0 0 0 0 0 0 [4] (deg,s)
+P0040 WAIT [1.5] (s)
+"""
+
+WAYS = """\
+INPUT DOOR M11
+P0010 MOVEJ_LSPB 20 0 0 0 0 0 [2] (deg,s)
+WHEN DOOR ON
+  P0020 MOVEJ_LSPB 20 20 0 0 0 0 [2] (deg,s)
+  P0030 WAIT [1] (s)
+  P0040 MOVEJ_LSPB 20 -10 0 0 0 0 [3] (deg,s)
+ELSE
+  P0050 MOVEJ_LSPB 20 0 30 0 0 0 [2] (deg,s)
+  P0060 MOVEJ_LSPB 20 -10 0 0 0 0 [2] (deg,s)
+END
+P0070 WAIT [1] (s)
+P0080 MOVEJ_LSPB 0 0 0 0 0 0 [3] (deg,s)
+"""
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 1000))
+def test_dwells_take_their_time(tmp_path_factory, seed):
+    job, plan = made(DWELLS)
+    assert (job.duration, job.lasting.most) == pytest.approx((12.5, 12.5))
+    run, planned = opened(whole(tmp_path_factory.mktemp("t") / "a.mcap", job, plan, seed=seed)[0])
+    assert planned.lasting == run.lasting == job.lasting
+    assert planned.dwells == pytest.approx(np.array([[0.0, 1.0], [4.0, 6.0], [6.0, 7.0], [11.0, 12.5]]))
+    tracking = tracking_of(run, planned)
+    assert (np.diff(tracking.times) >= 0.0).all()
+    assert (np.abs(tracking.off_path) < 3e-4 * DEG).all()
+    truth = samples(job, plan, seed=seed).times
+    # where it stands, only the lines in the buffer tell
+    assert np.abs(tracking.times - truth).max() < 0.3
+    assert (np.abs(tracking.error) < 0.1 * DEG).all()
+
+
+@settings(max_examples=10)
+@given(st.booleans(), st.integers(0, 1000))
+def test_a_way_that_is_not_taken_is_left_out(tmp_path_factory, first, seed):
+    job, plan = made(WAYS)
+    begins, parts, ends = 2.0, 8.0, 12.0
+    left_out = (begins, parts) if first else (parts, ends)
+    length = plan.duration - (left_out[1] - left_out[0])
+    path, truth = whole(
+        tmp_path_factory.mktemp("t") / "a.mcap", job, plan, seed=seed, left_out=left_out, length=length
+    )
+    run, planned = opened(path)
+    assert planned.ways == pytest.approx(np.array([[begins, parts, ends]]))
+    tracking = tracking_of(run, planned)
+    assert (np.abs(tracking.off_path) < 3e-4 * DEG).all()
+    assert np.abs(tracking.times - truth.times).max() < 0.3
+    inside = (tracking.times > left_out[0] + 0.1) & (tracking.times < left_out[1] - 0.1)
+    assert not inside.any()
+    (broken,) = tracking.breaks.tolist()
+    assert tracking.times[broken - 1] <= left_out[0] + 0.1
+    assert tracking.times[broken] >= left_out[1] - 0.1
+
+
+def test_logs_of_before_have_times_without_dwells(tmp_path, monkeypatch):
+    from yarclang.runtime import log_record
+
+    described = log_record._described
+
+    def before(job):
+        told = described(job)
+        del told["takes"]
+        for one in told["commands"]:
+            del one["clock_s"]
+        return told
+
+    monkeypatch.setattr(log_record, "_described", before)
+    job, _ = made(DWELLS)
+    moves, plan = made("".join(f"{line}\n" for line in DWELLS.splitlines() if "MOVEJ" in line))
+    seen = samples(moves, plan)
+    run, planned = opened(write(tmp_path / "a.mcap", job, [job, *seen.notices]))
+    assert planned.duration == pytest.approx(plan.duration)
+    tracking = tracking_of(run, planned)
+    assert (np.abs(tracking.off_path) < 3e-4 * DEG).all()
+    assert np.abs(tracking.times - seen.times).max() < 0.2
+
+
 @st.composite
 def rates(draw):
     """An override over the clock: ramps between 0 (a hold) and 1."""

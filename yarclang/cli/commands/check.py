@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.garbage import seldom_look_for_garbage
-from yarclang.cli.options import finding_words, planning_options, tm_option
+from yarclang.cli.options import finding_words, jobs_option, planning_options, tm_option
 from yarclang.cli.outputs import STANDARD
+from yarclang.cli.threads import one_for_products
 
 if TYPE_CHECKING:
     from yarclang.cli.checks import Done, Task
@@ -51,6 +52,7 @@ _PAUSE = 0.3
 )
 @planning_options
 @tm_option
+@jobs_option
 def command(
     paths: tuple[str, ...],
     fix: bool,
@@ -62,6 +64,7 @@ def command(
     ignore: frozenset[str] | None,
     max_findings: int | None,
     format_: str,
+    jobs: int | None,
     **planning: Any,
 ) -> None:
     """Check programs: everything that yarcc checks before it writes, and what else is worth saying.
@@ -70,12 +73,14 @@ def command(
     project's, any other a cell's (for --robot, if it is given). `yarc.toml` says for which robot, in which cell, and which findings are told: docs/findings.md.
     """
     _check_usage(paths, fix, diff, watch, format_)
+    one_for_products()
     seldom_look_for_garbage()
     from yarclang.cli.checks import Task
     from yarclang.cli.paths import programs
     from yarclang.cli.work import Progress, options_from
+    from yarclang.parallel import on_cores
 
-    with Progress() as progress:
+    with Progress() as progress, on_cores(jobs):
         task = Task(
             options_from(planning),
             plans,
@@ -132,7 +137,7 @@ def _checked(
     found: list[Diagnostic] = []
     fixes = changed = shown = 0
     if len(files) > 1:
-        progress("checking", 0, len(files))
+        progress.file(0, len(files))
     for number, done in enumerate(check_all(files, task), 1):
         progress.pause()
         said = list(done.found)
@@ -142,9 +147,9 @@ def _checked(
         found += said
         if format_ == "text":
             room = len(said) if most is None else max(0, most - shown)
-            show_findings(said[:room])
+            show_findings(said[:room], whole=most is not None)
             shown += len(said[:room])
-        progress("checking", number, len(files))
+        progress.file(number, len(files))
     progress.pause()
     if format_ != "text":
         from yarclang.cli.formats import document
@@ -160,7 +165,7 @@ def _checked(
             verb = "would be applied" if diff else "applied"
             click.echo(f"{_counted(fixes, 'fix', 'fixes')} {verb} in {_counted(changed, 'file')}", err=True)
         click.echo(
-            f"{_counted(len(files), 'file')} checked: {count_text(found) or 'nothing to complain of'}",
+            f"{_counted(len(files), 'file')} checked: {count_text(found, notes=True) or 'nothing to complain of'}",
             err=True,
         )
     failed = any(one.is_error or (strict and one.severity == "warning") for one in found)

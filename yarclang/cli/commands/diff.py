@@ -151,5 +151,6 @@ def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | No
     if compiled is None:
         # warnings are for who compiles it
         return None, tuple(one for one in checked.diagnostics if one.is_error)
-    made = executed(compiled.text, compiled.plan.robot, file)
+    carried = {one.step: one.carries for one in compiled.certificate.commands}
+    made = executed(compiled.text, compiled.plan.robot, file, carried)
     return made.value, tuple(replace(one, source=None) for one in made.diagnostics)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -44,10 +45,10 @@ def command(robot: str, to: Address | None, format_: str) -> None:
 
     from yarclang.cli.controllers import controller
     from yarclang.cli.show import show_findings
-    from yarclang.robot.description import load_robot
+    from yarclang.pipeline.inputs import named_robot
     from yarclang.runtime.transports.lock import controller_lock
 
-    loaded = load_robot(robot)
+    loaded = named_robot(Path(), robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)

@@ -61,9 +61,19 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
             lines.say(refused)
             raise SystemExit(1)
         from yarclang.cli.attaching import place_of
+        from yarclang.cli.surroundings import surroundings_of
+        from yarclang.simulated_cell.script import known_in
 
         job = loaded.rest
-        with place_of(to, job.robot, job.start, options["rate"], tells=False) as place:
+        known = known_in(loaded.origins().program, loaded.around, job.robot.controller.feedback)
+        around = surroundings_of(options, known, job.robot, loaded.around, waits=True)
+        if around.value is None:
+            lines.say(findings_line(around.diagnostics))
+            lines.say(refused_line("the script of inputs can't be used; nothing moved", "see the findings"))
+            raise SystemExit(1)
+        with place_of(
+            to, job.robot, job.start, options["rate"], tells=False, surroundings=around.value
+        ) as place:
             raise SystemExit(execute(loaded, loaded.name, place, options, lines))
     except Trouble as trouble:
         lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))

@@ -4,16 +4,41 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from yarclang.cli.options import robot_option
 
+if TYPE_CHECKING:
+    from yarclang.robot.model import Robot
+
+
+def _of_template(name: str, robot: Robot) -> str:
+    """Return the text of a template for a robot, proved for it."""
+    import tempfile
+
+    from yarclang.runtime.actions import Trouble
+    from yarclang.teaching.templates import new
+
+    # beside no other file: the project isn't there yet
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            return new(name, robot, {}, Path(folder))
+        except Trouble as trouble:
+            raise click.UsageError(f"{trouble.what}: {trouble.remedy}") from None
+
 
 @click.command("new")
 @click.argument("name")
 @robot_option
-def command(name: str, robot: str | None) -> None:
+@click.option(
+    "--template",
+    "template",
+    metavar="NAME",
+    help="Begin with a program for a task: pick-place, pallet, weld, glue, tend or empty.",
+)
+def command(name: str, robot: str | None, template: str | None) -> None:
     """Make the folder NAME with a program for a robot, its settings, and what editors and CI need."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_all
@@ -34,6 +59,8 @@ def command(name: str, robot: str | None) -> None:
                 own = find_robot(robot)[0] if robot is not None else None
                 entry = os.path.relpath(own or loaded.value.folder, folder)
             files = project_files(name, loaded.value, entry)
+            if template is not None:
+                files[f"{name}.yarc"] = _of_template(template, loaded.value)
             found += write_all([(folder / place, text) for place, text in files.items()])
     show_findings(found)
     if has_errors(found):

@@ -59,7 +59,9 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)
             folder = Path.cwd() if file == STANDARD else Path(file).parent
-            diagnostics = told((*diagnostics, *planned.diagnostics), opened.value.module.source, folder)
+            diagnostics = told(
+                (*diagnostics, *planned.diagnostics), opened.value.module.source, folder, opened.value
+            )
             plan = planned.value
         progress.pause()
         show_findings(in_order(diagnostics))
@@ -68,7 +70,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
             raise SystemExit(1)
         from yarclang.report.pictures.plot import draw
 
-        return draw(plan, format_), f"{name}: {plan.duration:.3f} s"
+        return draw(plan, format_), f"{name}: {plan.lasting.text()}"
 
 
 def _run_picture(file: str, format_: Any) -> tuple[bytes, str]:

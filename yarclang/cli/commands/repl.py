@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.address import Address, trouble_is_said
-from yarclang.cli.controller_options import check_controller_usage, controller_option, motion_options
-from yarclang.cli.options import Numbers, cell_option, robot_option, tm_option
+from yarclang.cli.preparing import machines, prepared, session_options
 
 if TYPE_CHECKING:
     from yarclang.cli.attaching import Place
@@ -22,49 +21,22 @@ if TYPE_CHECKING:
 
 
 @click.command("repl")
-@robot_option
-@cell_option
-@controller_option
-@click.option(
-    "--start",
-    type=Numbers("Q1,Q2,..."),
-    help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
-)
+@session_options
 @click.option("--go", is_flag=True, help="Move without asking, as .go does.")
-@motion_options
-@tm_option
 def command(to: Address | None, **options: Any) -> None:
     """Work with a robot live: each line is planned from where it stands, certified, shown, and carried out.
 
     .help lists what else can be typed; Ctrl-C stops the robot. Standard input that is no terminal is read line by line.
     """
-    from yarclang.cli.show import show_findings
-    from yarclang.diagnostics import has_errors
-    from yarclang.pipeline.cells import session_cell
-    from yarclang.pipeline.inputs import joint_position, robot_for
-
-    check_controller_usage(to, options)
-    if options["start"] and to is not None:
-        raise click.UsageError("--start is for the simulator: a real robot stands where it stands")
-    found = robot_for(Path.cwd(), options["robot"])
-    show_findings(found.diagnostics)
-    if found.value is None:
-        raise SystemExit(1)
-    robot = found.value
-    placed = joint_position(robot, options["start"], "--start")
-    show_findings(placed.diagnostics)
-    if placed.value is None:
-        raise SystemExit(1)
     from yarclang.cli.attaching import place_of, place_served, served_at
 
+    found = prepared(Path(), to, options)
+    robot = found.robot
     with trouble_is_said():
         if (served := served_at(to, lambda: robot)) is not None:
             raise SystemExit(asyncio.run(_session(robot, place_served(served, robot, options), options)))
-        around = session_cell(Path(), robot, options["cell"])
-        show_findings(around.diagnostics)
-        if has_errors(around.diagnostics):
-            raise SystemExit(1)
-        with place_of(to, robot, placed.value, options["rate"]) as place:
+        around = machines(Path(), robot, options)
+        with place_of(to, robot, found.stands, options["rate"], surroundings=around) as place:
             raise SystemExit(asyncio.run(_session(robot, place, options)))
 
 

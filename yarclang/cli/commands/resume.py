@@ -23,6 +23,6 @@ def command(run: str | None) -> None:
         if status is None:
             click.echo(f"{chosen.name}: has ended meanwhile")
         else:
-            click.echo(
-                f"{chosen.name}: {status['state']}, {status['done']:.1f} s done, {status['left']:.1f} s left"
-            )
+            # what comes next may be loaded yet
+            state = "going on" if status["state"] == "init" else status["state"]
+            click.echo(f"{chosen.name}: {state}, {status['done']:.1f} s done, {status['left']:.1f} s left")

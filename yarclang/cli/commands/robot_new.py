@@ -223,6 +223,8 @@ def _undo(folder: Path, written: list[Path]) -> None:
 
 def _notes(made: NewRobot) -> list[str]:
     """What whoever reads the folder wouldn't see."""
+    from yarclang.robot.new.copying import VISUALS
+
     chain, urdf = made.sketch.chain, made.urdf
     notes: list[str] = []
     if chain.other_tips and not made.sketch.tip_said:
@@ -236,12 +238,14 @@ def _notes(made: NewRobot) -> list[str]:
         notes.append(
             f"moving joints off the chain are ignored: {', '.join(others[:6])}{', ...' * (len(others) > 6)}"
         )
-    if urdf.meshes:
-        notes.append(f"{len(urdf.meshes)} collision mesh{'es' * (len(urdf.meshes) != 1)} copied")
-    if urdf.visuals:
-        notes.append(
-            f"{urdf.visuals} visual mesh{'es' * (urdf.visuals != 1)} not copied: nothing here draws them"
-        )
+    drawn = sum(name.startswith(VISUALS) for name, _ in urdf.meshes)
+    for what, count in (("collision", len(urdf.meshes) - drawn), ("visual", drawn)):
+        if count:
+            notes.append(f"{count} {what} mesh{'es' * (count != 1)} copied")
+    for name, why in urdf.unseen[:6]:
+        notes.append(f"the visual mesh {name} {why}: pictures show the collision shapes")
+    if len(urdf.unseen) > 6:
+        notes.append(f"and {len(urdf.unseen) - 6} more visual meshes")
     for link, mesh in urdf.without[:6]:
         notes.append(f"the collision mesh {mesh} of {link} isn't there; the copy goes without")
     if len(urdf.without) > 6:

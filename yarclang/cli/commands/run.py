@@ -31,7 +31,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
     """
     from yarclang.cli.loading import is_compiled, load, source_of
-    from yarclang.cli.show import show_findings
+    from yarclang.cli.show import show_findings, show_without_notes
     from yarclang.report.cell import cell_text
 
     _check_usage(to, options)
@@ -41,7 +41,10 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     if (status := _served(source, to, options)) is not None:
         raise SystemExit(status)
     loaded, diagnostics = load(source)
-    show_findings(diagnostics)
+    if is_compiled(file):
+        show_findings(diagnostics)
+    else:
+        show_without_notes(diagnostics, file)
     if loaded is None:
         raise SystemExit(1)
     if loaded.around is not None:
@@ -49,9 +52,19 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.cli.attaching import place_of
     from yarclang.cli.controllers import robot_argument
     from yarclang.cli.running import Wanted, run_program
+    from yarclang.cli.surroundings import surroundings_of
+    from yarclang.simulated_cell.script import known_in
 
     job = loaded.rest
-    with trouble_is_said(), place_of(to, job.robot, job.start, options["rate"]) as place:
+    known = known_in(loaded.origins().program, loaded.around, job.robot.controller.feedback)
+    around = surroundings_of(options, known, job.robot, loaded.around, waits=True)
+    show_findings(around.diagnostics)
+    if around.value is None:
+        raise SystemExit(1)
+    with (
+        trouble_is_said(),
+        place_of(to, job.robot, job.start, options["rate"], surroundings=around.value) as place,
+    ):
         where = f"--to {place.address} --robot {robot_argument(job.robot, options['robot'])}"
         wanted = Wanted(loaded, None, job.robot, loaded.name, where, _again(file, to, options))
         raise SystemExit(run_program(wanted, place, options))
@@ -93,15 +106,16 @@ def _check_compiled_usage(first: str | None, options: dict[str, Any]) -> None:
         raise click.UsageError(f"{', '.join(names)}: only with the program itself, the .yarc file")
 
 
-def _again(file: str, to: Address | None, options: dict[str, Any]) -> str | None:
-    """The command line without what is for one run only; empty for standard input, None for a simulator of our own."""
-    if to is None:
-        return None
+def _again(file: str, to: Address | None, options: dict[str, Any]) -> str:
+    """The command line without what is for one run only; empty for standard input."""
     if file == "-":
         return ""
-    words = ["yarc", "run", file, "--to", str(to)]
+    words = ["yarc", "run", file, *(["--to", str(to)] if to is not None else [])]
     for name in ("robot", "cell", "start", "tolerance", "tm"):
         if (value := options[name]) is not None:
             numbers = value if isinstance(value, tuple) else (value,)
             words += [f"--{name}", ",".join(f"{one:g}" if isinstance(one, float) else one for one in numbers)]
+    if to is None:  # the next simulator's machines do what this one's have done
+        words += [word for one in options["set"] for word in ("--set", one)]
+        words += ["--inputs", options["inputs"]] if options["inputs"] else []
     return shlex.join(words)

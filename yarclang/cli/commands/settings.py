@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -30,10 +31,10 @@ def command(robot: str, file: str | None) -> None:
     The text is read back and proved before it is printed; exit status 1 says that it isn't proved, and nothing is printed.
     """
     from yarclang.cli.show import show_findings
+    from yarclang.pipeline.inputs import named_robot
     from yarclang.pipeline.settings import settings_of
-    from yarclang.robot.description import load_robot
 
-    loaded = load_robot(robot)
+    loaded = named_robot(Path(), robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)

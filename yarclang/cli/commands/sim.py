@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.controller_options import inputs_option
 from yarclang.cli.options import _robots as complete_robots
+from yarclang.cli.options import cell_option
 from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:
@@ -114,7 +117,7 @@ on and amplifiers stay bad until $$$.
     metavar="real|N|max",
     default="real",
     show_default=True,
-    help="How fast time passes: real time, N times as fast (if the computer can), or as fast as it goes.",
+    help="How fast time passes: real time, N times as fast (if the computer can), or as fast as it goes. `yarc run --to` needs real time.",
 )
 @click.option(
     "--fault",
@@ -123,9 +126,18 @@ on and amplifiers stay bad until $$$.
     multiple=True,
     help="What goes wrong, and when: see below. May be given several times.",
 )
+@cell_option
+@inputs_option
 @click.option("--seed", type=int, default=0, show_default=True, help="Of what faults do by chance.")
 def command(
-    robot: str | None, port: int, host: str, rate: float | None, faults: tuple[Fault, ...], seed: int
+    robot: str | None,
+    port: int,
+    host: str,
+    rate: float | None,
+    faults: tuple[Fault, ...],
+    seed: int,
+    cell: str | None,
+    inputs: str | None,
 ) -> None:
     """Be a Turbo PMAC on a TCP port until Ctrl-C.
 
@@ -135,7 +147,11 @@ def command(
 
     from yarclang.simulator.server import SimulatorServer
 
+    if cell is not None and robot is None:
+        raise click.UsageError("--cell needs --robot: a cell is read for a robot")
     machine, what = _machine(robot)
+    if inputs is not None or cell is not None:
+        _add_inputs(machine, robot, inputs, cell)
 
     def tell(text: str) -> None:
         click.echo(f"{machine.now:.3f} s: {text}", err=True)
@@ -154,11 +170,11 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
     if robot is None:
         return Machine(), "a bare Turbo PMAC"
     from yarclang.cli.show import show_findings
+    from yarclang.pipeline.inputs import named_robot
     from yarclang.pipeline.settings import settings_of
-    from yarclang.robot.description import load_robot
     from yarclang.simulator.commissioning import commissioned
 
-    loaded = load_robot(robot)
+    loaded = named_robot(Path(), robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)
@@ -167,6 +183,36 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
     if settings.value is None:
         raise SystemExit(1)
     return commissioned(loaded.value, settings.value.text), f"{loaded.value.name} at HOME"
+
+
+def _add_inputs(machine: Machine, robot: str | None, inputs: str | None, cell: str | None) -> None:
+    """Add the machines that a script describes, and the sensors of a cell; the script's names are the cell's."""
+    from dataclasses import replace
+
+    from yarclang.cli.show import show_findings
+    from yarclang.cli.surroundings import surroundings_of
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.cells import session_cell
+    from yarclang.pipeline.inputs import named_robot
+    from yarclang.simulated_cell.script import Known, known_in
+
+    known, whose, what = Known({}, {}), None, None
+    if cell is not None:
+        assert robot is not None  # it is asked for with --cell
+        whose = named_robot(Path(), robot).value
+        assert whose is not None  # its settings were loaded
+        around = session_cell(Path(), whose, cell)
+        show_findings(around.diagnostics)
+        if has_errors(around.diagnostics):
+            raise SystemExit(1)
+        what = around.value.loaded.value if around.value is not None else None
+        known = known_in(None, what, whose.controller.feedback)
+    known = replace(known, has_places=False)
+    made = surroundings_of({"set": (), "inputs": inputs}, known, whose, what, waits=False)
+    show_findings(made.diagnostics)
+    if made.value is None:
+        raise SystemExit(1)
+    made.value.attach(machine)
 
 
 async def _serve(server: SimulatorServer, what: str) -> None:

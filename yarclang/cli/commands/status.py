@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -27,6 +28,9 @@ _GUARD = {
     1.0: "armed: it holds when the rotary buffer runs low",
     2.0: "it has held the motion: the rotary buffer had run low",
 }
+
+
+_LEAST_WIDTH = 11
 
 
 @click.command("status")
@@ -58,8 +62,13 @@ def command(run: str | None, to: Address | None, robot: str | None, format_: str
 
         click.echo(json.dumps(content, indent=2, ensure_ascii=False))
     else:
-        for title, text in lines:
-            click.echo(f"{title:<11} {text}")
+        click.echo(_columns(list(lines)))
+
+
+def _columns(lines: list[tuple[str, str]]) -> str:
+    """Titles and texts in two columns, however long the names of joints are."""
+    width = max(_LEAST_WIDTH, *(len(title) for title, _ in lines))
+    return "\n".join(f"{title:<{width}} {text}" for title, text in lines)
 
 
 def _status_lines(status: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -110,11 +119,11 @@ def _ask_controller(to: Address, name: str) -> Picture:
     import asyncio
 
     from yarclang.cli.show import show_findings
-    from yarclang.robot.description import load_robot
+    from yarclang.pipeline.inputs import named_robot
     from yarclang.runtime.transports.lock import holder_of
     from yarclang.runtime.transports.runs import run_on
 
-    loaded = load_robot(name)
+    loaded = named_robot(Path(), name)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
         raise SystemExit(1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -61,10 +62,10 @@ def _stop_controller(to: Address, name: str, what: str) -> None:
     import asyncio
 
     from yarclang.cli.show import show_findings
-    from yarclang.robot.description import load_robot
+    from yarclang.pipeline.inputs import named_robot
     from yarclang.runtime.rest import described
 
-    loaded = load_robot(name)
+    loaded = named_robot(Path(), name)
     show_findings(loaded.diagnostics)
     robot = loaded.value
     if robot is None:

@@ -3,21 +3,36 @@
 from __future__ import annotations
 
 import ipaddress
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.address import Address, AddressType, run_option, trouble_is_said
 from yarclang.cli.options import file_argument, planning_options, tm_option
 
 if TYPE_CHECKING:
-    from yarclang.view.show import Door
+    from yarclang.view.door import Door
     from yarclang.view.stage import Stage
 
 _LIBRARY = "viser"
 
 
 @click.command("view")
-@file_argument("file", metavar="FILE")
+@file_argument("file", metavar="[FILE]", required=False)
+@click.option(
+    "--live",
+    is_flag=True,
+    help="Instead of FILE: show a robot that is running. Its inputs can be set if it is simulated.",
+)
+@partial(run_option, which="With --live: which run")
+@click.option(
+    "--to",
+    type=AddressType(sim=False),
+    metavar="tcp://HOST[:PORT]",
+    help="With --live: the robot at this controller, which a process of this computer drives.",
+)
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
@@ -34,30 +49,69 @@ _LIBRARY = "viser"
 @click.option("--no-browser", is_flag=True, help="Open no browser; the address is printed in any case.")
 @planning_options
 @tm_option
-def command(file: str, port: int, host: str, no_browser: bool, **planning: Any) -> None:
+def command(
+    file: str | None,
+    live: bool,
+    run: str | None,
+    to: Address | None,
+    port: int,
+    host: str,
+    no_browser: bool,
+    **planning: Any,
+) -> None:
     """Show a program, its robot and its cell in three dimensions, in a browser, until Ctrl-C. - reads standard input.
 
     FILE is a program (.yarc), what yarcc made of one (.pmc), or the log of a run (.mcap), which is shown beside its plan.
-    Programs with errors are shown as far as they can be planned; findings stand on the path.
+    Programs with errors are shown as far as they can be planned; findings stand on the path. With --live a robot is shown that `yarc serve`, `run` or
+    `repl` drives now: it is watched, and not moved.
     """
+    _check_usage(file, live, run, to, planning)
     from importlib.util import find_spec
 
     if find_spec(_LIBRARY) is None:
         raise click.ClickException(
-            "yarc view needs viser, which isn't installed: pip install 'yarclang[view]' brings it"
+            "yarc view needs viser, which isn't installed: pip install '.[view]' in yarclang's folder brings it"
         )
     if not host.strip():
         raise click.BadParameter("it is empty; all addresses are 0.0.0.0", param_hint="--host")
-    from yarclang.view.show import Door
+    from yarclang.view.door import Door
 
-    stage = _stage(file, planning)
-    _serve(stage, Door(host.strip(), port), opens=not no_browser)
+    door = Door(host.strip(), port)
+    if file is None:
+        _serve_live(run, to, door, opens=not no_browser)
+        return
+    _serve(_stage(file, planning), door, opens=not no_browser)
+
+
+def _check_usage(
+    file: str | None, live: bool, run: str | None, to: Address | None, planning: dict[str, Any]
+) -> None:
+    """A file and its options, or --live and its own.
+
+    Raises:
+        click.UsageError: it isn't so.
+    """
+    if not live:
+        given = [name for name, value in (("--run", run), ("--to", to)) if value is not None]
+        if given:
+            raise click.UsageError(f"{' and '.join(given)}: only with --live")
+        if file is None:
+            raise click.UsageError("Missing argument 'FILE'; --live shows a robot that is running.")
+        return
+    if file is not None:
+        raise click.UsageError(f"--live shows a robot that is running, and no file: leave {file} out")
+    if run is not None and to is not None:
+        raise click.UsageError("--to and --run exclude each other")
+    if given := [f"--{name}" for name, value in planning.items() if value is not None]:
+        raise click.UsageError(
+            f"{', '.join(given)}: not with --live; the process that drives the robot knows it"
+        )
 
 
 def _stage(file: str, planning: dict[str, Any]) -> Stage:
     """What a file shows; without anything to show the exit status is 1."""
     from yarclang.cli.loading import is_compiled
-    from yarclang.cli.show import show_findings
+    from yarclang.cli.show import show_findings, show_without_notes
     from yarclang.cli.work import Progress, options_from
     from yarclang.pipeline.controller_text import robot_of_text
     from yarclang.report.cell import cell_text
@@ -72,7 +126,10 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
     with Progress() as progress:
         found = opened(file, options_from(planning), robot_of_text)
         progress.pause()
-    show_findings(found.diagnostics)
+    if is_log(file) or is_compiled(file):
+        show_findings(found.diagnostics)
+    else:
+        show_without_notes(found.diagnostics, file)
     if found.value is None:
         click.echo(f"{file}: nothing to show", err=True)
         raise SystemExit(1)
@@ -81,24 +138,59 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
     return found.value
 
 
+def _serve_live(run: str | None, to: Address | None, door: Door, *, opens: bool) -> None:
+    from yarclang.view.live import show_live
+    from yarclang.view.reaching import Whose
+
+    whose = Whose(run) if to is None else Whose(None, to.host, to.port)
+    with trouble_is_said():
+        _until_interrupted(
+            door,
+            lambda: show_live(
+                whose,
+                door,
+                lambda real, name: _ready(
+                    real, name, "the robot, and set its inputs if it is simulated", opens
+                ),
+            ),
+        )
+
+
 def _serve(stage: Stage, door: Door, *, opens: bool) -> None:
-    from yarclang.view.show import PortTakenError, show
+    from yarclang.view.show import show
 
-    def ready(real: Door) -> None:
-        if not _is_loopback(real.host):
-            click.echo(
-                f"warning: {real.host} can be reached over the network, and there is no password: "
-                "anyone there can see the program",
-                err=True,
-            )
-        click.echo(f"{stage.title} is shown at {real.url} (Ctrl-C ends)", err=True)
-        if opens:
-            import webbrowser
+    _until_interrupted(
+        door, lambda: show(stage, door, lambda real: _ready(real, stage.title, "the program", opens))
+    )
 
-            webbrowser.open(real.url)
+
+def _ready(real: Door, title: str, seen: str, opens: bool) -> None:
+    """Say where it is shown.
+
+    Args:
+        real: where it is served.
+        title: what is shown.
+        seen: what others can see, or do, if they reach it.
+        opens: if a browser is opened.
+    """
+    if not _is_loopback(real.host):
+        click.echo(
+            f"warning: {real.host} can be reached over the network, and there is no password: "
+            f"anyone there can see {seen}",
+            err=True,
+        )
+    click.echo(f"{title} is shown at {real.url} (Ctrl-C ends)", err=True)
+    if opens:
+        import webbrowser
+
+        webbrowser.open(real.url)
+
+
+def _until_interrupted(door: Door, serve: Callable[[], None]) -> None:
+    from yarclang.view.door import PortTakenError
 
     try:
-        show(stage, door, ready)
+        serve()
     except PortTakenError as error:
         raise click.ClickException(
             f"can't listen on {door.host} port {door.port}: {error}; --port 0 takes a free port"

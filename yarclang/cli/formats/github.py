@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from yarclang.cli.formats import path_of
 from yarclang.diagnostics import Diagnostic
 from yarclang.lint.registry import everything
+from yarclang.report.finding import told_text
 
 _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
@@ -26,8 +27,7 @@ def _command(one: Diagnostic) -> str:
             properties |= {"col": one.span.column, "endColumn": one.span.end_column}
     properties["title"] = f"{one.code} {everything()[one.code].name}"
     shown = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
-    text = f"{one.message}\n{one.help}" if one.help else one.message
-    return f"::{_COMMANDS[one.severity]} {shown}::{_data(text)}"
+    return f"::{_COMMANDS[one.severity]} {shown}::{_data(told_text(one))}"
 
 
 def _data(text: str) -> str:

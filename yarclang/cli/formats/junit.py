@@ -36,7 +36,9 @@ def _suite(file: str, found: list[Diagnostic], strict: bool) -> str:
 def _case(file: str, one: Diagnostic, strict: bool) -> str:
     place = f"{one.span.line}:{one.span.column} " if one.span else ""
     name = _attribute(f"{place}{one.code}")
-    text = f"{one.severity} {one.code}: {one.message}" + (f"\nhelp: {one.help}" if one.help else "")
+    within = f"\n{one.within.text}" if one.within is not None else ""
+    help_ = f"\nhelp: {one.help}" if one.help else ""
+    text = f"{one.severity} {one.code}: {one.message}{within}{help_}"
     body = f"      <system-out>{_text(text)}</system-out>"
     if _fails(one, strict):
         body = f"      <failure type={_attribute(one.code)} message={_attribute(one.message)}>{_text(text)}</failure>"

@@ -10,9 +10,10 @@ from urllib.parse import quote
 
 from yarclang import __version__
 from yarclang.cli.formats import path_of
-from yarclang.diagnostics import Diagnostic
+from yarclang.diagnostics import Diagnostic, Fix, Within
 from yarclang.findings import Finding
 from yarclang.lint.registry import everything
+from yarclang.report.finding import told_text
 from yarclang.source import Span
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -57,12 +58,11 @@ def _rule(finding: Finding) -> dict[str, Any]:
 
 
 def _result(one: Diagnostic, rule: int) -> dict[str, Any]:
-    text = f"{one.message}\n{one.help}" if one.help else one.message
     result: dict[str, Any] = {
         "ruleId": one.code,
         "ruleIndex": rule,
         "level": one.severity,
-        "message": {"text": text},
+        "message": {"text": told_text(one)},
     }
     if one.source is None:
         return result
@@ -72,13 +72,29 @@ def _result(one: Diagnostic, rule: int) -> dict[str, Any]:
         place["region"] = _region(one.span)
     result["locations"] = [{"physicalLocation": place}]
     if one.fix is not None:
-        replacements = [
-            {"deletedRegion": _region(edit.span), "insertedContent": {"text": edit.text}}
-            for edit in one.fix.edits
-        ]
-        changes = [{"artifactLocation": artifact, "replacements": replacements}]
-        result["fixes"] = [{"description": {"text": one.fix.title}, "artifactChanges": changes}]
+        result["fixes"] = [_fix(one.fix, artifact)]
+    if one.within is not None:
+        result["relatedLocations"] = [_related(one.within)]
+        if one.within.fix is not None:
+            result["fixes"] = [_fix(one.within.fix, {"uri": _uri(one.within.source.name)})]
     return result
+
+
+def _fix(fix: Fix, artifact: dict[str, str]) -> dict[str, Any]:
+    replacements = [
+        {"deletedRegion": _region(edit.span), "insertedContent": {"text": edit.text}} for edit in fix.edits
+    ]
+    changes = [{"artifactLocation": artifact, "replacements": replacements}]
+    return {"description": {"text": fix.title}, "artifactChanges": changes}
+
+
+def _related(within: Within) -> dict[str, Any]:
+    """Return the line of a module: an installed module has a name, and no file of this project."""
+    place: dict[str, Any] = {"id": 1, "message": {"text": within.text}}
+    if within.source.is_installed:
+        return {**place, "logicalLocations": [{"name": within.source.module, "kind": "module"}]}
+    artifact = {"uri": _uri(within.source.name)}
+    return {**place, "physicalLocation": {"artifactLocation": artifact, "region": _region(within.span)}}
 
 
 def _region(span: Span) -> dict[str, int]:

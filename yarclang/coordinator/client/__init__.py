@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from yarclang.coordinator.client.files import Files
 from yarclang.coordinator.client.live import LiveMotion
 from yarclang.coordinator.client.motion import Motion
+from yarclang.coordinator.client.parts import Parts
 from yarclang.coordinator.client.session import Session
 from yarclang.coordinator.client.signals import Signals
 from yarclang.robot.model import Robot
@@ -33,6 +34,7 @@ class Client:
         motion: offers, programs, stops, the pace, where the robot stands.
         live: motions that nobody knows to their end.
         signals: inputs and outputs.
+        parts: where the parts of the cell are.
         files: programs in files.
     """
 
@@ -43,4 +45,5 @@ class Client:
         self.motion = Motion(coordinator, name)
         self.live = LiveMotion(coordinator, name)
         self.signals = Signals(coordinator, name)
+        self.parts = Parts(coordinator, name)
         self.files = Files(coordinator, name)

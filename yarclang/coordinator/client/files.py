@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from yarclang.coordinator.client.part import Part
 from yarclang.coordinator.loading import Source, load
 from yarclang.coordinator.programs import Loaded
 from yarclang.diagnostics import Result
 from yarclang.runtime.actions import Trouble
 
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
 
-
-class Files:
-    """The part of a client that reads and writes programs.
-
-    Args:
-        coordinator: of the robot.
-        name: of the client.
-    """
-
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
-        self._coordinator = coordinator
-        self._name = name
+class Files(Part):
+    """The part of a client that reads and writes programs."""
 
     async def load(self, source: Source, *, here: bool = False) -> Result[Loaded]:
         """Compile and prove a program for this robot, or judge a compiled one.
@@ -41,6 +30,7 @@ class Files:
         """
         coordinator = self._coordinator
         stands = await coordinator.stands() if here else None
+        source = replace(source, present=coordinator.carrying.kept.now)
         made: Result[Loaded] = await coordinator.plan(load, source, coordinator.robot, stands)
         return made
 

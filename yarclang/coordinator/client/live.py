@@ -2,34 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from yarclang.collision.zones.watched import Moving
+from yarclang.coordinator.client.part import Part
 from yarclang.coordinator.live.drive import Drive, check_finite
 from yarclang.coordinator.live.opening import Settings, live_motion
 from yarclang.coordinator.live.steering import Target
 from yarclang.diagnostics import Result
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
+from yarclang.lasting import NO_TIME
 
 LIVE = Settings()
 """How live motions are made, unless somebody says otherwise."""
 
 
-class LiveMotion:
-    """The part of a client that drives the robot as long as it says so.
-
-    Args:
-        coordinator: of the robot.
-        name: of the client.
-    """
-
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
-        self._coordinator = coordinator
-        self._name = name
+class LiveMotion(Part):
+    """The part of a client that drives the robot as long as it says so."""
 
     async def drive(
         self, target: Target, *, moving: str = "{TCP}", settings: Settings = LIVE, name: str = "jog"
@@ -53,22 +41,27 @@ class LiveMotion:
         coordinator.check_owner(self._name, "to move the robot")
         stops = coordinator.stops
         check_finite(target)
+        await coordinator.look_around()
         frame, cell = coordinator.names.moving(moving), coordinator.names.cell()
         found = (*frame.diagnostics, *cell.diagnostics)
         if frame.value is None or cell.value is None:
             return Result(None, found)
         moved = Moving(moving.strip("{} ").upper(), np.asarray(frame.value.transform))
         here = await coordinator.commanded()
-        made = await coordinator.plan(
-            live_motion, coordinator.robot, here, moved, cell.value.cell, settings, name
-        )
+        around = cell.value.cell
+        if around is not None and around.parts:
+            around = coordinator.carrying.kept.now_for_lines(around, here)
+        made = await coordinator.plan(live_motion, coordinator.robot, here, moved, around, settings, name)
         if made.value is None:
             return Result(None, made.diagnostics)
         live, generator = made.value
         engine = coordinator.engine
         generator.want(target, engine.session.now())
         running = await engine.begin(
-            coordinator.carry_out(self._name, name, 0.0, lambda: engine.perform_live(live), stops), name
+            coordinator.carry_out(
+                self._name, name, NO_TIME, lambda: coordinator.carrying.perform_live(live), stops
+            ),
+            name,
         )
         return Result(
             Drive(

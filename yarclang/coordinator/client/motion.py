@@ -3,29 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from yarclang.coordinator.backwards import backwards
+from yarclang.coordinator.client.part import Part
 from yarclang.coordinator.history import stands_there
+from yarclang.coordinator.kept_parts import Performed
 from yarclang.coordinator.messages.events import Found
 from yarclang.coordinator.messages.findings import finding_messages
 from yarclang.coordinator.offers import Offer
-from yarclang.coordinator.programs import Loaded, way_to_start
+from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.signals import output_names
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.handling.parts import first_parts
+from yarclang.pipeline.cells import holds_still
 from yarclang.pipeline.stages import certified, plan_program
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
+from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Hold, Override, Resume
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.rest import off_the_start
 from yarclang.runtime.state import State
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,17 +38,8 @@ class Where:
     base_from_moving: Array
 
 
-class Motion:
-    """The part of a client that moves the robot.
-
-    Args:
-        coordinator: of the robot.
-        name: of the client.
-    """
-
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
-        self._coordinator = coordinator
-        self._name = name
+class Motion(Part):
+    """The part of a client that moves the robot."""
 
     # where it stands
 
@@ -89,6 +82,7 @@ class Motion:
         """
         coordinator = self._coordinator
         start = await coordinator.stands()
+        await coordinator.look_around()
         number = next(coordinator.numbers)
         made: Result[Offer] = await coordinator.plan(
             coordinator.planner.offer, text, coordinator.lines, start, number
@@ -119,7 +113,17 @@ class Motion:
         program = backwards(coordinator.robot, group, before)
         if isinstance(program, Diagnostic):
             return Result(None, (program,))
+        await coordinator.look_around()
+        if program.cell is not None and not await coordinator.plan(holds_still, program.cell):
+            what = "the cell has changed since the last motion"
+            help_ = "move the robot with a new command: it is proved against the cell as it is now"
+            return Result(
+                None, (Diagnostic("Y1614", f"there is no motion to take back: {what}", help=help_),)
+            )
         program = replace(program, start=start)
+        if program.cell is not None:
+            around = replace(program.cell, present=None)
+            program = replace(program, cell=coordinator.carrying.kept.now_for_lines(around, start))
         request = coordinator.planner.request(start)
         number = next(coordinator.numbers)
         text = f"back: {group[-1].step.origin.name}"
@@ -150,8 +154,10 @@ class Motion:
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to move the robot")
         stops = coordinator.stops
+        await coordinator.look_around()
         if offer.revision != coordinator.lines.revision:
-            raise Trouble("a declaration has come since this was offered", "ask for it again", "Y1613")
+            what = "a declaration has come, or the cell has changed, since this was offered"
+            raise Trouble(what, "ask for it again", "Y1613")
         job = offer.job
         if job is None:
             coordinator.lines.declare(offer.parts.declarations)
@@ -160,8 +166,21 @@ class Motion:
         if off_the_start(job, here):
             what = "the robot doesn't stand any more where this was planned from"
             raise Trouble(what, "ask for it again", "Y1613")
+        followed = _performed(offer, job)
+        if followed is not None:
+            coordinator.carrying.kept.check(followed.plan.program.cell, followed.assumed)
+        names = {} if offer.plan is None else output_names(offer.plan.program, offer.plan.program.cell)
+
+        async def work() -> Ended:
+            coordinator.engine.operation.outputs = names
+            return await coordinator.carrying.perform(job, None, followed)
+
         ended = await coordinator.carry_out(
-            self._name, offer.title, job.duration, lambda: coordinator.engine.perform(job), stops
+            self._name,
+            offer.title,
+            job.lasting,
+            work,
+            stops,
         )
         coordinator.history.add(offer, ended)
         coordinator.lines.count += offer.parts.count
@@ -203,7 +222,7 @@ class Motion:
         coordinator.check_owner(self._name, "to move the robot")
         stops = coordinator.stops if stops is None else stops
         here = await coordinator.stands()
-        way = await coordinator.plan(way_to_start, coordinator.robot, loaded, here)
+        way = await coordinator.carrying.way_to_start(loaded, here)
         if way.text and not (approach and way.job is not None):
             remedy = (
                 "approach it first"
@@ -211,10 +230,14 @@ class Motion:
                 else "there is no joint motion to the start: move it there"
             )
             raise Trouble(way.text, remedy, code="Y1601")
-        duration = loaded.rest.duration * (undertaking.times or 1) + (way.job.duration if way.job else 0.0)
+        lasting = loaded.rest.lasting
+        if undertaking.times is not None and undertaking.times > 1:
+            lasting = lasting.then(loaded.program.lasting.times(undertaking.times - 1))
+        if way.job is not None:
+            lasting = way.job.lasting.then(lasting)
         try:
             return await coordinator.carry_out(
-                self._name, loaded.name, duration, lambda: undertaking.carry_out(way.job), stops
+                self._name, loaded.name, lasting, lambda: undertaking.carry_out(way.job), stops
             )
         finally:
             undertaking.remember(coordinator.history)
@@ -274,3 +297,11 @@ class Motion:
         """
         self._coordinator.check_owner(self._name, "to clear a fault")
         await self._coordinator.engine.clear()
+
+
+def _performed(offer: Offer, job: Job) -> Performed | None:
+    """Return what of an offer is followed: nothing if no part is in its cell."""
+    plan = offer.plan
+    if plan is None or plan.program.cell is None or not plan.program.cell.parts:
+        return None
+    return Performed(plan, 0, len(plan.program.steps), job, first_parts(plan.program.cell))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from yarclang.coordinator.client.part import Part
 from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.mailbox import CAPACITY
 from yarclang.coordinator.offers import Offer
@@ -11,21 +10,9 @@ from yarclang.coordinator.subscription import Subscription
 from yarclang.diagnostics import Result
 from yarclang.semantics.scope import Frame
 
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
 
-
-class Session:
-    """The part of a client that belongs to the session as a whole.
-
-    Args:
-        coordinator: of the robot.
-        name: of the client.
-    """
-
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
-        self._coordinator = coordinator
-        self._name = name
+class Session(Part):
+    """The part of a client that belongs to the session as a whole."""
 
     # who owns the robot
 
@@ -91,6 +78,7 @@ class Session:
         coordinator.check_owner(self._name, "to change the session")
         start = await coordinator.stands()
         text = "\n".join(declarations)
+        await coordinator.look_around()
         made: Result[Offer] = await coordinator.plan(
             coordinator.planner.offer, text, Lines(), start, next(coordinator.numbers)
         )

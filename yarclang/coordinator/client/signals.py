@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from functools import partial
 
+from yarclang.coordinator.client.part import Part
 from yarclang.diagnostics import Result
 from yarclang.runtime.actions import Script, Trouble
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
+from yarclang.simulated_cell.script import input_variable
 
 _STATES = {"ON": 1.0, "OFF": 0.0}
 
+_FIXED = "the inputs of a real controller are set by what is connected there (Y1619)"
+_AT_ONCE = 16
+"""Variables of one question: a line has 255 characters at most."""
 
-class Signals:
-    """The part of a client that reads inputs and sets outputs.
 
-    Args:
-        coordinator: of the robot.
-        name: of the client.
-    """
-
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
-        self._coordinator = coordinator
-        self._name = name
+class Signals(Part):
+    """The part of a client that reads inputs and outputs and sets them."""
 
     async def read(self, name: str) -> Result[float]:
         """Return the value of an input or output that the session declares.
@@ -55,8 +51,66 @@ class Signals:
             return Result(None, output.diagnostics)
         variable = output.value.variable
         operation = coordinator.engine.operation
+        made = coordinator.names.cell().value
+        cell = None if made is None else made.cell
+        moves = cell is not None and bool(cell.parts) and variable in (*cell.grips, *cell.removals)
+        here = await coordinator.stands() if moves else None
         await coordinator.engine.ask(lambda: operation.ask(f"{variable}={number:.9g}"))
-        return Result(await self._ask_number(variable))
+        value = await self._ask_number(variable)
+        if here is not None:
+            coordinator.carrying.kept.set(cell, variable, value, here)
+        return Result(value)
+
+    def set_input(self, name: str, value: float | str) -> Result[float]:
+        """Give an input of a simulated robot a value, also while a program runs: an input of the session, of a program that was run, or one such as M11.
+
+        Raises:
+            NotOwner: somebody else owns the robot and doesn't share it.
+            Trouble: the value is none; the robot isn't simulated in this process; nothing is named so.
+        """
+        coordinator = self._coordinator
+        if coordinator.owner:
+            coordinator.check_pace(self._name, "to set an input")
+        number = _number(value)
+        surroundings = coordinator.surroundings
+        if surroundings is None:
+            raise Trouble(
+                f"{name[:40]} is an input of a real controller: what is connected there sets it",
+                "set inputs of a robot that `yarc run`, `serve` or `repl` simulates",
+                "Y1619",
+            )
+        known = surroundings.known
+        if (declared := coordinator.names.input(name).value) is not None:
+            variable: str | tuple[str, str, str] = declared.variable
+        else:
+            variable = input_variable(name, known)
+        if isinstance(variable, tuple):
+            code, message, remedy = variable
+            raise Trouble(message.rstrip("."), remedy, code)
+        surroundings.set(variable, number)
+        return Result(number)
+
+    @property
+    def fixed(self) -> str:
+        """Why inputs can't be set by hand; empty if they can."""
+        return "" if self._coordinator.surroundings is not None else _FIXED
+
+    async def values(self, variables: Iterable[str]) -> dict[str, float | None]:
+        """Return the values of variables of the controller; None for those of a real controller while the robot is under way."""
+        found: dict[str, float | None] = dict.fromkeys(variables)
+        wanted = [one for one in found if one]  # what is declared wrongly has no variable
+        surroundings = self._coordinator.surroundings
+        if surroundings is not None:
+            return found | {one: surroundings.value(one) for one in wanted}
+        operation = self._coordinator.engine.operation
+        for first in range(0, len(wanted), _AT_ONCE):
+            some = wanted[first : first + _AT_ONCE]
+            with contextlib.suppress(Trouble):
+                values = await self._coordinator.engine.ask(
+                    partial(operation.numbers, "".join(some), len(some))
+                )
+                found.update(zip(some, values, strict=True))
+        return found
 
     async def _ask_number(self, variable: str) -> float:
         operation = self._coordinator.engine.operation

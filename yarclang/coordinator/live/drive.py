@@ -24,7 +24,7 @@ class Drive:
         running: the motion.
         now: the session's clock [s].
         stop: ends it by a hold, at once.
-        tell: tells everybody why it doesn't do what is wanted.
+        tell: tells everybody why it doesn't do what is wanted, and which bodies and zones that is about.
         lag: what lies in the controller's buffer [s].
         check: raises if whoever has it doesn't own the robot any more.
 
@@ -39,7 +39,7 @@ class Drive:
         running: Running[Ended],
         now: Callable[[], float],
         stop: Callable[[], None],
-        tell: Callable[[str], None],
+        tell: Callable[[str, tuple[str, ...]], None],
         lag: float,
         check: Callable[[], None],
     ) -> None:
@@ -87,7 +87,7 @@ class Drive:
         if self._generator.why != self._told:
             self._told = self._generator.why
             if self._told:
-                self._tell(self._told)
+                self._tell(self._told, self._generator.stopped_by)
 
     def joint(self, name: str, speed: float) -> None:
         """One joint moves with `speed` [rad/s or m/s], to either side.

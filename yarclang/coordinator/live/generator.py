@@ -58,6 +58,7 @@ class Generator:
     Attributes:
         ended: whether the text ends at rest for good: no more lines come.
         why: why it doesn't do what is wanted; empty: it does.
+        stopped_by: the bodies and zones that `why` is about; empty: it is about none.
     """
 
     def __init__(
@@ -72,6 +73,7 @@ class Generator:
     ) -> None:
         self.ended = False
         self.why = ""
+        self.stopped_by: tuple[str, ...] = ()
         self._robot = robot
         self._decimals = decimals
         self._segment = segment
@@ -142,12 +144,13 @@ class Generator:
         lines = self._printed(states)
         objection = self._judge.objection(lines, self._tail(rest, state))
         if not objection:
-            self.why = steered.held_back
+            self.why, self.stopped_by = steered.held_back, ()
             return self._taken(lines, state, rest)
         if size > STRIDE:
             return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # some of it can be done
         # whoever goes on wanting it would creep up to a border
         self.why, self._refused = objection, steered.velocity
+        self.stopped_by = self._judge.stopped_by
         return self._towards_rest()
 
     def _towards_rest(self) -> tuple[str, ...]:

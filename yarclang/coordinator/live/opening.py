@@ -10,11 +10,13 @@ from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.emit import emit
 from yarclang.backend_pmac.guard import watermarks
 from yarclang.cell.model import Cell
+from yarclang.collision.scene import scene_of
 from yarclang.collision.zones.watched import Moving
 from yarclang.coordinator.live.generator import Generator, rates_of
 from yarclang.coordinator.live.proof import Judge, surroundings_of
 from yarclang.coordinator.live.steering import Steering
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.handling.present import around_start
 from yarclang.pmac.program import Assignment, PmacProgram, SegmentTime
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import to_counts
@@ -48,21 +50,23 @@ def live_motion(
         robot: that moves.
         here: (n,) where it is commanded to stand [rad or m], as the controller tells it.
         moving: the tool.
-        cell: what is around it.
+        cell: what is around it, with its parts where they are.
         settings: how it is made.
         name: what it is called.
 
     Returns:
         A finding instead, where its surroundings can't be read, or don't let it move at all.
     """
-    around = surroundings_of(robot, cell, moving)
+    around = surroundings_of(robot, around_start(cell), moving)
     if around.value is None:
         return Result(None, around.diagnostics)
     speed = robot.jog_speed if settings.speed is None else settings.speed
     segment = max(settings.segment, robot.controller.smallest_segment)
     decimals = decimals_for(robot, segment, robot.tolerance)
     tool = moving.flange_from_moving
-    judge = Judge(robot, here, segment, speed, tool, *around.value)
+    leaves = cell is not None and cell.present is not None and bool(cell.present.leaving)
+    strict = scene_of(robot, around_start(cell, touching=False)).value if leaves else None
+    judge = Judge(robot, here, segment, speed, tool, *around.value, strict=strict)
     start = np.round(here / robot.axis_units, decimals) + 0.0
     stands = "".join(
         f"{axis}{value:.{decimals}f}" for axis, value in zip(robot.controller.axes, start, strict=True)

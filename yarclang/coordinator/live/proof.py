@@ -62,10 +62,12 @@ class Judge:
         tool: (4, 4) flange_from_tool.
         scene: bodies that must stay apart; None where there are none.
         watches: zones.
+        strict: the bodies that must stay apart once the robot has left a part beside which it stands; None: it stands beside none.
 
     Attributes:
         slack: (n,) how far from there each joint may stand when the motion begins [rad or m]: a fraction of a count. No point of the arm is
             farther than half of the collision proof's `SLACK` from where it would be, so that bodies stay apart, and zones are kept to so much.
+        stopped_by: the bodies and zones that the last objection is about; empty: it is about none.
     """
 
     def __init__(
@@ -77,12 +79,15 @@ class Judge:
         tool: Array,
         scene: Scene | None = None,
         watches: tuple[Watch, ...] = (),
+        *,
+        strict: Scene | None = None,
     ) -> None:
         self._robot = robot
         self._segment = segment
         self._speed = speed
         self._tool = tool
         self._scene = scene
+        self._strict = strict
         self._slow = [one for one in watches if one.zone.rule == "slow"]
         self._watches = tuple(one for one in watches if one.zone.rule != "slow")
         self._motors = counts_per_joint(robot)
@@ -99,6 +104,7 @@ class Judge:
         self._starts = 3
         self._room: Room | None = None
         self._crowded = 0
+        self.stopped_by: tuple[str, ...] = ()
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
         """Why lines can't be admitted; empty: they can.
@@ -107,6 +113,7 @@ class Judge:
             lines: that shall be streamed.
             tail: that would bring the robot to rest behind them.
         """
+        self.stopped_by = ()
         points = self._read((*lines, *tail))
         if isinstance(points, str):
             return points
@@ -132,6 +139,12 @@ class Judge:
         points = self._read(lines)
         assert not isinstance(points, str)
         self._behind = np.concatenate([self._behind, points])[-3:]
+        if self._strict is not None and len(points):
+            # the way goes on from these points: once nothing is near them, what was allowed to touch no longer may
+            lower, upper = self._behind.min(axis=0), self._behind.max(axis=0)
+            around = Room((lower + upper) / 2.0, upper - lower + _AROUND)
+            if is_free(self._strict, around):
+                self._scene, self._strict, self._room, self._crowded = self._strict, None, None, 0
         self._starts = max(0, self._starts - len(points))
 
     def _read(self, lines: tuple[str, ...]) -> Array | str:
@@ -220,16 +233,19 @@ class Judge:
         if not apart:
             found = clearances(scene, course, spans)
             if found.meetings:
-                one, other = scene.names(found.meetings[0].pair)
+                one, other = self.stopped_by = scene.names(found.meetings[0].pair)
                 return f"{one} would come too near to {other}"
         if self._watches:
             broken = kept(scene, course, spans, self._watches).breaches
             if broken:
-                return f"the zone {self._watches[broken[0].watch].zone.name} would be broken"
+                zone = self._watches[broken[0].watch].zone.name
+                self.stopped_by = (zone,)
+                return f"the zone {zone} would be broken"
         for watch in self._slow:
             allowed = watch.zone.speed or 0.0
             fastest = float(fastest_inside(scene, course, spans, watch, least=allowed).speed[0])
             if fastest + faster > allowed * (1.0 + KEPT):
+                self.stopped_by = (watch.zone.name,)
                 return f"in the zone {watch.zone.name} it would be faster than {allowed / MM:g} mm/s"
         return ""
 

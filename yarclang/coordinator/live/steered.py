@@ -12,6 +12,7 @@ from yarclang.coordinator.live.drive import Drive
 from yarclang.coordinator.live.opening import Settings
 from yarclang.coordinator.live.steering import JointVelocity, Master, Target, Twist
 from yarclang.coordinator.messages import orders, replies, wants
+from yarclang.diagnostics import Diagnostic
 from yarclang.robot.kinematics.inverse import follow, reached_within
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
@@ -146,7 +147,7 @@ class Steered:
         """Make the motions that come as an order says."""
         name = order.moving.strip("{} ")
         self._moving = f"{{{name}}}"
-        self._settings = Settings(speed=None if order.speed is None else order.speed * MM)
+        self._settings = Settings(speed=None if order.speed is None else order.speed * MM, share=order.share)
         self._title, self._again, self._over = order.title, order.again, False
         self._reader = self._begun_at = None
 
@@ -199,7 +200,7 @@ class Steered:
         live, rests = self._client.live, self._rests()
         made = await live.drive(target, moving=self._moving, settings=self._settings, name=self._title)
         if made.value is None:
-            raise Trouble(made.diagnostics[0].message, made.diagnostics[0].help, made.diagnostics[0].code)
+            raise _refusal(made.diagnostics[0])
         self._drive, self._begun_at = made.value, rests
         self._over = not self._again
         return self._drive
@@ -208,3 +209,11 @@ class Steered:
         """Bring the motion to rest at once: nobody is there any more who wants it."""
         if self._drive is not None:
             self._drive.stop()
+
+
+def _refusal(found: Diagnostic) -> Trouble:
+    """Return a finding as what a client is told, with the place if it is in a file of the cell or the robot."""
+    what = found.message.rstrip(".")
+    if found.source is not None and found.span is not None and found.source.name.endswith(".toml"):
+        what = f"{found.source.name}, line {found.span.line}: {what}"
+    return Trouble(what, found.help, found.code)

@@ -19,11 +19,13 @@ class BaseEvent(Message):
 
 
 class StateChanged(BaseEvent):
-    """The robot's state is another one now, and why."""
+    """The robot's state is another one now, and why; if something went wrong, the code of the finding, and what to do."""
 
     event: Literal["state"] = "state"
     state: State
     why: str
+    code: str | None = None
+    help: str | None = None
 
 
 class Position(BaseEvent):
@@ -35,7 +37,10 @@ class Position(BaseEvent):
 
 
 class ProgressMade(BaseEvent):
-    """How far the program is: done and to go at the present override, the command that is executed and its line."""
+    """How far the program is: known seconds done, those to go at the present override, the command that is executed and its line.
+
+    Motions and dwells count; where ways part, along the longer one.
+    """
 
     event: Literal["progress"] = "progress"
     done_s: float
@@ -58,6 +63,10 @@ class Told(BaseEvent):
     event: Literal["message"] = "message"
     text: str
     warning: bool = False
+    stopped_by: tuple[str, ...] = ()
+    """The bodies and zones that stop a live motion, if the text says why it is stopped."""
+    code: str | None = None
+    """The code of the finding, if it is one."""
 
 
 class OwnerChanged(BaseEvent):
@@ -75,11 +84,15 @@ class OverrideChanged(BaseEvent):
 
 
 class Began(BaseEvent):
-    """A motion was asked for and is under way to the controller: its name, how long it takes, who asked."""
+    """A motion was asked for and is under way to the controller: its name, how long it takes, who asked.
+
+    `duration_s` is the known time along the longest ways, `waits` how often it waits for an input or the operator, at most.
+    """
 
     event: Literal["began"] = "began"
     name: str
     duration_s: float
+    waits: int
     client: str
 
 
@@ -110,7 +123,7 @@ class Paused(BaseEvent):
 
 
 class Finished(BaseEvent):
-    """What began has ended, well or not; `joints` is null where nobody knows."""
+    """What began has ended, well or not; `joints` is null where nobody knows, `line` that of the program that a fault is about."""
 
     event: Literal["finished"] = "finished"
     name: str
@@ -121,6 +134,49 @@ class Finished(BaseEvent):
     command: str | None
     done_s: float
     joints: Joints | None
+    line: int | None = None
+
+
+class OutputSet(BaseEvent):
+    """The program has set an output: its name, the controller's variable, and the value (1 is ON, 0 OFF)."""
+
+    event: Literal["output_set"] = "output_set"
+    name: str
+    variable: str
+    value: float
+
+
+class WaitBegan(BaseEvent):
+    """The robot stands at a WAIT, at `place` in the program: the input is to be `wanted`, and is `value`."""
+
+    event: Literal["wait_began"] = "wait_began"
+    place: str
+    name: str
+    variable: str
+    wanted: float
+    value: float
+
+
+class WaitEnded(BaseEvent):
+    """A WAIT is over after `waited_s`: the input is as it was to be, or (`met` is false) the time of the WAIT is over."""
+
+    event: Literal["wait_ended"] = "wait_ended"
+    place: str
+    name: str
+    variable: str
+    value: float
+    waited_s: float
+    met: bool
+
+
+class InputChanged(BaseEvent):
+    """An input of a simulated robot has changed, by its script, by a sensor of the cell, or by hand."""
+
+    event: Literal["input_changed"] = "input_changed"
+    name: str
+    variable: str
+    value: float
+    cause: Literal["script", "sensor", "hand"]
 
 
 class Missed(BaseEvent):
@@ -142,6 +198,10 @@ Event = Annotated[
     | PartBegan
     | Paused
     | Finished
+    | OutputSet
+    | WaitBegan
+    | WaitEnded
+    | InputChanged
     | Missed,
     Field(discriminator="event"),
 ]

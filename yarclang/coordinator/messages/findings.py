@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from yarclang.coordinator.messages.message import Message
-from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.diagnostics import Diagnostic, Edit, Fix, Within
 from yarclang.findings import Severity
 from yarclang.source import SourceFile, Span
 
@@ -25,6 +27,20 @@ class FindingFix(Message):
     edits: tuple[FindingEdit, ...]
 
 
+class FindingWithin(Message):
+    """The line of a module that a finding is about, which the finding's own line calls; `file` is empty for an installed module."""
+
+    module: str
+    file: str | None
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    text: str
+    through: tuple[str, ...]
+    fix: FindingFix | None
+
+
 class Finding(Message):
     """One finding. Lines and columns count from 1; `end_column` lies behind the last character."""
 
@@ -40,6 +56,8 @@ class Finding(Message):
     fix: FindingFix | None
     text: str | None = None
     """The line that it is about."""
+    within: FindingWithin | None = None
+    """The line of a module that it is about, if the line above calls a module."""
 
 
 def finding_message(one: Diagnostic) -> Finding:
@@ -48,12 +66,19 @@ def finding_message(one: Diagnostic) -> Finding:
 
     text = one.source.line(one.span.line) if one.source is not None and one.span is not None else None
     content = finding_json(one)
-    fix = content.pop("fix")
+    fix, within = content.pop("fix"), content.pop("within", None)
     made = None
-    if fix is not None:
-        edits = tuple(FindingEdit(**edit) for edit in fix["edits"])
-        made = FindingFix(title=fix["title"], edits=edits)
-    return Finding(**content, fix=made, text=text)
+    if within is not None:
+        inner = within.pop("fix")
+        through = tuple(within.pop("through"))
+        made = FindingWithin(**within, through=through, fix=_fix_message(inner))
+    return Finding(**content, fix=_fix_message(fix), text=text, within=made)
+
+
+def _fix_message(fix: dict[str, Any] | None) -> FindingFix | None:
+    if fix is None:
+        return None
+    return FindingFix(title=fix["title"], edits=tuple(FindingEdit(**edit) for edit in fix["edits"]))
 
 
 def finding_messages(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
@@ -73,15 +98,23 @@ def finding_of(message: Finding) -> Diagnostic:
             message.end_line or message.line,
             message.end_column or message.column or 1,
         )
-    fix = None
-    if message.fix is not None:
-        edits = tuple(
-            Edit(Span(one.line, one.column, one.end_line, one.end_column), one.text)
-            for one in message.fix.edits
-        )
-        fix = Fix(message.fix.title, edits)
+    fix, within = _fix_of(message.fix), None
+    if (there := message.within) is not None:
+        lines = "\n" * (there.line - 1) + there.text + "\n"
+        module = SourceFile(there.file or there.module, lines, there.module, there.file is None)
+        place = Span(there.line, there.column, there.end_line, there.end_column)
+        within = Within(module, place, there.through, _fix_of(there.fix))
     level = message.severity
-    return Diagnostic(message.code, message.message, source, span, message.help or "", fix, level=level)
+    return Diagnostic(
+        message.code, message.message, source, span, message.help or "", fix, level=level, within=within
+    )
+
+
+def _fix_of(fix: FindingFix | None) -> Fix | None:
+    if fix is None:
+        return None
+    edits = (Edit(Span(one.line, one.column, one.end_line, one.end_column), one.text) for one in fix.edits)
+    return Fix(fix.title, tuple(edits))
 
 
 def findings_of(messages: tuple[Finding, ...]) -> tuple[Diagnostic, ...]:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+
+from yarclang.coordinator.messages.field_texts import field_texts
+
+if TYPE_CHECKING:
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema
 
 VERSION: Final = 1
 """Of the protocol. It grows when something that was understood before isn't understood any more."""
@@ -22,9 +28,19 @@ Joints = dict[str, float]
 class Message(BaseModel):
     """A value that never changes, whose JSON form has these fields and no others."""
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the schema with the texts below the fields."""
+        made = handler(schema)
+        properties = handler.resolve_ref_schema(made).get("properties", {})
+        for name, text in field_texts(cls).items():
+            if name in properties:
+                properties[name].setdefault("description", text)
+        return made
 
     def to_json(self) -> dict[str, Any]:
         """Return the message as plain data."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, TypeVar, get_args
 
 from pydantic import Field
 
-from yarclang.coordinator.messages import replies
+from yarclang.coordinator.messages import courses, replies
 from yarclang.coordinator.messages.message import VERSION, Message, Number
 from yarclang.coordinator.messages.replies import Reply
 
@@ -18,14 +18,19 @@ class Order(Message, Generic[R]):
 
     answer: ClassVar[type[Reply]] = Reply
 
+    if not TYPE_CHECKING:
+
+        def __class_getitem__(cls, answer: Any) -> Any:
+            """Return a plain alias: pydantic would make a model for each, and search all modules for its source at every start."""
+            return Generic.__class_getitem__.__func__(cls, answer)
+
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         """Remember the kind of the answer."""
-        for one in cls.__mro__:
-            found = one.__dict__.get("__pydantic_generic_metadata__", {}).get("args")
-            if found:
-                cls.answer = found[0]
-                return
+        for base in cls.__dict__.get("__orig_bases__", ()):
+            (found,) = get_args(base)
+            if not isinstance(found, TypeVar):
+                cls.answer = found
 
 
 Percent = Annotated[float, Field(ge=1.0, le=100.0, description="a number from 1 to 100")]
@@ -123,12 +128,77 @@ class Look(Order[replies.Looked]):
     order: Literal["look"] = "look"
 
 
+class Connect(Order[replies.Done]):
+    """Try at once to make a connection to the controller that was lost; it is tried again and again anyway."""
+
+    order: Literal["connect"] = "connect"
+
+
+class Enable(Order[replies.Serviced]):
+    """Close the loops of the motors that are open, at rest, one after the other; a motor must stay where it is. Behind it everything is looked at."""
+
+    order: Literal["enable"] = "enable"
+
+
+class Disable(Order[replies.Serviced]):
+    """Open the loops of all motors, at rest: the machine's brakes hold the robot then, or nothing does."""
+
+    order: Literal["disable"] = "disable"
+
+
+class AskHoming(Order[replies.HomeSearches]):
+    """What would the controller's own home search of each motor do?"""
+
+    order: Literal["homing"] = "homing"
+
+
+class Home(Order[replies.Ended]):
+    """Let the controller search the home of motors, one after the other, as long as `keep` comes every 0.2 s: nothing of it is proved. Answered when it has ended."""
+
+    order: Literal["home"] = "home"
+    motors: Annotated[
+        tuple[Annotated[int, Field(ge=1, le=32)], ...],
+        Field(min_length=1, max_length=32, description="a list of motors' numbers, in their order"),
+    ]
+
+
+class AskSettings(Order[replies.SettingsCompared]):
+    """Look at everything on the controller, and compare it with what the robot needs; nothing moves."""
+
+    order: Literal["settings"] = "settings"
+
+
+class SendSettings(Order[replies.SettingsSent]):
+    """Send the settings that `yarc settings` prints to the controller, at rest with all loops open."""
+
+    order: Literal["send-settings"] = "send-settings"
+    known: Annotated[str, Field(max_length=64, description="the `sha256` of the settings that were shown")]
+
+
+class SaveSettings(Order[replies.Done]):
+    """Let the controller keep its settings beyond power-off (SAVE), at rest."""
+
+    order: Literal["save-settings"] = "save-settings"
+
+
 class AskPlace(Order[replies.Place]):
     """Where is the robot commanded to stand, and where is a frame in another then?"""
 
     order: Literal["where"] = "where"
     base: Name = "{B}"
     moving: Name = "{TCP}"
+
+
+class AskFrames(Order[replies.Frames]):
+    """Which frames have a name in the session, and where are they?"""
+
+    order: Literal["frames"] = "frames"
+
+
+class AskHealth(Order[replies.Health]):
+    """How are the motors, the link and the buffer? What was heard last is answered, also while the robot is under way."""
+
+    order: Literal["health"] = "health"
 
 
 class Read(Order[replies.Value]):
@@ -144,6 +214,47 @@ class SetOutput(Order[replies.Value]):
     order: Literal["set"] = "set"
     name: Name
     value: Annotated[Number | Literal["ON", "OFF"], Field(description='a number, "ON" or "OFF"')]
+
+
+class SetInput(Order[replies.Value]):
+    """Give an input of a robot that the coordinator simulates a value, at once, also while a program runs."""
+
+    order: Literal["input"] = "input"
+    name: Name
+    value: Annotated[Number | Literal["ON", "OFF"], Field(description='a number, "ON" or "OFF"')]
+
+
+class AskSurroundings(Order[replies.Surroundings]):
+    """What is around the robot: where it is described, its cell, and inputs and outputs with their values? Those of a real controller are known only while nothing is under way."""
+
+    order: Literal["surroundings"] = "surroundings"
+
+
+class AskParts(Order[replies.Parts]):
+    """Where are the parts of the session's cell, or of another one? Of one that is named, and whose parts nothing has moved, none are told."""
+
+    order: Literal["parts"] = "parts"
+    cell: Annotated[str | None, Field(description="path of a cell's file, or null for the session's")] = None
+
+
+class PlacePart(Order[replies.Parts]):
+    """Say where a part of the session's cell is: the person at the robot knows it."""
+
+    order: Literal["place-part"] = "place-part"
+    part: Annotated[Name | None, Field(description="a name, or null for all (only with `at` `file`)")] = None
+    at: Annotated[
+        Literal["file", "frame", "gone"],
+        Field(
+            description="`file`: where the cell's file has it; `frame`: at `pose` in `frame`; `gone`: nowhere"
+        ),
+    ]
+    frame: Annotated[Name, Field(description="a frame; that of a gripper: the gripper holds the part")] = (
+        "{B}"
+    )
+    pose: Annotated[
+        tuple[Number, ...],
+        Field(min_length=6, max_length=6, description="six numbers: x y z in mm, roll pitch yaw in deg"),
+    ] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class AskDeclarations(Order[replies.Declarations]):
@@ -177,6 +288,14 @@ class Go(Order[replies.Ended]):
 
     order: Literal["go"] = "go"
     offer: Annotated[int, Field(description="the number of an offer")]
+    held: Annotated[bool, Field(description="true or false")] = False
+    """Whether it moves only as long as `keep` comes every 0.2 s; else it comes to rest on its path, and `resume` goes on."""
+
+
+class Keep(Order[replies.Done]):
+    """Say that what this client holds (`go` with `held`) is still wanted."""
+
+    order: Literal["keep"] = "keep"
 
 
 class Load(Order[replies.Loaded]):
@@ -215,6 +334,15 @@ class AskWay(Order[replies.Way]):
     program: Annotated[int, Field(description="the number of a program")]
 
 
+class AskCourse(Order[courses.ProgramCourse]):
+    """How does the robot move in a program that was loaded, and what was proved of it?"""
+
+    order: Literal["course"] = "course"
+    program: Annotated[int, Field(description="the number of a program")]
+    samples: Annotated[int, Field(ge=2, le=2000, description="a whole number from 2 to 2000")] = 500
+    """How many joint positions are told."""
+
+
 class Run(Order[replies.Ended]):
     """Carry a program out that was loaded; answered when it has ended."""
 
@@ -242,6 +370,8 @@ class Steer(Order[replies.Done]):
     """The frame that twists move, whose poses are meant, and whose speed is limited."""
     speed: Annotated[float | None, Field(gt=0.0, le=1e9, description="a positive number, or null")] = None
     """The largest of that frame [mm/s]; null: the robot's jog speed."""
+    share: Annotated[float, Field(gt=0.0, le=1.0, description="a number above 0, up to 1")] = 1.0
+    """How much of the joints' velocity limits is used at most."""
     again: Annotated[bool, Field(description="true or false")] = True
     """Whether another motion begins where something is wanted behind the end of one; else each is to be announced by this order."""
     title: Name = "master"
@@ -269,16 +399,32 @@ KINDS: tuple[type[Order[Any]], ...] = (
     Release,
     Clear,
     Look,
+    Connect,
+    Enable,
+    Disable,
+    AskHoming,
+    Home,
+    AskSettings,
+    SendSettings,
+    SaveSettings,
     AskPlace,
+    AskFrames,
+    AskHealth,
     Read,
     SetOutput,
+    SetInput,
+    AskSurroundings,
+    AskParts,
+    PlacePart,
     AskDeclarations,
     Adopt,
     Offer,
     OfferBack,
     Go,
+    Keep,
     Load,
     AskWay,
+    AskCourse,
     Run,
     Save,
     Steer,

@@ -112,10 +112,96 @@ class Place(Reply):
     findings: tuple[Finding, ...]
 
 
+class NamedFrame(Message):
+    """A frame, in braces: (4, 4) base_from_frame [m], or, with `on_flange`, flange_from_frame."""
+
+    name: str
+    on_flange: bool
+    pose: tuple[tuple[float, ...], ...]
+
+
+class Frames(Reply):
+    """The frames that have a name in the session."""
+
+    frames: tuple[NamedFrame, ...]
+
+
+class MotorHealth(Message):
+    """A motor as it was heard of last: bits of its status that are set, by their names; what keeps it from moving, empty if nothing does; and its following
+    error [counts], null if it isn't known.
+    """
+
+    number: int
+    closed_loop: bool
+    homed: bool
+    trouble: str
+    flags: tuple[str, ...]
+    following: float | None
+
+
+class Health(Reply):
+    """How motors, link and buffer are, as they were heard of last. `following` is how far each joint is behind its command [deg or mm]; `reply_s` how long the
+    last reply took, `slowest_s` the slowest since the controller was looked at; `ahead` how many lines the controller has in its buffer, null if nothing is streamed;
+    `guard` is true if the guard PLC was tried and found at work.
+    """
+
+    motors: tuple[MotorHealth, ...]
+    following: Joints | None
+    reply_s: float
+    slowest_s: float
+    silence_s: float
+    """For how long the computer may be silent before its controller holds."""
+    ahead: int | None
+    guard: bool
+    link: str = ""
+    """Why there is no connection to the controller; empty: there is one."""
+
+
 class Value(Reply):
     """The value of an input or output; null where the name means none."""
 
     value: float | None
+    findings: tuple[Finding, ...]
+
+
+class NamedSignal(Message):
+    """An input or output: its name, the controller's variable, and its value; null where that isn't known now."""
+
+    name: str
+    variable: str
+    value: float | None
+
+
+class Surroundings(Reply):
+    """What is around the robot. `robot` is the folder of its robot.toml; `cell` is the file of the cell of the program that was run last, else that of the session; `fixed` says why `input` can't set an input, and is empty where it can."""
+
+    robot: str
+    cell: str | None
+    inputs: tuple[NamedSignal, ...]
+    outputs: tuple[NamedSignal, ...]
+    fixed: str
+
+
+class PartPlace(Message):
+    """Where a part of the cell is."""
+
+    name: str
+    held: str | None
+    """The output whose gripper holds it; empty for one that hangs on the flange for good; null: it lies."""
+    sure: bool
+    """false: it may be here, or elsewhere."""
+    pose: tuple[tuple[float, ...], ...]
+    """(4, 4) base_from_part [m]; of a part that is held, flange_from_part."""
+
+
+class Parts(Reply):
+    """Where the parts of the session's cell are."""
+
+    parts: tuple[PartPlace, ...]
+    moved: bool
+    """false: nothing has moved them, and they are where the cell's file has them."""
+    doubt: str | None
+    """Why nobody knows where they are; null: it is known."""
     findings: tuple[Finding, ...]
 
 
@@ -184,6 +270,17 @@ class Course(Message):
     joints: tuple[tuple[float, ...], ...]
 
 
+class Takes(Message):
+    """How long something takes. Motions and dwells take a known time, along the longest and the shortest ways of a WHEN; what waits for an input or the
+    operator is counted, along the ways with the most and the fewest of them.
+    """
+
+    duration_s: float
+    duration_at_least_s: float
+    waits: int
+    waits_at_least: int
+
+
 class OfferDescribed(Message):
     """What would be done, if the owner says `go`."""
 
@@ -191,11 +288,14 @@ class OfferDescribed(Message):
     text: str
     title: str
     duration_s: float
+    takes: Takes
     moves: bool
     """False where there are only declarations, which hold from then on."""
     start: Joints
     end: Joints
     motions: tuple[MotionOffered, ...]
+    parts: tuple[str, ...]
+    """What its SETs do to parts of the cell, in their order: `takes BOX 3`, `puts down BOX 3`, `removes BOX 3`."""
     course: Course
 
 
@@ -207,7 +307,7 @@ class Offered(Reply):
 
 
 class ProgramCommand(Message):
-    """A command of a program, and when it is executed [s]."""
+    """A motion of a program, and when it is executed [s]; where ways part, at the latest."""
 
     title: str
     index: str
@@ -219,15 +319,17 @@ class ProgramCommand(Message):
 class ProgramDescribed(Message):
     """A program that can be run.
 
-    `offset_s` and `rest_s` are where what is run first begins, and how long it takes; `steps` is how many commands are carried out one by one, 0 where they aren't.
+    `duration_s` is the known time along the longest ways. `offset_s` and `rest_s` are where what is run first begins, and how long it takes; `steps` is how many commands are carried out one by one, 0 where they aren't.
     """
 
     number: int
     name: str
     duration_s: float
+    takes: Takes
     commands: tuple[ProgramCommand, ...]
     offset_s: float
     rest_s: float
+    rest_takes: Takes
     steps: int
     begins_within: bool
     guarded: bool
@@ -259,7 +361,7 @@ class Way(Reply):
 
 
 class SourcePlace(Message):
-    """Where a command stands in its source, as far as the source is known; else `note` says why not."""
+    """Where a command stands in its source, as far as the source is known; else `note` says why not. Of a command in a module, the line is the one that calls, and `note` the module's."""
 
     file: str
     line: int
@@ -326,6 +428,60 @@ class Looked(Reply):
     """Everything was looked at on the controller: how many things, and what isn't as it must be."""
 
     checked: int
+    wrong: tuple[str, ...]
+
+
+class Serviced(Reply):
+    """Loops were closed or opened: `what` isn't as it must be, empty if all is well; `wrong` still keeps the robot from moving."""
+
+    what: str
+    wrong: tuple[str, ...]
+
+
+class MotorSearch(Message):
+    """The controller's own home search of a motor: the joint that it moves, how fast (Ixx23, with its sign) [unit/s], and how long it may take [s]; `refused` says why it isn't done here."""
+
+    motor: int
+    joint: str
+    unit: str
+    speed: float
+    longest_s: float
+    refused: str
+    homed: bool
+
+
+class HomeSearches(Reply):
+    """The home searches of all motors. None of them is proved, and no zone or obstacle is watched meanwhile."""
+
+    searches: tuple[MotorSearch, ...]
+
+
+class Comparison(Message):
+    """One thing on the controller: what was found, what is wanted, `ok`, `warning` or `error`, and what to do about it."""
+
+    name: str
+    about: str
+    found: str
+    wanted: str
+    verdict: Literal["ok", "warning", "error"]
+    help: str
+
+
+class SettingsCompared(Reply):
+    """What was found on the controller, and the settings that the robot needs: as many lines, and their SHA-256."""
+
+    things: tuple[Comparison, ...]
+    lines: int
+    sha256: str
+
+
+class SettingsSent(Reply):
+    """How many lines of the settings the controller has taken, of how many; what ended it before, empty if nothing did; and what isn't as it must be now."""
+
+    sent: int
+    of: int
+    what: str
+    help: str
     wrong: tuple[str, ...]
 
 

@@ -37,7 +37,7 @@ def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens
     plan = view.checked.plan if view.checked else None
     lenses = []
     if plan is not None and plan.motions:
-        title = f"plot {len(plan.motions):,} motion{'s' * (len(plan.motions) != 1)}, {plan.duration:.3f} s"
+        title = f"plot {len(plan.motions):,} motion{'s' * (len(plan.motions) != 1)}, {plan.lasting.text()}"
         lenses.append(_lens(server, view, 1, title, PLOT, [uri]))
     for line in _heads(view):
         statement = view.sketch.statement_at(line)

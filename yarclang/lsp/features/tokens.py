@@ -9,7 +9,7 @@ from lsprotocol import types
 from yarclang.assist.tints import tints
 from yarclang.lsp.documents import Document
 from yarclang.lsp.feature import Feature
-from yarclang.lsp.positions import place_of, position_of
+from yarclang.lsp.positions import place_of, units_of
 
 if TYPE_CHECKING:
     from yarclang.lsp.server import Server
@@ -36,6 +36,7 @@ _TYPES = {
 """Our words for the kinds, and those that themes of editors know."""
 
 _NAMES = list(_TYPES.values())
+_NUMBERS = {tint: number for number, tint in enumerate(_TYPES)}
 _DECLARES = 1
 
 
@@ -61,17 +62,20 @@ def _tokens(server: Server, document: Document, first: int, last: int | None) ->
     """Five numbers a word, each place counted from the one before."""
     data: list[int] = []
     line = character = 0
+    text, read = "", 0
     for one in tints(document.sketch, first, last):
-        start = position_of(document.source, one.line, one.start, server.encoding)
-        end = position_of(document.source, one.line, one.end, server.encoding)
-        data += [
-            start.line - line,
-            start.character - (character if start.line == line else 0),
-            end.character - start.character,
-            _NAMES.index(_TYPES[one.tint]),
+        if one.line != read:
+            text, read = document.source.line(one.line), one.line
+        start, end = (units_of(text[: at - 1], server.encoding) for at in (one.start, one.end))
+        same = one.line - 1 == line
+        data += (
+            one.line - 1 - line,
+            start - (character if same else 0),
+            end - start,
+            _NUMBERS[one.tint],
             _DECLARES if one.declares else 0,
-        ]
-        line, character = start.line, start.character
+        )
+        line, character = one.line - 1, start
     return types.SemanticTokens(data)
 
 

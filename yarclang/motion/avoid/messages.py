@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from yarclang.diagnostics import Edit, Fix
-from yarclang.hir import Array, AvoidMove, Motion, Origin
+from yarclang.hir import Array, AvoidMove, Motion, Origin, PoseGoal
+from yarclang.motion.avoid.changes import FARTHEST, Change, change_fix, changes_text
 from yarclang.motion.avoid.room import JOINTS, Obstruction
 from yarclang.motion.avoid.way import SAMPLES, NoWay, Way
 from yarclang.motion.leading.messages import differs, near_fix
@@ -74,7 +75,8 @@ def every_configuration_blocked(
     robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
 ) -> Message:
     """No solution of a pose is free."""
-    reasons = list(dict.fromkeys(inside(one) for _, one in blocked))
+    first = {one.names: one for _, one in reversed(blocked)}
+    reasons = [inside(first[names]) for names in dict.fromkeys(one.names for _, one in blocked)]
     count = len(blocked)
     more = f", and {len(reasons) - _SHOWN} more reasons" if len(reasons) > _SHOWN else ""
     all_ = "the only configuration" if count == 1 else f"each of the {count} configurations"
@@ -83,6 +85,32 @@ def every_configuration_blocked(
     )
     help_ = "move the target away from it, turn the tool, or correct the cell.toml"
     return "Y0925", message, step.origin.span, help_, None
+
+
+_BLOCKED = "Y0925"
+
+
+def with_changes(
+    told: Message, goal: PoseGoal, changes: tuple[Change, ...], origin: Origin, *, is_alone: bool
+) -> Message:
+    """Return what is said of a pose that can't be taken, with the changes of it that would help, the first with its numbers.
+
+    Args:
+        told: what is said of it.
+        goal: the pose.
+        changes: those that help; none where all were tried in vain.
+        origin: its command.
+        is_alone: True if the command has no other way-point: then the first change may be a fix.
+    """
+    code, message, span, help_, _ = told
+    if changes:
+        how = "free" if code == _BLOCKED else "in reach"
+        fix = change_fix(goal, changes[0], origin) if is_alone else None
+        return code, message, span, f"{changes_text(changes, origin, how)}; {help_}", fix
+    if code != _BLOCKED:
+        return told
+    tried = f"neither z reversed, nor a turn about z, nor a move of up to {FARTHEST:g} mm frees it"
+    return code, message, span, f"{tried}: move the target farther away, or correct the cell.toml", None
 
 
 def inside(one: Obstruction) -> str:

@@ -9,34 +9,47 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Part
 from yarclang.motion.chains.links import Link, Piece
-from yarclang.motion.chains.overlaps import SPEED_KEPT, Overlaps, widest
+from yarclang.motion.chains.overlaps import SPEED_KEPT, Inside, Overlaps, widest
 from yarclang.motion.cruise import cruise_law, fewest, fewest_at_speed
-from yarclang.motion.curve import FEWEST_SEGMENTS
+from yarclang.motion.curve import FEWEST_SEGMENTS, knot_values
 from yarclang.motion.framespeed import finer_for_speed
 from yarclang.motion.profile import NoLaw
 from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
+_MORE, _LITTLE = 0.03, 0.002
+"""By what share, and by what of the way, more of it may lie in a ball than is foreseen."""
+
 
 def apart(
-    chain: Chain, links: Sequence[Link], segment: float, middles: Sequence[int | None], share: float
+    chain: Chain,
+    links: Sequence[Link],
+    share: float,
+    inside: Sequence[Inside],
+    at_most: tuple[float, float],
+    segment: float,
+    middles: Sequence[int | None],
 ) -> list[Piece] | float | None:
     """The pieces of a chain whose laws use a share of the limits of acceleration and jerk where they can.
 
     Args:
         chain: the arm.
         links: the motions.
+        share: of the limits of acceleration and jerk.
+        inside: as of `find_inside`, for each corner.
+        at_most: a chain without a stop at a corner, and one with stops, that take longer than this [s] are of no use.
         segment: the segment time [s].
         middles: the segments of each motion whose duration is given, from middle to middle of its overlaps.
-        share: of the limits of acceleration and jerk.
 
     Returns:
-        The pieces; or a shorter segment time to try; or None if a motion has no law for this share.
+        The pieces; or a shorter segment time to try; or None if a motion has no law for this share, or the chain is of no use.
     """
-    return _Maker(links, Overlaps(chain, links, segment), segment, middles, share).made()
+    return _Maker(links, Overlaps(chain, links, segment), segment, middles, share, inside, *at_most).made()
 
 
 @dataclass(slots=True)
@@ -46,6 +59,9 @@ class _Maker:
     segment: float
     middles: Sequence[int | None]
     share: float
+    inside: Sequence[Inside]
+    at_most: float
+    at_most_with_stops: float
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
     """The trials of motions whose time isn't given, by their place and the trials that they are of: they are the same whatever the overlaps."""
 
@@ -63,8 +79,12 @@ class _Maker:
                 trials[place] = whole
                 if self._part(trials, overlaps, place) is None:
                     return self.segment / 2.0
+        least, rooms = self._least(trials, overlaps)
         for place in range(len(overlaps)):
-            overlaps[place] = self._widest(trials, overlaps, place)
+            if least > (self.at_most if all(overlaps[:place]) else self.at_most_with_stops):
+                return None
+            overlaps[place] = self._widest(trials, overlaps, place, rooms[place])
+            least += self._saved(place, rooms[place]) - self._saved(place, overlaps[place])
         parts = [part for place in range(len(self.links)) if (part := self._part(trials, overlaps, place))]
         for own, part in zip(trials, parts, strict=True):
             more = own.segments_for_tolerance(part.trial)
@@ -76,6 +96,32 @@ class _Maker:
                 if finer is not None:
                     return finer
         return self.corners.cut(parts, overlaps)
+
+    def _least(self, trials: list[Trials], overlaps: list[int]) -> tuple[float, list[int]]:
+        """Return the time [s] that the chain takes at least, and the segments that the motions may overlap by at most: then both are in the ball of their corner."""
+        parts = [self._part(trials, overlaps, place) for place in range(len(self.links))]
+        segments = [
+            part.segments if middle is None and part is not None else middle or 0
+            for part, middle in zip(parts, self.middles, strict=True)
+        ]
+        rooms = []
+        for place, shares in enumerate(self.inside):
+            corner, room = self.links[place].corner, sum(segments)
+            for side in (place, place + 1):
+                # of what is given the law depends on the overlap
+                if self.middles[side] is not None:
+                    continue
+                room = min(room, segments[side])
+                if corner is not None and not corner.is_tangent:
+                    within = _segments_within(parts[side], shares[side - place], is_end=side == place)
+                    room = min(room, within)
+            rooms.append(room)
+        saved = sum(self._saved(place, room) for place, room in enumerate(rooms))
+        return sum(segments) * self.segment - saved, rooms
+
+    def _saved(self, place: int, overlap: int) -> float:
+        """Return how much less [s] motions take together that overlap: what is given takes as long as ever."""
+        return overlap * self.segment * sum(self.middles[side] is None for side in (place, place + 1)) / 2.0
 
     def _trials(self, link: Link, share: float) -> Trials | None:
         """The trials of a motion with a share of the limits; None if it has no law for them."""
@@ -115,8 +161,8 @@ class _Maker:
         least = max(FEWEST_SEGMENTS, math.floor(0.98 * link.alone.duration / self.segment))
         return fewest(tried, least, max(2 * least, least + 64))
 
-    def _widest(self, trials: list[Trials], overlaps: list[int], place: int) -> int:
-        """The widest overlap at a corner; 0 if there is none."""
+    def _widest(self, trials: list[Trials], overlaps: list[int], place: int, room: int) -> int:
+        """The widest overlap at a corner, no wider than its room; 0 if there is none."""
         first, second = (self._part(trials, overlaps, number) for number in (place, place + 1))
         assert first is not None
         assert second is not None
@@ -125,6 +171,8 @@ class _Maker:
         half = second.segments if place + 1 == len(overlaps) else second.segments // 2
 
         def serves(overlap: int) -> bool:
+            if overlap > room:
+                return False
             trying = list(overlaps)
             trying[place] = overlap
             one, other = (self._part(trials, trying, number) for number in (place, place + 1))
@@ -136,3 +184,15 @@ class _Maker:
             )
 
         return widest(serves, min(first.segments - before, half))
+
+
+def _segments_within(part: Part | None, share: float, *, is_end: bool) -> int:
+    """Return the number of segments, at least as large as it is, in which a motion goes the last share of its way, or the first one."""
+    assert part is not None
+    if share >= 0.5:
+        return part.segments
+    gone = knot_values(part.trial.control)
+    room = (1.0 + _MORE) * share + _LITTLE
+    if is_end:
+        return part.segments - int(np.searchsorted(gone, 1.0 - room)) + 1
+    return int(np.searchsorted(gone, room)) + 1

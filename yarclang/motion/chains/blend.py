@@ -118,6 +118,26 @@ def shares(first: Part, second: Part, overlap: int) -> tuple[Array, Array]:
     return done[len(done) - overlap : -1], begun[1:overlap]
 
 
+def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> bool:
+    """Return True if two paths lead one moving frame, which is the given one (4, 4)."""
+    return (
+        flange_from_moving is not None
+        and isinstance(first, CartesianPath)
+        and np.array_equal(first.flange_from_moving, flange_from_moving)
+        and _share_a_frame(first, second)
+    )
+
+
+def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
+    """Return where the one frame is that two paths lead, seen from their corner (N, 3) [m]: `done` (N,) of the first, `begun` (N,) of the second."""
+    assert isinstance(first, CartesianPath)
+    assert isinstance(second, CartesianPath)
+    middle = second.frame.poses(np.zeros(1))[0, :3, 3]
+    one, other = first.frame.poses(done), second.frame.poses(begun)
+    places: Array = one[:, :3, 3] + other[:, :3, 3] - 2.0 * middle
+    return places
+
+
 def _share_a_frame(first: Path, second: Path) -> bool:
     """Whether both lead one moving frame along paths of its own."""
     return (

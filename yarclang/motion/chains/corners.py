@@ -84,6 +84,25 @@ def chained(
             numbers, chain = [], []
 
 
+MANY = 40
+"""In a chain of more motions none is looked at by itself, if it can be done as one path."""
+
+
+def long_chains(steps: Sequence[Step]) -> frozenset[int]:
+    """Return the numbers of the motions in chains of more than `MANY`, as far as their blends say so."""
+    found: list[int] = []
+    chain: list[int] = []
+    for number, step in enumerate(steps):
+        if isinstance(step, SetOutput):
+            continue
+        if isinstance(step, Motion):
+            chain.append(number)
+        if not isinstance(step, Motion) or step.blend is None:
+            found += chain if len(chain) > MANY else ()
+            chain = []
+    return frozenset(found)
+
+
 class _Room(NamedTuple):
     """How far a corner may be left: as of `Corner`."""
 
@@ -118,7 +137,8 @@ def _corner(
             findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None
     if not isinstance(step, _IN_JOINTS) or not isinstance(following, (*_IN_JOINTS, Gap)):
-        room = _of_frame(robot, step, following, (first, second), step.blend, findings)
+        is_long = number in links and links[number].by_itself is None
+        room = _of_frame(robot, step, following, (first, second), step.blend, findings, is_long=is_long)
     elif isinstance(following, Gap):  # whether it is a motion of joints isn't known
         return None
     else:
@@ -165,9 +185,16 @@ def _between_joints(
 
 
 def _of_frame(
-    robot: Robot, step: Motion, following: Motion | Gap, ways: _Ways, blend: Reading, findings: Collector
+    robot: Robot,
+    step: Motion,
+    following: Motion | Gap,
+    ways: _Ways,
+    blend: Reading,
+    findings: Collector,
+    *,
+    is_long: bool,
 ) -> _Room | None:
-    """The moving frame stays within a distance of the corner."""
+    """The moving frame stays within a distance of the corner; in a long chain, of no more than the half of a short piece."""
     if blend.length is None:
         findings.add(*messages.blend_without_unit("a length", "of a moving frame", step.origin))
         return None
@@ -178,6 +205,8 @@ def _of_frame(
         return _tangent(step, ways, frame, findings)
     halves = [math.inf if way is None else _frame_way(robot, way, frame) / 2.0 for way in ways]
     far = [half for half in halves if half > _NO_WAY]
+    if far and is_long:
+        return _Room(min(blend.length, *far), frame)
     if far and min(far) < blend.length * (1.0 - _ROUNDING):
         findings.add(*messages.blend_too_large(min(far), "length", halves[0] > halves[1], step))
         return None
@@ -193,7 +222,7 @@ def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
 
 
 def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector) -> _Room | None:
-    """A corner that isn't one: both paths go on in one direction."""
+    """A corner that isn't one: both paths go on in one direction, or a path of a frame may be left by a tolerance of its own."""
     first, second = ways
     if first is None or second is None:
         return None
@@ -203,7 +232,8 @@ def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector
     ahead, behind = _direction(first, 1.0), _direction(second, 0.0)
     bend = float(np.arccos(np.clip(ahead[0] @ behind[0], -1.0, 1.0)))
     twist = float(np.linalg.norm(ahead[1] - behind[1]))
-    if bend > _TANGENT or twist > _TANGENT:
+    is_within = frame is not None and step.tolerance is not None
+    if (bend > _TANGENT or twist > _TANGENT) and not is_within:
         findings.add(*messages.not_tangent((bend, twist), step.origin))
         return None
     return _Room(0.0, frame)

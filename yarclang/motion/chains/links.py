@@ -9,6 +9,7 @@ from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Corner
 from yarclang.motion.curve import Curve
+from yarclang.motion.framespeed import top_speeds
 from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
 from yarclang.motion.profile import Profile
@@ -20,7 +21,7 @@ class Link:
     """One motion of a chain.
 
     `duration` [s] is None where the limits or a speed decide; `full` [s] is how long the way takes at a speed that is asked
-    for. `corner` is where the next motion begins, None behind the last. `alone` is how the motion would go by itself.
+    for. `corner` is where the next motion begins, None behind the last. `by_itself` is how the motion would go by itself, None as long as nobody asks.
     """
 
     path: Path
@@ -30,15 +31,25 @@ class Link:
     bounds: Bounds
     tolerance: Tolerance
     corner: Corner | None
-    alone: Curve
+    by_itself: Curve | None
+
+    @property
+    def alone(self) -> Curve:
+        """How the motion would go by itself, which has to be known."""
+        assert self.by_itself is not None
+        return self.by_itself
 
     @property
     def as_alone(self) -> Piece:
         """The motion by itself."""
-        kept = 1.0
+        kept = least = 1.0
         if self.full is not None:
-            kept = min(1.0, self.full * float(np.diff(self.alone.law).max()) / self.alone.segment)
-        return Piece(self.alone, 0, self.alone.law, kept)
+            kept = self.full * float(np.diff(self.alone.law).max()) / self.alone.segment
+            if kept < 1.0 and isinstance(self.path, CartesianPath):
+                # at a sharp place of its path the frame goes a little faster or slower than the law says
+                shares = np.array(top_speeds(self.path, self.alone)) * self.full / self.path.extent[0]
+                kept, least = max(kept, float(shares[0])), min(1.0, float(shares[1]))
+        return Piece(self.alone, None, self.alone.law, min(1.0, kept), least)
 
     @property
     def speed(self) -> float | None:
@@ -56,10 +67,12 @@ class Link:
 @frozen(eq=False)
 class Piece:
     """What a chain makes of one motion: its curve from the middle of one overlap to that of the next, the segments of the
-    overlap at its end (0: a stop), and the control values of its own law, from its rest to its rest. `kept` is the share of a speed asked for that is reached.
+    overlap at its end (0: both paths are kept to; None: a stop), and the control values of its own law, from its rest to its rest. `kept` is the share of a speed asked for that is reached, and
+    kept; `least`, where the speed changes on the way, that below which it doesn't fall once it is reached.
     """
 
     curve: Curve
-    overlap: int
+    overlap: int | None
     law: Array
     kept: float = 1.0
+    least: float = 1.0

@@ -46,7 +46,13 @@ def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
     else:
         why = f"the frame turns differently before and behind, by {off[1] / DEG * MM:.3g} deg/mm"
     message = f"BLEND 0 needs two paths that are tangent: {why}"
-    return "Y0607", message, origin.span, "give the distance by which the corner may be cut, as BLEND 5", None
+    return (
+        "Y0607",
+        message,
+        origin.span,
+        "give the distance by which the corner may be cut, as BLEND 5, or by which the path may be left, as TOL 0.05",
+        None,
+    )
 
 
 def stops_at_corner(origin: Origin) -> Message:

@@ -3,22 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
+from itertools import pairwise
 
 import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
-from yarclang.motion.chains.blend import Corner, Part, begins, both, shares, superpose, way_length
+from yarclang.motion.chains.blend import (
+    Corner,
+    Part,
+    begins,
+    both,
+    leads_frame,
+    places_of_both,
+    shares,
+    superpose,
+    way_length,
+)
 from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.curve import Curve, knot_values, middle_values
 from yarclang.motion.framespeed import frame_speeds
 from yarclang.motion.limits import Bounds
+from yarclang.motion.trials import Trial
 from yarclang.robot.model import Chain, Tolerance
 
 _WITHIN = 0.98
 """The share of a ball that is used: between the places that are looked at the curve may go a little farther."""
+
+_ROUNDING = 1e-6
+"""By what share of a ball the joint positions may say otherwise than the poses that they are solved for."""
 
 SPEED_KEPT = 2e-4
 """A speed that is exceeded by less than this share is kept."""
@@ -29,29 +44,76 @@ _WIDTHS = 14
 _SHARE_OF_TOLERANCE = 0.7
 
 
-@frozen
+_INSIDE = 0.97
+"""The share of a ball that the ways in it may have."""
+
+Inside = tuple[float, float]
+"""The shares of the ways before and behind a corner that lie in its ball; a half at most."""
+
+
+def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
+    """Return what of the ways of a chain lies in the balls of its corners."""
+    found: list[Inside] = []
+    back = np.linspace(0.0, 0.5, 65)
+    for one, other in pairwise(links):
+        assert one.corner is not None
+        if one.corner.is_tangent:
+            found.append((0.5, 0.5))
+            continue
+        before = one.corner.farthest(chain, one.path.joints(1.0 - back[::-1]))[::-1]
+        behind = one.corner.farthest(chain, other.path.joints(back))
+        found.append((_first_out(back, before), _first_out(back, behind)))
+    return found
+
+
+def _first_out(back: Array, far: Array) -> float:
+    """Return the share of a way up to which it is in the ball, of places `back` (N,) that are `far` (N,) from the corner."""
+    out = np.flatnonzero(far > _INSIDE)
+    if not len(out):
+        return 0.5
+    k = int(out[0])
+    share = (_INSIDE - far[k - 1]) / (far[k] - far[k - 1])
+    return float(back[k - 1] + (back[k] - back[k - 1]) * share)
+
+
+def changes_speed(one: Link, other: Link) -> bool:
+    """Return True if the speed asked for changes at a corner that may not be left: two laws that overlap there go too fast on one side of it, or too slowly."""
+    if one.corner is None or not one.corner.is_tangent or one.speed is None or other.speed is None:
+        return False
+    return abs(one.speed - other.speed) > SPEED_KEPT * min(one.speed, other.speed)
+
+
+@frozen(eq=False)
 class Overlaps:
     """The corners of a chain with segments of `segment` [s]."""
 
     chain: Chain
     links: Sequence[Link]
     segment: float
+    _last: dict[tuple[Trial, Trial, int], Array] = field(default_factory=dict)
+    """What was superposed last: most is looked at twice."""
 
     def serves(self, first: Part, second: Part, place: int, overlap: int) -> bool:
         """Whether motion number `place` and the next may overlap by so many segments: in the ball, within limits, on the paths."""
         corner = self.links[place].corner
         if corner is None or overlap > min(first.segments, second.segments):
             return False
-        if not corner.is_tangent and not self._in_ball(first, second, corner, overlap):
+        if changes_speed(self.links[place], self.links[place + 1]):
             return False
-        points = superpose(self.chain, (first, second), (corner,), (overlap,))
+        # of a frame's own paths, where it is follows from the poses: joint positions are looked at last
+        is_framed = corner.radius > 0.0 and leads_frame(first.path, second.path, corner.flange_from_moving)
+        if is_framed and not self._is_near(first, second, corner, overlap):
+            return False
+        if not (corner.is_tangent or is_framed) and not self._in_ball(first, second, corner, overlap):
+            return False
+        points = self._superposed(first, second, corner, overlap)
         begin = first.segments - overlap
         around = points[max(begin - 2, 0) : begin + overlap + 5]
         if not self._loosest(place).are_kept(around, self.segment):
             return False
-        return not corner.is_tangent or self._on_both(
-            first, second, points, overlap, self.links[place].tolerance
-        )
+        if corner.is_tangent:
+            return self._on_both(first, second, points, overlap, self.links[place].tolerance)
+        return not is_framed or self._in_ball(first, second, corner, overlap)
 
     def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
         """How many times as fast as was asked for the moving frame goes in an overlap, at the knots and between; 0 where no speed
@@ -62,7 +124,7 @@ class Overlaps:
         corner = self.links[place].corner
         if not asked or corner is None:
             return 0.0
-        points = superpose(self.chain, (first, second), (corner,), (overlap,))
+        points = self._superposed(first, second, corner, overlap)
         begin = max(first.segments - overlap - 1, 0)
         curve = Curve(points[begin : begin + overlap + 5], self.segment, np.empty(0))
         q, rate, _ = curve.sample(np.arange(2 * curve.segments + 1, dtype=float) * (self.segment / 2.0))
@@ -72,6 +134,21 @@ class Overlaps:
                 continue
             most = max(most, float(frame_speeds(link.path, q, rate).max()))
         return most / max(asked)
+
+    def _superposed(self, first: Part, second: Part, corner: Corner, overlap: int) -> Array:
+        """Return the control points of two motions that overlap."""
+        key = first.trial, second.trial, overlap
+        if key not in self._last:
+            self._last.clear()
+            self._last[key] = superpose(self.chain, (first, second), (corner,), (overlap,))
+        return self._last[key]
+
+    def _is_near(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
+        """Return False if the frame leaves the ball round its corner in an overlap, as far as its poses tell."""
+        done = knot_values(first.trial.control)[-1 - overlap :]
+        begun = knot_values(second.trial.control)[: overlap + 1]
+        places = places_of_both(first.path, second.path, done, begun)
+        return bool(np.linalg.norm(places, axis=1).max() <= (_WITHIN + _ROUNDING) * corner.radius)
 
     def _in_ball(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
         """Whether an overlap stays in the ball round its corner."""
@@ -131,7 +208,9 @@ class Overlaps:
             first, last = begin + before, begin + part.segments - behind
             law = part.trial.control[before : part.segments - behind + 3]
             curve = Curve(points[first : last + 3], self.segment, law)
-            pieces.append(Piece(curve, 2 * behind, part.trial.control, 1.0 if kept is None else kept[place]))
+            pieces.append(
+                Piece(curve, 2 * behind or None, part.trial.control, 1.0 if kept is None else kept[place])
+            )
         return pieces
 
 

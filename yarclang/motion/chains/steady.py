@@ -7,15 +7,17 @@ the change of one velocity to another over the whole of the overlap. Only laws w
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
+from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.between import STEEPNESS, Between, Turn, law_of
 from yarclang.motion.chains.blend import Part
 from yarclang.motion.chains.links import Link, Piece
-from yarclang.motion.chains.overlaps import SPEED_KEPT, Overlaps
+from yarclang.motion.chains.overlaps import SPEED_KEPT, Inside, Overlaps, changes_speed
 from yarclang.motion.framespeed import finer_for_speed
 from yarclang.motion.path import Path
 from yarclang.motion.trapezoid import FEWEST_IN_BLEND
@@ -37,51 +39,82 @@ _OUTER = (1 / 3, 0.45, 0.6)
 _BESIDE_ZONES = 1.005
 """How much slower than a slow zone allows a cruise is at first: ramps and corners are rounded otherwise than its way."""
 
-_WITHIN = 0.97
-"""The share of a ball that the ways in it may have."""
+_ROUNDING = 1e-9
+"""A speed that is less than asked for by no more than this share is as asked."""
+
+
+@frozen
+class Beaten:
+    """A chain that takes at least `least` [s], longer than is of use."""
+
+    least: float
 
 
 def steady(
-    chain: Chain, links: Sequence[Link], segment: float, middles: Sequence[int | None]
-) -> list[Piece] | float | None:
+    chain: Chain,
+    links: Sequence[Link],
+    inside: Sequence[Inside],
+    at_most: float,
+    segment: float,
+    middles: Sequence[int | None],
+) -> list[Piece] | float | Beaten | None:
     """The pieces of a chain that keeps its speed through its corners.
 
     Args:
         chain: the arm.
         links: the motions, with laws that have a cruise.
+        inside: as of `find_inside`, for each corner.
+        at_most: a chain that isn't as asked, and takes longer than this [s], is of no use.
         segment: the segment time [s].
         middles: the segments of each motion whose duration is given, from middle to middle of its overlaps.
 
     Returns:
-        The pieces; or a shorter segment time to try; or None where the limits don't allow it.
+        The pieces; or a shorter segment time to try; or how long it takes at least, if it is of no use; or None where the limits don't allow it.
     """
     if not all(link.profile.has_cruise for link in links):
         return None
-    maker = _Maker(links, Overlaps(chain, links, segment), segment, middles)
+    if any(changes_speed(one, other) for one, other in pairwise(links)):
+        return None
+    maker = _Maker(links, Overlaps(chain, links, segment), segment, middles, inside, at_most)
     # only given times know a share of theirs
     given = any(link.full is None and middle is not None for link, middle in zip(links, middles, strict=True))
     shares = _OUTER if given else _OUTER[:1]
-    return next((made for outer in shares if (made := maker.made(outer)) is not None), None)
+    beaten_ones = list[Beaten]()
+    for outer in shares:
+        made = maker.made(outer)
+        if isinstance(made, Beaten):
+            beaten_ones.append(made)
+        elif made is not None:
+            return made
+    return min(beaten_ones, key=lambda one: one.least, default=None)
 
 
 class _Maker:
     """The making of one chain."""
 
     def __init__(
-        self, links: Sequence[Link], corners: Overlaps, segment: float, middles: Sequence[int | None]
+        self,
+        links: Sequence[Link],
+        corners: Overlaps,
+        segment: float,
+        middles: Sequence[int | None],
+        inside: Sequence[Inside],
+        at_most: float,
     ) -> None:
         self.links, self.corners, self.segment, self.middles = links, corners, segment, middles
+        self.inside, self.at_most = inside, at_most
         self.on_knots = all(middle is not None for middle in middles)
-        self.inside = [self._inside(place) for place in range(len(links) - 1)]
         self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
 
-    def made(self, outer: float) -> list[Piece] | float | None:
+    def made(self, outer: float) -> list[Piece] | float | Beaten | None:
         """The pieces, where given times begin and end with ramps of the share `outer`."""
         count = len(self.links)
         cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
         for _ in range(_MOST_ROUNDS):
             if any(self._is_too_slow(place, cruise) for place, cruise in enumerate(cruises)):
                 return None
+            if (least := self._least(cruises)) is not None and least > self.at_most:
+                return Beaten(least)
             turns = [self._turn(place, cruises) for place in range(count - 1)]
             slow = {
                 place + side: _SLOWER for place, turn in enumerate(turns) if turn is None for side in (0, 1)
@@ -169,6 +202,17 @@ class _Maker:
         """Whether a motion would go so slowly that a stop at both its ends takes less time."""
         return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
 
+    def _least(self, cruises: list[float]) -> float | None:
+        """Return the time [s] that the chain takes at least: from middle to middle of its corners a motion goes its way at its cruise; None as long as it is as asked."""
+        taken, is_as_asked = 0.0, True
+        for link, middle, cruise in zip(self.links, self.middles, cruises, strict=True):
+            if middle is not None:
+                taken += middle * self.segment
+                continue
+            taken += cruise * self.segment
+            is_as_asked &= link.full is not None and cruise * self.segment <= link.full * (1.0 + _ROUNDING)
+        return None if is_as_asked else taken
+
     def _is_free(self, place: int) -> bool:
         return self.middles[place] is None
 
@@ -191,27 +235,6 @@ class _Maker:
         limits = float(max((slope / bounds.velocity).max(), motors.max()))
         zones = bounds.zones.shortest(link.path.joints) if bounds.zones else 0.0
         return max(limits, _BESIDE_ZONES * zones) / self.segment
-
-    def _inside(self, place: int) -> tuple[float, float]:
-        """The shares of the ways before and behind a corner that lie in its ball; a half at most."""
-        corner = self.links[place].corner
-        assert corner is not None
-        if corner.is_tangent:
-            return 0.5, 0.5
-        back = np.linspace(0.0, 0.5, 65)
-        found = []
-        for path, s in ((self.links[place].path, 1.0 - back), (self.links[place + 1].path, back)):
-            order = np.argsort(s)
-            far = np.empty(len(s))
-            far[order] = corner.farthest(self.corners.chain, path.joints(s[order]))
-            out = np.flatnonzero(far > _WITHIN)
-            if not len(out):
-                found.append(0.5)
-                continue
-            k = int(out[0])
-            share = (_WITHIN - far[k - 1]) / (far[k] - far[k - 1])
-            found.append(float(back[k - 1] + (back[k] - back[k - 1]) * share))
-        return found[0], found[1]
 
     def _turn(self, place: int, cruises: list[float]) -> Turn | None:
         """The widest overlap that has room at these speeds, with the ramps that suit the limits best."""

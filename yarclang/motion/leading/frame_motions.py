@@ -31,9 +31,10 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
     frame = _frame_path(step, start, goal, findings)
     if frame is None:
         return NOWHERE
-    if max(frame.length, frame.angle) < REACHED:
+    if frame.length < REACHED and frame.angle < REACHED:
         return Led(JointPath(stands, stands), stands, stands[None])
-    path = along(robot.chain, robot.limits, tool, frame, stands, reason="any")
+    legs = frame.legs if isinstance(frame, PoseSpline | AtConstantSpeed) else 1
+    path = along(robot.chain, robot.limits, tool, frame, stands, legs=legs, reason="any")
     if isinstance(path, CartesianPath):
         return Led(path, path.end, path.end[None])
     end = solver.nearest(goal, stands, step, findings)
@@ -41,7 +42,7 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
         return NOWHERE
     if not path.is_measured:
         reason: Reason = "measured" if solver.measures else "kind"
-        path = along(robot.chain, robot.limits, tool, frame, stands, reason=reason)
+        path = along(robot.chain, robot.limits, tool, frame, stands, legs=legs, reason=reason)
         assert not isinstance(path, CartesianPath)
     findings.add(*messages.broken_path(robot, path, frame, step))
     return Led(None, end, None, path.kind != "reach")

@@ -13,7 +13,11 @@ from yarclang.motion.leading.led import NOWHERE, Led
 from yarclang.motion.leading.solving import Solver, is_free
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.paths.spline import SplinePath, distinct, through
+from yarclang.progress import go_on
 from yarclang.robot.model import Robot
+
+_FEWEST_TOGETHER, _MOST_TOGETHER = 32, 1_024
+"""So many poses of a spline are solved together, at least and at most."""
 
 _CONFIGURATIONS = 3
 """So many solutions of a pose are tried for one to which there is a way."""
@@ -79,8 +83,18 @@ def spline_motion(
 ) -> Led:
     """Where a spline leads; `choice` (n,) is the solution to take for its last pose."""
     waypoints: list[Array] = []
-    near = stands
-    for place, goal in enumerate(step.waypoints, 1):
+    near, together = stands, _FEWEST_TOGETHER
+    while (place := len(waypoints) + 1) <= len(step.waypoints):
+        goal = step.waypoints[place - 1]
+        alike = _alike(step, len(waypoints), together)
+        if len(alike) >= _FEWEST_TOGETHER:
+            go_on()
+            found = solver.chosen_in_turn(alike, near, step)
+            together = min(2 * together, _MOST_TOGETHER) if len(found) == len(alike) else _FEWEST_TOGETHER
+            if len(found):
+                waypoints += list(found)
+                near = found[-1]
+                continue
         if place == len(step.waypoints) and choice is not None:
             q: Array | None = choice
         elif isinstance(goal, JointGoal):
@@ -99,6 +113,18 @@ def spline_motion(
     if not _swings_within_limits(solver.robot, spline, step, findings):
         return Led(None, spline.end, chosen)
     return Led(spline, spline.end, chosen)
+
+
+def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
+    """Return the way-points from number `begin` (from 0) on that are poses of one frame to solve, `most` of them; never the last way-point."""
+    alike: list[PoseGoal] = []
+    for goal in step.waypoints[begin : min(begin + most, len(step.waypoints) - 1)]:
+        if not isinstance(goal, PoseGoal) or goal.near is not None:
+            break
+        if alike and not np.array_equal(goal.flange_from_moving, alike[0].flange_from_moving):
+            break
+        alike.append(goal)
+    return alike
 
 
 def _swings_within_limits(robot: Robot, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:

@@ -147,6 +147,18 @@ def ways_part(robot: Robot, one: Array, other: Array, origin: Origin) -> Message
     )
 
 
+def grips_on_the_way(origin: Origin, closes: bool) -> Message:
+    """A gripper that would close or open while the robot moves."""
+    does = "closes" if closes else "opens"
+    return (
+        "Y0944",
+        f"the gripper {does} while the robot flows from one motion into the next",
+        origin.span,
+        "remove BLEND from the motion before it: parts are taken and put down at rest",
+        None,
+    )
+
+
 def another_configuration(
     robot: Robot,
     step: Motion,

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector
 from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion, PoseGoal
-from yarclang.motion.avoid.messages import configuration_blocked, every_configuration_blocked
+from yarclang.motion.avoid.changes import helpful_changes
+from yarclang.motion.avoid.messages import configuration_blocked, every_configuration_blocked, with_changes
 from yarclang.motion.avoid.room import Obstruction, Room, room_of
 from yarclang.motion.leading import messages
+from yarclang.motion.wording import Message
 from yarclang.motion.zones import moving_of
+from yarclang.robot.kinematics.in_turn import nearest_in_turn
 from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
 from yarclang.robot.model import Robot
 
@@ -20,7 +25,7 @@ from yarclang.robot.model import Robot
 class Solver:
     """Solves poses for a robot in its cell.
 
-    `measures` is True to search for how far poses are out of reach; `is_again` if a search for this command has found nothing before, in an earlier round
+    `measures` is True to search for how far poses are out of reach, and for poses beside those that can't be taken; `is_again` if a search for this command has found nothing before, in an earlier round
     of a loop: then the next one is short.
     """
 
@@ -41,7 +46,8 @@ class Solver:
         chain, limits = self.robot.chain, self.robot.limits
         solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=self.measures)
         if isinstance(solved, Unreachable):
-            findings.add(*messages.unreachable(self.robot, solved, step.origin, which))
+            told = messages.unreachable(self.robot, solved, step.origin, which)
+            findings.add(*self._with_changes(told, goal, near, step, which))
             return None
         return np.array(solved.q[0])
 
@@ -61,8 +67,30 @@ class Solver:
                 findings.add(*configuration_blocked(self.robot, step, other, blocked[0], which))
                 return other
             blocked.append((other, inside))
-        findings.add(*every_configuration_blocked(self.robot, step, blocked, which))
+        told = every_configuration_blocked(self.robot, step, blocked, which)
+        findings.add(*self._with_changes(told, goal, near, step, which))
         return q
+
+    def chosen_in_turn(self, goals: Sequence[PoseGoal], near: Array, step: Motion) -> Array:
+        """Return the joint positions (k, n) that `chosen` gives for the first k of some goals of one moving frame, each near the one before: as far as there is
+        nothing to decide, and nothing to report.
+        """
+        chain, limits = self.robot.chain, self.robot.limits
+        moving = np.array([goal.base_from_moving for goal in goals])
+        flanges = moving @ np.linalg.inv(goals[0].flange_from_moving)
+        q = nearest_in_turn(chain, limits, flanges, near)
+        room = self.room(step)
+        if room is None:
+            return q
+        blocked = (place for place, one in enumerate(q) if not room.is_free(one))
+        return q[: next(blocked, len(q))]
+
+    def _with_changes(self, told: Message, goal: PoseGoal, near: Array, step: Motion, which: str) -> Message:
+        """Return what is said of a pose that can't be taken, with the changes that would help; they are looked for only if `measures`."""
+        if not self.measures:
+            return told
+        changes = helpful_changes(self.robot, self.room(step), goal, near, step.origin)
+        return with_changes(told, goal, changes, step.origin, is_alone=not which)
 
     def solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
         """All solutions within limits with all their full turns, the nearest to `near` first."""

@@ -19,10 +19,12 @@ class Arc:
     """Poses of the moving frame over s: by the angle `sweep` [rad] about `normal` (3,) through `centre` (3,) [m], in {B},
     and turning by `angle` [rad] about `axis` (3,).
 
-    `base_from_start` (4, 4) is where it begins.
+    `base_from_start` (4, 4) is where it begins. It ends at `base_from_end` (4, 4) to the last bit: what comes behind doesn't depend on the digits of where it
+    began.
     """
 
     base_from_start: Array
+    base_from_end: Array
     centre: Array
     normal: Array
     sweep: float
@@ -45,6 +47,7 @@ class Arc:
         poses[:, :3, :3] = turned(self.base_from_start[:3, :3], self.axis, s * self.angle)
         poses[:, :3, 3] = self.centre + self._spokes(s)
         poses[:, 3, 3] = 1.0
+        poses[s == 1.0] = self.base_from_end
         return poses
 
     def tangents(self, s: Array) -> Array:
@@ -94,4 +97,4 @@ def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc
     spoke = -middle
     to_end = b - middle
     sweep = float(np.arctan2(normal @ np.cross(spoke, to_end), spoke @ to_end)) % (2.0 * np.pi)
-    return Arc(base_from_start, start + middle, normal, sweep, *turn)
+    return Arc(base_from_start, base_from_end, start + middle, normal, sweep, *turn)

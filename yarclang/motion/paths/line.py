@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
-from yarclang.motion.rotation import NO_TURN, turn_between, turned
+from yarclang.motion.rotation import NO_TURN, turn_between, turned, turns_between
 
 
 @frozen(eq=False)
@@ -14,19 +16,20 @@ class Line:
     """Poses of the moving frame over s: from `base_from_start` (4, 4) by `shift` (3,) [m], and by
     `angle` [rad] about the unit vector `axis` (3,), both in the axes of {B}, to `base_from_end` (4, 4).
 
-    It ends there to the last bit: what comes behind doesn't depend on the digits of where it began.
+    It ends there to the last bit: what comes behind doesn't depend on the digits of where it began. `length` is that of `shift` [m].
     """
 
     base_from_start: Array
     base_from_end: Array
-    shift: Array
     axis: Array
     angle: float
+    length: float
 
     @property
-    def length(self) -> float:
-        """The length of the line [m]."""
-        return float(np.linalg.norm(self.shift))
+    def shift(self) -> Array:
+        """By how much the frame moves (3,) [m]."""
+        shift: Array = self.base_from_end[:3, 3] - self.base_from_start[:3, 3]
+        return shift
 
     @property
     def is_point(self) -> bool:
@@ -35,11 +38,7 @@ class Line:
 
     def poses(self, s: Array) -> Array:
         """base_from_moving (N, 4, 4) at `s` (N,)."""
-        poses = np.zeros((len(s), 4, 4))
-        poses[:, :3, :3] = turned(self.base_from_start[:3, :3], self.axis, s * self.angle)
-        poses[:, :3, 3] = self.base_from_start[:3, 3] + s[:, None] * self.shift
-        poses[:, 3, 3] = 1.0
-        poses[s == 1.0] = self.base_from_end
+        poses: Array = poses_along([self], s)[0]
         return poses
 
     def tangents(self, s: Array) -> Array:
@@ -53,4 +52,30 @@ def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
     if turn is None:
         return None
     shift: Array = base_from_end[:3, 3] - base_from_start[:3, 3]
-    return Line(base_from_start, base_from_end, shift, *turn)
+    return Line(base_from_start, base_from_end, *turn, float(np.linalg.norm(shift)))
+
+
+def lines_between(base_from_start: Array, goals: Sequence[Array]) -> list[Line | None]:
+    """Return the lines from poses (M, 4, 4) to as many goals (4, 4), each as of `line_between` to the last bit."""
+    ends = np.array(goals)
+    axes, angles = turns_between(base_from_start[:, :3, :3], ends[:, :3, :3])
+    shifts = ends[:, :3, 3] - base_from_start[:, :3, 3]
+    lengths = np.sqrt((shifts[:, None] @ shifts[:, :, None]).ravel()).tolist()
+    parts = zip(base_from_start, goals, axes, angles.tolist(), lengths, strict=True)
+    # an angle that isn't one is NaN
+    return [Line(*part) if part[3] == part[3] else None for part in parts]
+
+
+def poses_along(lines: Sequence[Line], s: Array) -> Array:
+    """Return base_from_moving (M, N, 4, 4) of each line at `s` (N,)."""
+    starts = np.array([line.base_from_start for line in lines])
+    axes = np.array([line.axis for line in lines])
+    angles = s * np.array([line.angle for line in lines])[:, None]
+    poses = np.zeros((len(lines), len(s), 4, 4))
+    poses[..., :3, :3] = turned(starts[:, None, :3, :3], axes[:, None], angles)
+    poses[..., :3, 3] = (
+        starts[:, None, :3, 3] + s[:, None] * np.array([line.shift for line in lines])[:, None]
+    )
+    poses[..., 3, 3] = 1.0
+    poses[:, s == 1.0] = np.array([line.base_from_end for line in lines])[:, None]
+    return poses

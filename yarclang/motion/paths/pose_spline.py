@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.hir import TURN_CHORD, Array
@@ -14,13 +15,19 @@ from yarclang.motion.natural import NaturalSpline
 from yarclang.motion.rotation import HALF_TURN
 from yarclang.progress import go_on
 
-SAME_PLACE = 1e-12
-"""Poses nearer to each other [m and rad together] count once."""
+SAME_PLACE = 1e-6
+"""Poses whose chord [m] isn't longer count once: a robot that was led to the first way-point stands there but for rounding."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _GAUSS_NODES, _GAUSS_WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
-_PIECES = 1024
-"""Into how many pieces each leg is cut where lengths are measured."""
+_FEWEST, _PIECES = 8, 1024
+"""Into how many pieces each leg is cut where lengths are measured, at least and at most."""
+
+_EACH_BEND = 64.0
+"""So many pieces for a leg on which the velocity changes by as much as its least value: s over the length is exact there to 1e-8 of the leg."""
+
+_IN_ALL, _MOST_IN_ALL = 16_384, 4_194_304
+"""Pieces of a whole curve: at least so many as long as legs have fewer than the most; at most about so many, whatever the bends."""
 
 _AT_ONCE = 16_384
 """Places at which speeds are computed between two looks at whether to go on: some 5 ms, and they stay in the processor's cache."""
@@ -44,8 +51,16 @@ class PoseSpline:
     def angle(self) -> float:
         """The angle that the frame turns by on the way [rad]."""
         u = self._fine
-        rates = _in_parts(lambda s: np.linalg.norm(self.tangents(s)[:, 3:], axis=1), (u[1:] + u[:-1]) / 2.0)
+        middles = (u[1:] + u[:-1]) / 2.0
+        rates = np.empty(len(middles))
+        for part in _parts(len(middles), _AT_ONCE):
+            rates[part] = np.linalg.norm(self.tangents(middles[part])[:, 3:], axis=1)
         return float(rates @ np.diff(u))
+
+    @property
+    def legs(self) -> int:
+        """The number of legs between way-points."""
+        return len(self.positions.knots) - 1
 
     def poses(self, s: Array) -> Array:
         """base_from_moving (N, 4, 4) at `s` (N,)."""
@@ -73,11 +88,11 @@ class PoseSpline:
         width = lengths[piece + 1] - lengths[piece]
         r = (wanted - lengths[piece]) / width
         # s over the length, with its slopes at both ends of a piece: the pieces are short, and the cubics as good as exact
-        slopes = self._slopes
+        first, last = 1.0 / self._edge_speeds[piece], 1.0 / self._edge_speeds[piece + 1]
         s = (
             u[piece] * (1.0 + 2.0 * r) * (1.0 - r) ** 2
             + u[piece + 1] * r**2 * (3.0 - 2.0 * r)
-            + width * r * (1.0 - r) * (slopes[piece] * (1.0 - r) - slopes[piece + 1] * r)
+            + width * r * (1.0 - r) * (first * (1.0 - r) - last * r)
         )
         places: Array = np.clip(s, 0.0, 1.0)
         return places
@@ -85,46 +100,70 @@ class PoseSpline:
     @cached_property
     def slowest(self) -> float:
         """The least speed of the frame's origin over s [m], at the places where lengths are measured."""
-        return float(self._speeds(self._fine[:, None]).min())
+        return float(self._edge_speeds.min())
+
+    @cached_property
+    def _pieces(self) -> NDArray[np.int64]:
+        """Into how many pieces each leg is cut (w - 1,), a power of two: the more, the more the velocity changes on it."""
+        spline = self.positions
+        width, ends = np.diff(spline.knots), np.linalg.norm(spline.bends, axis=1)
+        least = np.full(len(width), np.inf)
+        for share in np.linspace(0.0, 1.0, 9):
+            s = spline.knots[:-1] + width * share
+            least = np.minimum(
+                least, np.linalg.norm(spline.slope_on(np.arange(len(s)), s[:, None])[:, 0], axis=1)
+            )
+        change = width * np.maximum(ends[1:], ends[:-1])
+        need = np.divide(_EACH_BEND * change, least, out=np.full(len(width), np.inf), where=least > 0.0)
+        need = np.clip(need, max(_FEWEST, _IN_ALL // len(width)), max(_FEWEST, _MOST_IN_ALL // len(width)))
+        pieces: NDArray[np.int64] = 2 ** np.ceil(np.log2(np.minimum(need, _PIECES))).astype(np.int64)
+        return pieces
+
+    @cached_property
+    def _legs(self) -> NDArray[np.intp]:
+        """The leg on which each piece lies (P,)."""
+        return np.repeat(np.arange(self.legs), self._pieces)
 
     @cached_property
     def _fine(self) -> Array:
-        knots = self.positions.knots
-        shares = np.arange(_PIECES) / _PIECES
-        inner = knots[:-1, None] + np.diff(knots)[:, None] * shares
-        return np.append(inner.ravel(), 1.0)
+        """The places (P + 1,) between which pieces lie."""
+        knots, pieces, leg = self.positions.knots, self._pieces, self._legs
+        number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        return np.append(knots[:-1][leg] + np.diff(knots)[leg] * (number / pieces[leg]), 1.0)
 
     @cached_property
-    def _slopes(self) -> Array:
-        """How fast s grows over the length, at the places where lengths are measured [1/m]."""
-        slopes: Array = 1.0 / self._speeds(self._fine[:, None])[:, 0]
-        return slopes
+    def _edge_speeds(self) -> Array:
+        """The speed of the frame's origin over s at `_fine` (P + 1,) [m]."""
+        leg = np.append(self._legs, self.legs - 1)
+        speeds = np.empty(len(leg))
+        for part in _parts(len(leg), _AT_ONCE):
+            speeds[part] = self._speeds(leg[part], self._fine[part, None])[:, 0]
+        return speeds
 
     @cached_property
     def _lengths(self) -> Array:
-        u = self._fine
-        width = np.diff(u)
-        speeds = np.empty((len(width), len(_GAUSS_NODES)))
-        for begin in range(0, len(width), _AT_ONCE):
-            part = slice(begin, begin + _AT_ONCE)
-            speeds[part] = self._speeds(u[:-1][part, None] + width[part, None] * _GAUSS_NODES)
-        go_on()
-        pieces = width * (speeds @ _GAUSS_WEIGHTS)
+        """The way of the frame's origin up to `_fine` (P + 1,) [m]."""
+        u, leg = self._fine, self._legs
+        pieces = np.empty(len(leg))
+        for part in _parts(len(leg), _AT_ONCE // len(_GAUSS_NODES)):
+            begin = u[:-1][part]
+            width = u[1:][part] - begin
+            pieces[part] = width * (
+                self._speeds(leg[part], begin[:, None] + width[:, None] * _GAUSS_NODES) @ _GAUSS_WEIGHTS
+            )
         return np.concatenate(([0.0], np.cumsum(pieces)))
 
-    def _speeds(self, s: Array) -> Array:
-        """The speed of the frame's origin over s, at `s` (N, k) [m]."""
-        speeds = _in_parts(lambda part: np.linalg.norm(self.positions.slope_at(part), axis=1), s.ravel())
-        return speeds.reshape(s.shape)
+    def _speeds(self, leg: NDArray[np.intp], s: Array) -> Array:
+        """The speed of the frame's origin over s, at `s` (N, k) on legs `leg` (N,) [m]."""
+        speeds: Array = np.linalg.norm(self.positions.slope_on(leg, s), axis=2)
+        return speeds
 
 
-def _in_parts(rates: Callable[[Array], Array], s: Array) -> Array:
-    """Return `rates` (N,) at `s` (N,), computed for _AT_ONCE places at a time."""
-    found = np.empty(len(s))
-    for begin in range(0, len(s), _AT_ONCE):
+def _parts(count: int, size: int) -> Iterator[slice]:
+    """Yield slices that cover `count` rows, `size` at a time."""
+    for begin in range(0, count, size):
         go_on()
-        found[begin : begin + _AT_ONCE] = rates(s[begin : begin + _AT_ONCE])
-    return found
+        yield slice(begin, begin + size)
 
 
 @frozen(eq=False)
@@ -142,6 +181,11 @@ class AtConstantSpeed:
     def angle(self) -> float:
         """How far the frame turns [rad]."""
         return self.spline.angle
+
+    @property
+    def legs(self) -> int:
+        """The number of legs between way-points."""
+        return self.spline.legs
 
     def poses(self, s: Array) -> Array:
         """base_from_moving (N, 4, 4) at the shares `s` (N,) of the way."""
@@ -161,24 +205,16 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
     number of the later one is returned.
     """
     quaternions = unit_quaternions(poses[:, :3, :3])
-    keep = [0]
-    chords: list[float] = []
-    for number in range(1, len(poses)):
-        before = keep[-1]
-        cosine = float(quaternions[before] @ quaternions[number])
-        if cosine < 0.0:
-            quaternions[number] *= -1.0
-        apart = float(np.linalg.norm(quaternions[number] - quaternions[before]))
-        angle = 4.0 * float(np.arcsin(min(apart / 2.0, 1.0)))
-        if angle > HALF_TURN:
-            return number
-        chord = float(
-            np.hypot(np.linalg.norm(poses[number, :3, 3] - poses[before, :3, 3]), TURN_CHORD * angle)
-        )
-        if chord > SAME_PLACE:
-            keep.append(number)
-            chords.append(chord)
-    if not chords:
+    signs = np.where(np.einsum("ni,ni->n", quaternions[1:], quaternions[:-1]) < 0.0, -1.0, 1.0)
+    quaternions[1:] *= np.cumprod(signs)[:, None]
+    keep = np.arange(len(poses))
+    angles, chords = _chords(poses[:, :3, 3], quaternions)
+    while (chords <= SAME_PLACE).any():
+        keep = keep[np.append(True, chords > SAME_PLACE)]
+        angles, chords = _chords(poses[keep, :3, 3], quaternions[keep])
+    if (angles > HALF_TURN).any():
+        return int(keep[np.argmax(angles > HALF_TURN) + 1])
+    if len(keep) == 1:
         return None
     knots = np.concatenate(([0.0], np.cumsum(chords)))
     knots /= knots[-1]
@@ -186,6 +222,14 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
     return PoseSpline(
         NaturalSpline.through(knots, poses[keep, :3, 3]), NaturalSpline.through(knots, quaternions[keep])
     )
+
+
+def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
+    """Return the turns [rad] between neighbouring poses (N, 3) and (N, 4), and their chords [m], (N - 1,) each."""
+    apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
+    angles: Array = 4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))
+    chords: Array = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), TURN_CHORD * angles)
+    return angles, chords
 
 
 def unit_quaternions(rotations: Array) -> Array:

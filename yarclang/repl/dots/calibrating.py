@@ -7,18 +7,23 @@ from collections.abc import Callable
 
 import numpy as np
 
+from yarclang.calibration.touching import FrameTouching, HomeTouching, TipTouching, Touching
 from yarclang.calibration.writing import frame_line, with_offsets, with_tip
 from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
 from yarclang.repl.texts import read_exactly, write_exactly
-from yarclang.repl.touching import FrameTouching, HomeTouching, TipTouching, Touching
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile
 
 _NAME = re.compile(r"\{?([A-Za-z_]\w*)\}?")
 _KINDS = ("tcp", "frame", "home")
+_THEN: dict[type[Touching], str] = {
+    TipTouching: ".done writes it; .touch adds another one",
+    FrameTouching: ".done writes it; .touch adds another point of the plane",
+    HomeTouching: ".done writes it; .touch again, approached anew, shows how well the mark repeats",
+}
 
 
 def _calibrate(interpreter: Interpreter, rest: str) -> None:
@@ -39,23 +44,23 @@ def _calibrate(interpreter: Interpreter, rest: str) -> None:
         case _:
             raise Misused(f"what is calibrated is {', '.join(_KINDS)}")
     interpreter.touching = touching
-    interpreter.say(touching.told())
+    interpreter.say(_told(touching))
 
 
 async def _touch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
     touching = _going_on(interpreter)
-    told = touching.touch(await interpreter.stands())
+    touching.touch(await interpreter.stands())
     interpreter.show(touching.findings)
-    interpreter.say(told)
+    interpreter.say(_told(touching))
 
 
 def _untouch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
     touching = _going_on(interpreter)
     if not touching.joints:
         raise Misused("nothing was touched yet")
-    told = touching.untouch()
+    touching.untouch()
     interpreter.show(touching.findings)
-    interpreter.say(told)
+    interpreter.say(_told(touching))
 
 
 def _cancel(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
@@ -75,7 +80,7 @@ async def _done(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
         case HomeTouching(value=found) if found is not None:
             written = await _write_robot(interpreter, lambda file: with_offsets(file, found.offsets))
         case _:
-            interpreter.refuse(f"there is no result yet\n  {touching.told()}")
+            interpreter.refuse(f"there is no result yet\n  {_told(touching)}")
             return
     if written:
         interpreter.touching = None
@@ -120,6 +125,18 @@ async def _write_robot(interpreter: Interpreter, change: Callable[[SourceFile], 
         f"{path} is written. This session goes on with the robot as it was: end it, load `yarc settings` into the controller again, and begin anew"
     )
     return True
+
+
+def _told(touching: Touching) -> str:
+    """Return what is known, and what to type next."""
+    if touching.missing:
+        return f"{len(touching.joints)} of {touching.fewest}: {touching.next_step()}, then .touch"
+    text = touching.result_text()
+    return (
+        f"{text}\n  {_THEN[type(touching)]}"
+        if text
+        else "not yet: see above; touch again, or .untouch the last one"
+    )
 
 
 def _going_on(interpreter: Interpreter) -> Touching:

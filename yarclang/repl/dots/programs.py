@@ -7,9 +7,11 @@ from pathlib import Path
 
 from yarclang.coordinator.attached import Here
 from yarclang.coordinator.client.files import write_program
+from yarclang.coordinator.describing import lasting_of
 from yarclang.coordinator.lines import seen_from
 from yarclang.coordinator.messages import orders
 from yarclang.coordinator.messages.findings import findings_of
+from yarclang.repl.answers import hundredths
 from yarclang.repl.declaring import adopt
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.file import load_file
@@ -69,7 +71,7 @@ async def _carry_out(interpreter: Interpreter, first: str, *, by_steps: bool) ->
     within = program.offset_s
     count = sum(one.begins_s >= within - _SAME for one in program.commands)
     interpreter.say(
-        f"{program.name}: {count} motion{'s' * (count != 1)}, {program.rest_s:.2f} s"
+        f"{program.name}: {count} motion{'s' * (count != 1)}, {lasting_of(program.rest_takes).text(hundredths)}"
         + (", one by one" if by_steps else "")
     )
     way = await robot.ask(orders.AskWay(program=program.number))

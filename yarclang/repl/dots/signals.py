@@ -1,8 +1,9 @@
-"""Outputs."""
+"""Outputs, and inputs of a robot that is simulated."""
 
 from __future__ import annotations
 
 import math
+import re
 from typing import Literal
 
 from yarclang.coordinator.messages import orders
@@ -11,17 +12,24 @@ from yarclang.coordinator.messages.message import LARGEST
 from yarclang.hir import Output
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
+from yarclang.semantics.scope import Input
+
+_VARIABLE = re.compile(r"[MPQ][0-9]{1,4}")
 
 
 async def _set(interpreter: Interpreter, rest: str) -> None:
     words = rest.split()
     if len(words) != 2:
-        raise Misused("an output and a value are needed")
+        raise Misused("an output, or an input of a simulated robot, and a value are needed")
     name, value = words[0].upper(), words[1].upper()
+    scope = interpreter.scope()
+    is_output = name in scope.names(Output)
+    is_input = not is_output and (name in scope.names(Input) or _VARIABLE.fullmatch(name) is not None)
     if interpreter.asks and not await interpreter.agrees(f"set {name} to {value}?"):
         interpreter.say("nothing was set")
         return
-    told = await interpreter.attached.ask(orders.SetOutput(name=name, value=_value(value)))
+    order = orders.SetInput if is_input else orders.SetOutput
+    told = await interpreter.attached.ask(order(name=name, value=_value(value)))
     interpreter.show(findings_of(told.findings))
     if told.value is not None:
         interpreter.say(f"{name} is {told.value:g}")
@@ -44,12 +52,14 @@ def _value(word: str) -> float | Literal["ON", "OFF"]:
 COMMANDS = (
     DotCommand(
         ".set",
-        "OUTPUT ON|OFF|VALUE",
-        "set an output that is declared",
+        "NAME ON|OFF|VALUE",
+        "set an output that is declared, or an input of a simulated robot",
         "teaching",
         _set,
         complete=lambda interpreter, begun: (
-            one for one in sorted(set(interpreter.scope().names(Output))) if one.startswith(begun.upper())
+            one
+            for one in sorted(set(interpreter.scope().names(Output, Input)))
+            if one.startswith(begun.upper())
         ),
     ),
 )

@@ -29,7 +29,7 @@ class Compared:
 
     Of two motions, `path` says how far their ways are apart, `differs` whether that is beyond the tolerance. `other_branch` says
     that the tool ends alike with other joint values. `longer` [s] is by how much the second takes longer (0 within the clock's step),
-    `what` whether what a command does that moves nothing is another thing.
+    `what` whether what a command does that moves nothing is another thing, `carries` whether the robot carries other parts meanwhile.
     """
 
     first: Act | None
@@ -39,6 +39,7 @@ class Compared:
     other_branch: bool = False
     longer: float = 0.0
     what: bool = False
+    carries: bool = False
 
     @property
     def status(self) -> Status:
@@ -47,7 +48,7 @@ class Compared:
             return "added"
         if self.second is None:
             return "removed"
-        different = self.differs or self.other_branch or self.longer != 0.0 or self.what
+        different = self.differs or self.other_branch or self.longer != 0.0 or self.what or self.carries
         return "changed" if different else "same"
 
 
@@ -115,7 +116,9 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
     path = path_difference(robot, frame, one.curve, other.curve)
     differs = path.position > tolerance.position or path.angle > tolerance.angle
     ends = np.stack((one.curve.points[-1], other.curve.points[-1]))
-    return Compared(one, other, path, differs, _other_branch(robot, frame, tolerance, ends, path), longer)
+    carries = one.carries is not None and other.carries is not None and one.carries != other.carries
+    other_branch = _other_branch(robot, frame, tolerance, ends, path)
+    return Compared(one, other, path, differs, other_branch, longer, carries=carries)
 
 
 def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:

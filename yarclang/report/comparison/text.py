@@ -71,9 +71,15 @@ def difference_text(comparison: Comparison, one: Compared) -> str:
                 parts.append(f"{first.what} -> {second.what}")
             elif one.longer:
                 parts.append(f"{first.duration:.3f} s -> {second.duration:.3f} s ({one.longer:+.3f} s)")
+            if one.carries:
+                parts.append(f"carries {_carried(first)} -> {_carried(second)}")
             return "; ".join(parts)
         case _:
             return ""
+
+
+def _carried(act: Act) -> str:
+    return ", ".join(act.carries or ()) or "nothing"
 
 
 def path_text(robot: Robot, path: PathDifference) -> str:
@@ -94,7 +100,7 @@ def totals_text(comparison: Comparison) -> str:
         if status == "same" or comparison.count(status)
     )
     longer = comparison.second.duration - comparison.first.duration
-    times = f"{comparison.first.duration:.3f} s -> {comparison.second.duration:.3f} s ({longer:+.3f} s)"
+    times = f"{comparison.first.lasting.text()} -> {comparison.second.lasting.text()} ({longer:+.3f} s)"
     tolerance = comparison.tolerance
     allowed = (
         f"tolerance {tolerance.position / MM:g} mm, {tolerance.angle / DEG:.4g} deg at {{{comparison.frame}}}"
@@ -130,7 +136,7 @@ def _program(executed: Executed) -> dict[str, Any]:
     return {
         "file": executed.name,
         "robot": executed.robot.name,
-        "duration_s": executed.duration,
+        **executed.lasting.to_json(),
         "commands": len(executed.acts),
     }
 
@@ -153,6 +159,7 @@ def _pair(comparison: Comparison, one: Compared) -> dict[str, Any]:
         },
         "other_configuration": one.other_branch,
         "longer_s": one.longer,
+        "other_parts": one.carries,
         "text": difference_text(comparison, one),
     }
 
@@ -167,4 +174,5 @@ def _act(act: Act | None) -> dict[str, Any] | None:
         "kind": act.kind,
         "what": act.what or None,
         "duration_s": act.duration,
+        "carries": None if act.carries is None else list(act.carries),
     }

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from yarclang.hir import FrameLink
+from yarclang.hir import Dwell, FrameLink, Step
 from yarclang.report.inspection.flow import flows_json
 from yarclang.report.inspection.inspected import Inspected, WayPoint, chain_of
 from yarclang.report.inspection.limits import Pace
@@ -32,12 +32,15 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
         "end": _joints(robot, inspected.end),
         "targets": [_target(robot, one) for one in inspected.waypoints],
         "begins_s": inspected.begins,
-        "program_duration_s": inspected.total,
+        "program_duration_s": inspected.total.most if inspected.total else None,
+        "program_takes": inspected.total.to_json() if inspected.total else None,
         "profile": motion.profile if motion else None,
         "segments": motion.curve.segments if motion else None,
         "segment_time_ms": motion.curve.segment / MS if motion else None,
-        "duration_s": motion.curve.duration if motion else None,
+        "duration_s": motion.curve.duration if motion else _stands(inspected.step),
         "flows": flows_json(inspected.flows),
+        "carries": list(inspected.carries),
+        "parts": {verb.replace(" ", "_"): list(names) for verb, names in inspected.deeds},
         "limits": _limits(inspected.pace),
         "shortest_s": inspected.pace.shortest if inspected.pace else None,
         "certificate": inspected.certificate.to_json() if inspected.certificate else None,
@@ -51,6 +54,11 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
             for one in inspected.stretches
         ],
     }
+
+
+def _stands(step: Step) -> float | None:
+    """How long a step stands [s]; None if it isn't a dwell."""
+    return step.duration if isinstance(step, Dwell) else None
 
 
 def _frames(link: FrameLink | None) -> list[dict[str, Any]]:

@@ -57,6 +57,8 @@ def flow_lines(flows: Flows) -> Iterator[str]:
 
 
 def _together(corner: Flowing) -> str:
+    if corner.begins == corner.ends:
+        return f"at {corner.middle:.3f} s"
     return f"both together from {corner.begins:.3f} to {corner.ends:.3f} s, half way at {corner.middle:.3f} s"
 
 
@@ -88,11 +90,11 @@ def flows_json(flows: Flows) -> dict[str, Any]:
 
 def _corner(plan: MotionPlan, motion: int) -> Flowing | None:
     """The corner at the end of a motion; None where the robot stands there."""
-    if motion < 0 or not plan.motions[motion].overlap:
+    if motion < 0 or not plan.motions[motion].flows:
         return None
     made = plan.motions[motion]
-    half = made.overlap * made.curve.segment / 2.0
-    middle = float(plan.starts[motion + 1])
+    half = made.half
+    middle = float(plan.ends[motion])
     return Flowing(_origin(plan, motion), _origin(plan, motion + 1), middle - half, middle, middle + half)
 
 

@@ -22,10 +22,12 @@ from yarclang.hir import (
     SplineMove,
     Step,
 )
+from yarclang.lasting import Lasting
 from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.checking import Checked
 from yarclang.pipeline.line_map import Stretch, map_lines
 from yarclang.pipeline.stages import Compiled, Request
+from yarclang.report.carried import carried_in_plan
 from yarclang.report.inspection.branches import Solution, solutions_of
 from yarclang.report.inspection.flow import NO_FLOWS, Flows, flows_of
 from yarclang.report.inspection.limits import Pace, pace_of
@@ -70,14 +72,16 @@ class Inspected:
         start: (n,) the joint positions before it [rad or m]; None where errors hide them.
         end: (n,) those behind it.
         motion: as it is planned; None for what doesn't move, or can't be planned.
-        begins: when it begins in the program [s]; None where that isn't known.
-        total: the program's duration [s]; None likewise.
+        begins: when it begins in the program [s], the latest known time after a WHEN; None where that isn't known.
+        total: how long the program takes; None likewise.
         waypoints: the poses that it goes to.
         pace: what limits its time.
         certificate: what was proved.
         stretches: its lines in the controller's text, and `text`, the lines of that; empty where the program has errors.
         findings: what is wrong with this command.
         flows: the corners in motion that it has to do with.
+        carries: the parts that grippers hold during a motion.
+        deeds: what a SET does to parts, verb and names.
     """
 
     robot: Robot
@@ -87,7 +91,7 @@ class Inspected:
     end: Array | None
     motion: PlannedMotion | None
     begins: float | None
-    total: float | None
+    total: Lasting | None
     waypoints: tuple[WayPoint, ...]
     pace: Pace | None
     certificate: CommandCertificate | None
@@ -95,6 +99,8 @@ class Inspected:
     text: tuple[str, ...]
     findings: tuple[Diagnostic, ...]
     flows: Flows = NO_FLOWS
+    carries: tuple[str, ...] = ()
+    deeds: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @property
     def origin(self) -> Origin:
@@ -116,14 +122,14 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
     step = program.steps[number]
     way = _way(studied, number)
     motion = way.motion
-    begins = total = None
+    begins: float | None = None
+    total: Lasting | None = None
     certificate: CommandCertificate | None = None
     stretches: tuple[Stretch, ...] = ()
     text: tuple[str, ...] = ()
     if compiled is not None:
-        total = compiled.plan.duration
-        at = next((n for n, one in enumerate(compiled.plan.motions) if one.step >= number), None)
-        begins = float(compiled.plan.starts[at if at is not None else -1])
+        total = compiled.plan.lasting
+        begins = compiled.plan.schedule.clocks[number]
         certificate = next((one for one in compiled.certificate.commands if one.step == number), None)
         stretches = map_lines(compiled.text).of(number)
         text = tuple(compiled.text.splitlines())
@@ -132,9 +138,11 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         end = motion.waypoints[-1]
     elif isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, JointGoal):
         end = step.goal.q
-    pace = None
+    carried = carried_in_plan(compiled.plan) if compiled is not None else None
+    pace, flows = None, NO_FLOWS if compiled is None else flows_of(compiled.plan, number)
     if motion is not None and way.start is not None and isinstance(step, Motion):
-        pace = pace_of(program, step, way.start, motion, request)
+        is_part = flows.before is not None or flows.behind is not None
+        pace = pace_of(program, step, way.start, motion, request, flows=is_part)
     return Inspected(
         robot=request.robot,
         step=step,
@@ -150,7 +158,9 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         stretches=stretches,
         text=text,
         findings=_own(studied, step),
-        flows=NO_FLOWS if compiled is None else flows_of(compiled.plan, number),
+        flows=flows,
+        carries=() if certificate is None else certificate.carries,
+        deeds=() if carried is None else carried.deeds(number),
     )
 
 
@@ -172,9 +182,10 @@ def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
     return tuple(
         one
         for one in studied.findings
-        if one.source is origin.source
-        and one.span is not None
-        and one.span.line == origin.span.line
+        for source, span in (one.made_at,)
+        if source is origin.source
+        and span is not None
+        and span.line == origin.span.line
         and one.place in ("", origin.place)
     )
 

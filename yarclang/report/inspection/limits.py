@@ -35,7 +35,7 @@ class Limit:
 
 @frozen
 class Pace:
-    """What limits the time of a motion: the limits, the nearest first, and the shortest time that works [s] (None: none does)."""
+    """What limits the time of a motion: the limits, the nearest first, and the shortest time that works [s] (None: none does, or the motion has none of its own)."""
 
     limits: tuple[Limit, ...]
     shortest: float | None
@@ -46,7 +46,9 @@ class Pace:
         return bool(self.limits) and self.limits[0].share > 1.0 - 0.02
 
 
-def pace_of(program: Program, step: Motion, start: Array, motion: PlannedMotion, request: Request) -> Pace:
+def pace_of(
+    program: Program, step: Motion, start: Array, motion: PlannedMotion, request: Request, *, flows: bool
+) -> Pace:
     """Look at the limits of a planned motion.
 
     Args:
@@ -55,12 +57,13 @@ def pace_of(program: Program, step: Motion, start: Array, motion: PlannedMotion,
         start: (n,) where it begins [rad or m].
         motion: as it is planned.
         request: how it was planned.
+        flows: True if it begins or ends without a stop: its time is that of its chain, so that no shortest time is looked for.
     """
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)
     limits = [_limit(robot, motion, demand) for demand in bounds.demands(curve.points)]
     limits.sort(key=lambda one: -one.share)
-    return Pace(tuple(limits), _shortest(program, step, start, request))
+    return Pace(tuple(limits), None if flows else _shortest(program, step, start, request))
 
 
 def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:

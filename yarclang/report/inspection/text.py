@@ -81,6 +81,10 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield f"place {origin.place}, step {inspected.number} of the program"
     if (told := _told(inspected)) is not None:
         yield told
+    for verb, names in inspected.deeds:
+        yield f"it {verb} {', '.join(names)}"
+    if inspected.carries:
+        yield f"the robot carries {', '.join(inspected.carries)}"
 
 
 def _told(inspected: Inspected) -> str | None:
@@ -235,8 +239,10 @@ def _reason(one: Solution) -> str:
 def _time(inspected: Inspected) -> Iterator[str]:
     if inspected.begins is not None and inspected.total is not None:
         duration = inspected.certificate.duration if inspected.certificate is not None else 0.0
-        ends = f" to {inspected.begins + duration:.3f} s" if duration else ""
-        yield f"{inspected.begins:.3f}{ends or ' s'} of the {inspected.total:.3f} s that all motions take"
+        if isinstance(inspected.step, Dwell):
+            duration = inspected.step.duration
+        ends = f" to {inspected.begins + duration:.3f} s" if duration else " s"
+        yield f"{inspected.begins:.3f}{ends} of {inspected.total.text()}"
     if inspected.motion is not None and isinstance(inspected.step, Motion):
         curve, timing = inspected.motion.curve, inspected.step.timing
         asked = _asked(timing)

@@ -62,8 +62,8 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
             Bar(
                 first=first,
                 behind=behind,
-                start=float(plan.starts[first]),
-                end=float(plan.starts[behind]),
+                start=float(plan.begins[first]),
+                end=float(plan.ends[behind - 1]),
                 index=origin.index,
                 name=origin.name,
                 colour=(red, green, blue),

@@ -40,9 +40,9 @@ class Passed:
 
 def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
     """Where the motions of a plan flow into each other, seen from a frame on the flange."""
-    flowing = [number for number, motion in enumerate(plan.motions) if motion.overlap]
-    halves = np.array([plan.motions[n].overlap * plan.motions[n].curve.segment / 2.0 for n in flowing])
-    middles = plan.starts[1:][flowing] if flowing else np.zeros(0)
+    flowing = [number for number, motion in enumerate(plan.motions) if motion.flows]
+    halves = np.array([plan.motions[n].half for n in flowing])
+    middles = plan.ends[flowing] if flowing else np.zeros(0)
     corners = np.array([plan.motions[n].path.end for n in flowing]).reshape(-1, plan.robot.size)
     places = tool_poses(plan.robot.chain, corners, frame.flange_from_frame)[:, :3, 3] / MM
     return Passed(

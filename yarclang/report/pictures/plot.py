@@ -11,7 +11,9 @@ import warnings
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
+from yarclang.lasting import Lasting
 from yarclang.motion.plan import MotionPlan
+from yarclang.progress import tell
 from yarclang.report.pictures.drawn_frame import drawn_frame
 from yarclang.report.pictures.palette import bars_of
 from yarclang.report.pictures.panels import draw_panels
@@ -31,6 +33,9 @@ SIZE = (1600, 1000)
 """The width and height of a PNG [pixels]."""
 
 _DPI = 100
+
+_DRAWN = 1e-3
+"""Times that differ by less are drawn alike [s]."""
 
 _LONGEST_NAME = 60
 """Characters of a program's name in the title."""
@@ -60,6 +65,7 @@ def _figure(plan: MotionPlan) -> Figure:
 
     figure = Figure(figsize=(SIZE[0] / _DPI, SIZE[1] / _DPI), dpi=_DPI, facecolor="white")
     FigureCanvasAgg(figure)
+    tell("drawing", 0)
     bars, frame = bars_of(plan), drawn_frame(plan)
     corners = passed_corners(plan, frame)
     _title(figure, plan)
@@ -74,9 +80,20 @@ def _title(figure: Figure, plan: MotionPlan) -> None:
         name = name[: _LONGEST_NAME - 1] + "…"
     count = len(plan.motions)
     motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion: the robot stands still"
-    facts = f"{plan.robot.name}   ·   {duration_text(plan.duration)}   ·   {motions}"
+    facts = (plan.robot.name, *time_facts(plan.lasting, plan.duration), motions)
     figure.text(0.045, 0.963, name, fontsize=17, fontweight="bold", color="0.1")
-    figure.text(0.045, 0.938, facts, fontsize=11, color="0.3")
+    figure.text(0.045, 0.938, "   ·   ".join(facts), fontsize=11, color="0.3")
+
+
+def time_facts(lasting: Lasting, drawn: float) -> tuple[str, ...]:
+    """Return what a picture says of the time of a program.
+
+    Args:
+        lasting: how long it takes.
+        drawn: how long the axis of time is [s]; longer, where ways of a WHEN are drawn one after the other.
+    """
+    takes = lasting.text(duration_text)
+    return (takes, "ways of a WHEN one after the other") if drawn > lasting.most + _DRAWN else (takes,)
 
 
 def duration_text(seconds: float) -> str:

@@ -26,6 +26,9 @@ _ZOOMED_BELOW = 0.4
 
 _ZOOMED_HEIGHT = 0.75
 
+_TOGETHER = 1e-6
+"""Times that are nearer to each other are one [s]."""
+
 _STILL = 1e-6
 """Slower than this [mm/s] is rounding."""
 
@@ -38,20 +41,31 @@ def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: fl
     """
     top = float(max(trace.speed.max(), trace.wanted[:, 2].max(initial=0.0)))
     _curve(axes, trace.times / factor, trace.speed, width)
-    for begin, end, speed in trace.wanted:
-        axes.plot(
-            (begin / factor, end / factor),
-            (speed, speed),
-            color=_WANTED_COLOUR,
-            linewidth=1.0,
-            linestyle=(0, (6, 2)),
-            zorder=4,
-        )
+    begin, end, speed = _joined(trace.wanted).T
+    axes.hlines(
+        speed,
+        begin / factor,
+        end / factor,
+        colors=_WANTED_COLOUR,
+        linewidths=1.0,
+        linestyles=(0, (6, 2)),
+        zorder=4,
+    )
     note = _scale(axes, float(trace.wanted[:, 2].max(initial=0.0)), top)
     row = int(np.argmax(trace.speed))
     if trace.speed[row] < _STILL:
         return note, "none"
     return note, f"most: {trace.speed[row]:.4g} mm/s, at {trace.times[row] / factor:.4g} {unit}"
+
+
+def _joined(wanted: Array) -> Array:
+    """Return speeds that are asked for (k, 3) with one row for all that follow each other and are the same."""
+    if len(wanted) < 2:
+        return wanted
+    same = (wanted[1:, 2] == wanted[:-1, 2]) & (np.abs(wanted[1:, 0] - wanted[:-1, 1]) < _TOGETHER)
+    first = np.flatnonzero(np.concatenate(([True], ~same)))
+    last = np.concatenate((first[1:], [len(wanted)])) - 1
+    return np.column_stack((wanted[first, 0], wanted[last, 1], wanted[first, 2]))
 
 
 def _scale(axes: Axes, wanted: float, top: float) -> str:

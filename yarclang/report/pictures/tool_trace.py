@@ -40,17 +40,20 @@ class ToolTrace:
 def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
     """Follow a frame through a plan."""
     if not plan.motions:
-        times = np.array([0.0, STANDING])
+        times = np.array([0.0, plan.duration or STANDING])
         rows = _followed(plan, frame, times)
         return ToolTrace(frame.name, times, rows[:, 0], rows[:, 1], np.zeros((0, 3)))
-    durations = np.diff(plan.starts)
-    shares = durations / plan.duration
+    durations = plan.ends - plan.begins
+    shares = durations / max(float(durations.sum()), 1e-9)
     counts = np.maximum((shares * (MOST_SAMPLES / 2)).astype(np.intp), _FEWEST)
     ends = np.cumsum(counts + 1)
     begins = ends - counts - 1
     number = np.repeat(np.arange(len(counts)), counts + 1)
     along = (np.arange(ends[-1]) - begins[number]) / counts[number]
-    times = plan.starts[number] + along * durations[number]
+    times = plan.begins[number] + along * durations[number]
+    # where it stands before the first motion and after the last
+    stands = np.array([0.0, plan.duration])
+    times = np.concatenate((stands[:1][times[:1] > 0.0], times, stands[1:][plan.duration > times[-1:]]))
     parts = []
     for first in range(0, len(times), _AT_ONCE):
         here = slice(first, first + _AT_ONCE)
@@ -88,5 +91,5 @@ def _wanted(plan: MotionPlan, frame: DrawnFrame) -> Array:
         if speed is None or speed.length is None or moving is None:
             continue
         if np.array_equal(moving[:3, 3], frame.flange_from_frame[:3, 3]):
-            rows.append((plan.starts[number], plan.starts[number + 1], speed.length / MM))
+            rows.append((plan.begins[number], plan.ends[number], speed.length / MM))
     return np.array(rows, dtype=np.float64).reshape(-1, 3)

@@ -52,16 +52,19 @@ def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
     shares = ways / max(float(ways.sum()), 1e-12)
     # a motion of k parts has k + 1 points: its start stands in it, though it ends the motion before
     parts = np.clip((shares * (MOST_POINTS - len(curves))).astype(np.intp), 1, _MOST_EACH)
-    q = [
-        curve.sample(np.linspace(0.0, curve.duration, part + 1))[0]
-        for curve, part in zip(curves, parts, strict=True)
-    ]
+    # of more motions than points only some have any
+    parts[np.arange(1 - len(parts), 1) % -(-len(parts) // MOST_POINTS) > 0] = 0
+    bounds = np.concatenate(([0], np.cumsum(np.where(parts > 0, parts + 1, 0))))
+    number = np.repeat(np.arange(len(parts)), np.diff(bounds))
+    along = (np.arange(bounds[-1]) - bounds[number]) / parts[number]
+    durations = np.array([curve.duration for curve in curves])
+    q = plan.sampler.sample(number, along * durations[number])[0]
     named = np.concatenate([motion.waypoints for motion in plan.motions])
     every = -(-len(named) // MOST_DOTS)
     return ToolPath(
         frame.name,
-        _places(plan.robot, np.concatenate(q), frame),
-        np.concatenate(([0], np.cumsum(parts + 1))),
+        _places(plan.robot, q, frame),
+        bounds,
         _places(plan.robot, named[every - 1 :: every], frame),
         every,
     )

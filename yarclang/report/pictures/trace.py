@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
-from yarclang.motion.curve import Curve
 from yarclang.motion.plan import MotionPlan
+from yarclang.progress import each
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Robot
@@ -23,6 +25,12 @@ samples exceeds them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^
 
 _COLUMNS = 4_000
 """The intervals of a thinned trace, each with its least and largest values: several for a pixel."""
+
+_AT_ONCE = 4_096
+"""Segments that are sampled at once."""
+
+_STANDS = 1e-9
+"""Times that are nearer to each other are one [s]."""
 
 STANDING = 1.0
 """How long [s] a program without motion is shown."""
@@ -79,16 +87,11 @@ def trace_of(plan: MotionPlan) -> Trace:
     """
     limits = _limits(plan.robot)
     if not plan.motions:
-        still = np.zeros((2, plan.robot.size))
-        rows = limits.shares(np.tile(plan.program.start, (2, 1)), still, still, still)
-        return _trace(np.array([0.0, STANDING]), rows, plan.robot.size, is_thinned=False)
+        still = np.array([0.0, plan.duration or STANDING])
+        return _trace(still, _standing(limits, plan, still), plan.robot.size, is_thinned=False)
     segments = sum(motion.curve.segments for motion in plan.motions)
     parts = int(np.clip(MOST_SAMPLES // segments - 1, *_PARTS))
-    sampled = (
-        (start + times, rows)
-        for start, motion in zip(plan.starts[:-1], plan.motions, strict=True)
-        for times, rows in (_sampled(limits, motion.curve, parts),)
-    )
+    sampled = each(_all_sampled(limits, plan, parts))
     if segments * (parts + 1) > MOST_SAMPLES:
         intervals = [extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
         # several motions may share a column, which is then reduced once more
@@ -101,12 +104,49 @@ def trace_of(plan: MotionPlan) -> Trace:
     return _trace(times, rows, plan.robot.size, is_thinned=False)
 
 
-def _sampled(limits: _Limits, curve: Curve, parts: int) -> tuple[Array, Array]:
-    """Times (N,) from the start of a motion [s], and all shares side by side (N, 5 n) or (N, 6 n)."""
-    along = np.arange(curve.segments)[:, None] + np.linspace(0.0, 1.0, parts + 1)
-    times = (along * curve.segment).ravel()
-    jerk = np.repeat(np.diff(curve.points, n=3, axis=0) / curve.segment**3, parts + 1, axis=0)
-    return times, limits.shares(*curve.sample(times), jerk)
+def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tuple[Array, Array]]:
+    """Yield times (N,) [s] and all shares side by side of motions, some of them at once, and of each stretch in which the robot stands."""
+    ends = np.concatenate(([0.0], plan.ends))
+    begins = np.concatenate((plan.begins, [plan.duration]))
+    stands = begins - ends > _STANDS
+    segments = np.array([motion.curve.segments for motion in plan.motions])
+    passed = np.concatenate(([0], np.cumsum(segments)))
+    first = 0
+    while first <= len(segments):
+        if stands[first]:
+            times = np.array([ends[first], begins[first]])
+            yield times, _standing(limits, plan, times)
+        if first == len(segments):
+            return
+        # as many as follow each other without a rest, up to some thousand segments
+        behind = int(np.searchsorted(passed, passed[first] + _AT_ONCE, side="right")) - 1
+        behind = min(max(behind, first + 1), len(segments))
+        rests = np.flatnonzero(stands[first + 1 : behind])
+        behind = first + 1 + int(rests[0]) if len(rests) else behind
+        yield _sampled(limits, plan, np.arange(first, behind), segments[first:behind], parts)
+        first = behind
+
+
+def _standing(limits: _Limits, plan: MotionPlan, times: Array) -> Array:
+    """All shares side by side at times (N,) [s] at which the robot stands."""
+    still = np.zeros((len(times), plan.robot.size))
+    return limits.shares(plan.sample(times)[0], still, still, still)
+
+
+def _sampled(
+    limits: _Limits, plan: MotionPlan, motions: NDArray[np.intp], segments: NDArray[np.intp], parts: int
+) -> tuple[Array, Array]:
+    """Times (N,) [s] in motions of so many segments, and all shares side by side (N, 5 n) or (N, 6 n)."""
+    curves = [plan.motions[number].curve for number in motions.tolist()]
+    number = np.repeat(motions, segments)
+    in_motion = np.arange(len(number)) - np.repeat(np.cumsum(segments) - segments, segments)
+    length = np.repeat([curve.segment for curve in curves], segments)
+    along = in_motion[:, None] + np.linspace(0.0, 1.0, parts + 1)
+    local = (along * length[:, None]).ravel()
+    jerk = np.concatenate([np.diff(curve.points, n=3, axis=0) / curve.segment**3 for curve in curves])
+    each_of = np.repeat(number, parts + 1)
+    q, v, a = plan.sampler.sample(each_of, local)
+    return plan.begins[each_of] + local, limits.shares(q, v, a, np.repeat(jerk, parts + 1, axis=0))
 
 
 @frozen(eq=False)

@@ -11,6 +11,7 @@ from yarclang.frozen import frozen
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.messages import Outcome
 from yarclang.report.runs.tracking import Tracking
+from yarclang.runtime.job import clock_at
 from yarclang.runtime.notices import Changed, Remark
 from yarclang.runtime.state import State
 
@@ -83,7 +84,8 @@ def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
         return f"the log doesn't say how it ended: {run.end:.1f} s of it are here{state}", None
     if outcome.well:
         return "came to its end", True
-    where = f" ({outcome.command}, {outcome.done:.1f} s into the program)" if outcome.command else ""
+    done = clock_at(run.commands, outcome.done)
+    where = f" ({outcome.command}, {done:.1f} s into the program)" if outcome.command else ""
     return f"{outcome.what}{where}", False
 
 
@@ -92,4 +94,7 @@ def _program_time(run: RecordedRun, tracking: Tracking, time: float) -> float | 
     times = run.times[tracking.rows]
     if not len(times) or not times[0] - 0.5 <= time <= times[-1] + 15.0:
         return None
+    behind = int(np.searchsorted(times, time, side="right"))
+    if behind in tracking.breaks and behind:
+        return float(tracking.times[behind - 1])
     return float(np.interp(time, times, tracking.times))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.files import LARGEST_LOG, read_whole
 from yarclang.frozen import frozen
+from yarclang.lasting import Lasting, known
 from yarclang.report.runs.messages import Outcome, RecordedRobot, Told, read_messages, read_only, read_robot
 from yarclang.report.runs.records import Records, read_records
 from yarclang.robot.model import Array
@@ -33,7 +34,8 @@ class RecordedRun:
         pace: seconds of the controller in a second of the clock: 1, but for a simulator.
         robot: as it was.
         commands: of the program, with their times in it.
-        duration: of the program [s].
+        duration: the last time of the program [s]; `lasting` is how long it takes.
+        counts_dwells: True if times of the program count dwells; logs of before don't.
         text: for the controller.
         source: the program, or empty.
         certificate: as JSON, or empty.
@@ -56,6 +58,8 @@ class RecordedRun:
     robot: RecordedRobot
     commands: tuple[JobCommand, ...]
     duration: float
+    lasting: Lasting
+    counts_dwells: bool
     text: str
     source: str
     certificate: str
@@ -146,6 +150,8 @@ def _run(file: str, facts: Mapping[str, str], job: Mapping[str, Any], records: R
         robot=robot,
         commands=tuple(_command(one) for one in job["commands"]),
         duration=float(job["duration_s"]),
+        lasting=_lasting(job),
+        counts_dwells="takes" in job,
         text=text[TEXT],
         source=text.get(PROGRAM, ""),
         certificate=text.get(CERTIFICATE, ""),
@@ -160,7 +166,21 @@ def _run(file: str, facts: Mapping[str, str], job: Mapping[str, Any], records: R
     )
 
 
-def _command(one: Mapping[str, Any]) -> JobCommand:
-    return JobCommand(
-        one["index"], one["name"], one["source_line"], float(one["begins_s"]), float(one["ends_s"])
+def _lasting(job: Mapping[str, Any]) -> Lasting:
+    """How long the program takes; logs of before only have the time of its motions."""
+    if "takes" not in job:
+        return known(float(job["duration_s"]))
+    said = job["takes"]
+    return Lasting(
+        float(said["duration_at_least_s"]),
+        float(said["duration_s"]),
+        int(said["waits_at_least"]),
+        int(said["waits"]),
     )
+
+
+def _command(one: Mapping[str, Any]) -> JobCommand:
+    begins = float(one["begins_s"])
+    # logs of before have no clock: there, the ways of a WHEN are one after the other
+    clock = float(one.get("clock_s", begins))
+    return JobCommand(one["index"], one["name"], one["source_line"], begins, float(one["ends_s"]), clock)

@@ -12,6 +12,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Controller
 from yarclang.runtime.notices import Changed, Progress, Remark
 from yarclang.runtime.outcome import Where
+from yarclang.runtime.signals import InputChanged, OutputSet, Signal, WaitBegan, WaitEnded
 from yarclang.runtime.state import State
 from yarclang.units import DEG, MM
 
@@ -64,7 +65,7 @@ class Outcome:
     where: Where | None = None
 
 
-Told: TypeAlias = Changed | Progress | Remark | Pass | Outcome
+Told: TypeAlias = Changed | Progress | Remark | Signal | Pass | Outcome
 
 
 @dataclass(slots=True)
@@ -132,6 +133,8 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
         case "events":
             text = f"ordered: {content['text']}" if content["kind"] == "order" else content["text"]
             return Remark(time, text, content["kind"] == "warning")
+        case "signals":
+            return _signal(time, content)
         case "jobs":
             return Pass(time, content["job"], float(content["duration_s"]), bool(content["of_program"]))
         case "outcome":
@@ -146,6 +149,27 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
                 content.get("code", ""),
                 Where(**content["where"]) if content.get("where") else None,
             )
+        case _:
+            return None
+
+
+def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
+    """A message of inputs and outputs; None for one of a kind that isn't known.
+
+    Raises:
+        ValueError, KeyError, TypeError: it says nothing sensible.
+    """
+    name, variable, value = str(content["name"]), str(content["variable"]), float(content["value"])
+    match content["kind"]:
+        case "set":
+            return OutputSet(time, name, variable, value)
+        case "input":
+            return InputChanged(time, name, variable, value, str(content["cause"]))
+        case "wait began":
+            return WaitBegan(time, str(content["place"]), name, variable, float(content["wanted"]), value)
+        case "wait ended":
+            waited, met = float(content["waited"]), bool(content["met"])
+            return WaitEnded(time, str(content["place"]), name, variable, value, waited, met)
         case _:
             return None
 

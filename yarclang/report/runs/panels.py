@@ -183,11 +183,16 @@ def _size(size: float) -> str:
     return f"{size:.{min(5, max(0, 1 - math.floor(math.log10(size))))}f}"
 
 
+def clock_end(run: RecordedRun) -> float:
+    """Return where the axis of the clock ends [s]."""
+    return 1.03 * max(run.end, 1e-3)
+
+
 def draw_clock(axes: Axes, shown: Shown) -> None:
     """How far the program was at each time of the clock, with the states and what happened."""
     run, tracking = shown.run, shown.tracking
     factor, unit = time_unit(run.end)
-    end = 1.03 * max(run.end, 1e-3)
+    end = clock_end(run)
     for span in shown.spans:
         if is_shaded(span, end):
             colour, alpha = COLOURS[span.state]
@@ -259,29 +264,28 @@ def not_run(shown: Shown) -> bool:
 
 
 def passes_of(shown: Shown, values: Array) -> list[tuple[Array, Array]]:
-    """The lines of each pass over the program's time: times (k,) [s] and `values` (M, m) at them, thinned."""
+    """The lines over the program's time, of each pass and without the ways of a WHEN that it left out: times (k,) [s] and `values` (M, m) at them, thinned."""
     return _by_pass(shown, shown.tracking.times, values)
 
 
 def _by_pass(shown: Shown, times: Array, values: Array) -> list[tuple[Array, Array]]:
     if not len(times):
         return []
-    cuts = np.flatnonzero(np.diff(shown.run.passes[shown.tracking.rows])) + 1
-    bounds = [0, *cuts.tolist(), len(times)]
+    bounds = [0, *shown.tracking.breaks.tolist(), len(times)]
     columns = max(_FEWEST, _COLUMNS // (len(bounds) - 1))
-    return [_thinned(times[a:b], values[a:b], columns) for a, b in pairwise(bounds)]
+    return [thinned(times[a:b], values[a:b], columns) for a, b in pairwise(bounds)]
 
 
 def _planned_line(planned: Planned) -> tuple[Array, Array]:
     """Times [s] and positions (k, n) [rad or m] of the whole plan."""
-    middles = (planned.begins[1:] + planned.begins[:-1]) / 2.0
-    times = np.sort(np.concatenate((planned.begins, middles)))
-    if len(times) == 1:
-        times = np.array([0.0, 1.0])
-    return _thinned(times, planned.at(times)[0], _COLUMNS)
+    begins, half = planned.begins, planned.cubics.h / 2.0
+    times = np.sort(
+        np.concatenate(([0.0, planned.duration or 1.0], begins, begins + half, begins + 2.0 * half))
+    )
+    return thinned(times, planned.at(times)[0], _COLUMNS)
 
 
-def _thinned(times: Array, values: Array, columns: int) -> tuple[Array, Array]:
+def thinned(times: Array, values: Array, columns: int) -> tuple[Array, Array]:
     """Lines of rising times (k,) and values (k, m): the least and the largest values of intervals, where there are more."""
     if len(times) <= 2 * columns:
         return times, values

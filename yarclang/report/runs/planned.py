@@ -2,54 +2,59 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.read import read
-from yarclang.certify.text import ControllerText, Unreadable
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Run, Stood, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
+from yarclang.lasting import Lasting, Schedule
 from yarclang.report.runs.log import RecordedRun
 from yarclang.robot.model import Array
 from yarclang.runtime.live import MADE_ON_THE_WAY
-from yarclang.units import MS
 
 
 @frozen(eq=False)
 class Planned:
-    """Where a program is to be at each of its times.
+    """Where a program is to be at each of its times, which count motions and dwells, with the ways of a WHEN one after the other.
 
     Attributes:
         cubics: its segments, one behind the other [rad or m, s].
-        begins: (N + 1,) when each of them begins, and when the last ends [s].
+        begins: (N,) when each of them begins [s]. Where the next one begins later than it ends, the robot stands in between.
         stand: (n,) where it starts [rad or m].
+        duration: of the whole program [s].
+        dwells: (D, 2) from when to when it stands [s], in order.
+        ways: (W, 3) of each WHEN: when its ways part, when the second one begins, and when that ends [s], those within others after them.
+        lasting: how long a run takes.
     """
 
     cubics: Cubics
     begins: Array
     stand: Array
-
-    @property
-    def duration(self) -> float:
-        """Of the whole program [s]."""
-        return float(self.begins[-1])
+    duration: float
+    dwells: Array
+    ways: Array
+    lasting: Lasting
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]; before and behind it, those of its ends."""
-        if len(self.begins) == 1:
+        """Positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]; where it stands, those of the motion before."""
+        if not len(self.begins):
             stand = np.tile(self.stand, (len(times), 1))
             return stand, np.zeros_like(stand)
         rows = self._rows(times)
-        return self.cubics.take(rows).at(np.clip(times, 0.0, self.duration) - self.begins[rows])
+        return self.cubics.take(rows).at(np.clip(times - self.begins[rows], 0.0, self.cubics.h[rows]))
 
     def segment_times(self, times: Array) -> Array:
         """The segment times (M,) [s] at times (M,) of the program [s]."""
-        return self.cubics.h[self._rows(times)] if len(self.begins) > 1 else np.zeros(len(times))
+        return self.cubics.h[self._rows(times)] if len(self.begins) else np.zeros(len(times))
 
     def _rows(self, times: Array) -> NDArray[np.int64]:
         """The segments that times (M,) are in, the first and the last for those before and behind."""
-        return np.clip(np.searchsorted(self.begins, times, side="right") - 1, 0, len(self.begins) - 2)
+        return np.clip(np.searchsorted(self.begins, times, side="right") - 1, 0, len(self.begins) - 1)
 
 
 def planned_motion(run: RecordedRun) -> Result[Planned]:
@@ -68,7 +73,9 @@ def planned_motion(run: RecordedRun) -> Result[Planned]:
         return _refused(run, f"line {content.line} {content.reason}")
     if content.start.rapid is None:
         return _refused(run, "it isn't for the rotary buffer, so that it was never streamed")
-    return Result(_planned(content, content.start.rapid, run.robot.axis_units))
+    return Result(
+        _planned(content, content.start.rapid, run.robot.axis_units, counts_dwells=run.counts_dwells)
+    )
 
 
 def _refused(run: RecordedRun, reason: str) -> Result[Planned]:
@@ -77,18 +84,59 @@ def _refused(run: RecordedRun, reason: str) -> Result[Planned]:
     return Result(None, (Diagnostic("Y1404", message, help=help_),))
 
 
-def _planned(content: ControllerText, start: Array, units: Array) -> Planned:
+def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwells: bool) -> Planned:
     """The segments of all sequences (TUM 289: S, S, S, c1 ... cM, cM, cM), from `start` (n,) in axis units."""
+    if not counts_dwells:
+        content = replace(content, course=tuple(one for one in content.course if not isinstance(one, Dwelt)))
+    schedule = content.schedule
     stand = start
     control, at, time = [np.empty((0, len(units)))], [np.empty(0, dtype=np.int64)], [np.empty(0)]
+    begins: list[Array] = [np.empty(0)]
     base = 0
-    for run in content.runs:
-        sequence = np.concatenate([np.tile(stand, (3, 1)), run.points, np.tile(run.points[-1], (2, 1))])
-        count = len(run.points) + 2
-        control.append(sequence)
-        at.append(base + np.arange(count))
-        time.append(np.full(count, run.segment_ms * MS))
-        stand, base = run.points[-1], base + len(sequence)
-    times = np.concatenate(time)
-    cubics = Cubics.of_spline(np.concatenate(control) * units, np.concatenate(at), times)
-    return Planned(cubics, np.concatenate(([0.0], np.cumsum(times))), start * units)
+    dwells: list[tuple[float, float]] = []
+    for item, begin, end in zip(content.course, schedule.places, schedule.places[1:], strict=False):
+        match item:
+            case Run():
+                sequence = np.concatenate(
+                    [np.tile(stand, (3, 1)), item.points, np.tile(item.points[-1], (2, 1))]
+                )
+                count = len(item.points) + 2
+                control.append(sequence)
+                at.append(base + np.arange(count))
+                time.append(np.full(count, item.segment))
+                begins.append(np.asarray(begin + item.segment * np.arange(count), dtype=np.float64))
+                stand, base = item.points[-1], base + len(sequence)
+            case Stood(point=point):
+                stand = point
+            case Dwelt() if end > begin:
+                dwells.append((begin, end))
+            case _:
+                pass
+    cubics = Cubics.of_spline(np.concatenate(control) * units, np.concatenate(at), np.concatenate(time))
+    return Planned(
+        cubics,
+        np.concatenate(begins),
+        start * units,
+        schedule.places[-1],
+        np.array(dwells, dtype=np.float64).reshape(-1, 2),
+        np.array(_ways(content, schedule), dtype=np.float64).reshape(-1, 3),
+        schedule.lasting,
+    )
+
+
+def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, float, float]]:
+    """When the ways of each WHEN part, when the second one begins, and when that ends [s]; the reader has seen that each has an end."""
+    open_: list[tuple[int, float, float | None]] = []
+    found: dict[int, tuple[float, float, float]] = {}
+    for number, (item, now) in enumerate(zip(content.course, schedule.places, strict=False)):
+        match item:
+            case Barred(kind="when"):
+                open_.append((number, now, None))
+            case Barred(kind="else") if open_:
+                open_[-1] = (*open_[-1][:2], now)
+            case Barred(kind="end") if open_:
+                first, begins, second = open_.pop()
+                found[first] = (begins, now if second is None else second, now)
+            case _:
+                pass
+    return [found[first] for first in sorted(found)]

@@ -6,8 +6,8 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from yarclang.report.pictures.palette import joint_style
-from yarclang.report.pictures.panels import legend_row
-from yarclang.report.pictures.plot import SIZE, Format, duration_text, printable, saved
+from yarclang.report.pictures.panels import legend_row, time_unit
+from yarclang.report.pictures.plot import SIZE, Format, printable, saved, time_facts
 from yarclang.report.pictures.style import picture_style
 from yarclang.report.runs.course import marks_of, outcome_text, spans_of
 from yarclang.report.runs.log import RecordedRun
@@ -17,6 +17,7 @@ from yarclang.report.runs.panels import (
     NOT_RUN,
     PLANNED,
     Shown,
+    clock_end,
     draw_clock,
     draw_commands,
     draw_joint,
@@ -26,6 +27,7 @@ from yarclang.report.runs.panels import (
     off_path_text,
 )
 from yarclang.report.runs.planned import Planned
+from yarclang.report.runs.signal_rows import MOST_ROWS, draw_signals, signal_rows
 from yarclang.report.runs.tracking import tracking_of
 
 if TYPE_CHECKING:
@@ -85,9 +87,11 @@ def _draw_title(figure: Figure, shown: Shown) -> None:
     width = title.get_window_extent(canvas.get_renderer()).width / SIZE[0]
     figure.text(_LEFT + width + 0.012, 0.962, _cut(text, 120), fontsize=12.5, color=colour)
     robot = run.robot
+    planned, *others = time_facts(shown.planned.lasting, shown.planned.duration)
     facts = [
         robot.name,
-        f"{duration_text(shown.planned.duration)} planned",
+        f"{planned} planned",
+        *others,
         f"{run.started[:19].replace('T', ' ')} UTC",
         f"at {_cut(run.controller, 40)}",
         off_path_text(shown),
@@ -123,15 +127,17 @@ def _draw_errors(figure: Figure, shown: Shown) -> None:
     run, tracking = shown.run, shown.tracking
     robot = run.robot
     bottom = _BOTTOM + 0.135
+    signals = signal_rows(run)
+    count = min(len(signals), MOST_ROWS)
     grid = figure.add_gridspec(
-        3,
+        4 if signals else 3,
         1,
         left=_MIDDLE + _GAP,
         right=_RIGHT,
         top=_TOP,
         bottom=bottom,
-        hspace=0.34,
-        height_ratios=[1, 1, 0.85],
+        hspace=0.34 if not signals else 0.5,
+        height_ratios=[1, 1, 0.85, *([0.12 + 0.11 * count] if signals else [])],
     )
     motors = tuple(f"motor {number}" for number in robot.controller.motors)
     units = " or ".join(dict.fromkeys(robot.axis_unit_names))
@@ -154,6 +160,9 @@ def _draw_errors(figure: Figure, shown: Shown) -> None:
     draw_clock(axes, shown)
     axes.tick_params(length=2.5, labelsize=8.5)
     axes.set_title("course of the run", loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
+    if signals:
+        axes.set_xlabel("")
+        draw_signals(figure.add_subplot(grid[3]), signals, clock_end(run), *time_unit(run.end))
 
 
 def _draw_marks(figure: Figure, shown: Shown) -> None:

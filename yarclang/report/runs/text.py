@@ -11,12 +11,14 @@ from heapq import merge
 from typing import Protocol
 
 from yarclang.frozen import frozen
+from yarclang.lasting import Lasting, known
 from yarclang.report.pictures.plot import printable
 from yarclang.report.runs.course import outcome_text
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.messages import Outcome, Pass, Told
 from yarclang.robot.model import Array
 from yarclang.runtime.notices import Changed, Notice, Progress, Remark
+from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded, signal_text
 from yarclang.runtime.state import State
 
 PLAIN_EACH = 5.0
@@ -37,19 +39,19 @@ class HasJoints(Protocol):
 
 @frozen(eq=False)
 class View:
-    """What the line that changes shows: of a job of `duration` [s], its `state`, the last `progress`, and the actual
+    """What the line that changes shows: of a job that takes `lasting`, its `state`, the last `progress`, and the actual
     joint positions `joints` (n,) [rad or m].
 
     Each method gives the view behind something.
     """
 
     robot: HasJoints
-    duration: float
+    lasting: Lasting
     state: State = State.DISCONNECTED
     progress: Progress | None = None
     joints: Array | None = None
 
-    def behind(self, notice: Changed | Progress | Remark) -> View:
+    def behind(self, notice: Notice) -> View:
         """After something was told."""
         match notice:
             case Changed(state=state):
@@ -63,16 +65,16 @@ class View:
         """After the robot was seen at a joint position (n,) [rad or m]: `sample.joints(robot)`."""
         return replace(self, joints=joints)
 
-    def performing(self, duration: float) -> View:
-        """After another job was begun, of a duration [s]."""
-        return replace(self, duration=duration, progress=None)
+    def performing(self, lasting: Lasting) -> View:
+        """After another job was begun, which takes `lasting`."""
+        return replace(self, lasting=lasting, progress=None)
 
     @property
     def line(self) -> str:
         """`P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left  J1 10.00 J2 -3.50 ...`."""
         parts = [] if self.state is State.MOVE else [self.state.value]
         if self.progress is not None:
-            parts.append(progress_text(self.progress, self.duration))
+            parts.append(progress_text(self.progress, self.lasting))
         if self.joints is not None:
             parts.append(joints_text(self.robot, self.joints))
         return printable("  ".join(parts))
@@ -87,13 +89,15 @@ def notice_text(notice: Notice) -> str:
             return printable(f"warning: {text}" if warning else text)
         case Progress():
             return printable(progress_text(notice))
+        case OutputSet() | WaitBegan() | WaitEnded() | InputChanged():
+            return printable(signal_text(notice))
         case _:
             return ""
 
 
-def progress_text(progress: Progress, duration: float | None = None) -> str:
-    """The command, how far the program of a `duration` [s] is, and how long it still takes at the present override."""
-    of = f" of {time_text(duration)}" if duration is not None else ""
+def progress_text(progress: Progress, lasting: Lasting | None = None) -> str:
+    """The command, how far the program is, how long all of it takes, and how long it still takes at the present override."""
+    of = f" of {lasting.text(time_text)}" if lasting is not None else ""
     times = f"{time_text(progress.done)}{of}, {time_text(progress.left)} left"
     return f"{progress.command}  {times}" if progress.command else times
 
@@ -127,6 +131,11 @@ def head_text(run: RecordedRun) -> str:
     return printable(f"{run.program} on {run.robot.name} at {run.controller}, {started} UTC{pace}")
 
 
+def _is_usual(one: Told) -> bool:
+    """Return True for a state between a WAIT and the next motion that needs no line of its own."""
+    return isinstance(one, Changed) and not one.why and one.state in (State.STOP, State.INIT, State.MOVE)
+
+
 @frozen(eq=False)
 class Moment:
     """A moment of a recorded run, at `time` [s]: the view behind it, and the line that was told in it, or nothing."""
@@ -138,7 +147,7 @@ class Moment:
 
 def moments_of(run: RecordedRun) -> Iterator[Moment]:
     """A recorded run as it happened."""
-    view = View(run.robot, run.duration)
+    view, between = View(run.robot, run.lasting), False
     told: Iterator[tuple[float, Told | int]] = ((one.time, one) for one in run.told)
     seen: Iterator[tuple[float, Told | int]] = ((float(time), row) for row, time in enumerate(run.times))
     # of what has one time, what is told comes last: how it ended, above all
@@ -148,10 +157,15 @@ def moments_of(run: RecordedRun) -> Iterator[Moment]:
             case int():
                 view = view.at(run.actual[one])
             case Pass():
-                view = view.performing(run.duration if one.of_program else one.duration)
+                view = view.performing(run.lasting if one.of_program else known(one.duration))
             case Outcome():
                 line = printable(outcome_text(run)[0])
             case _:
                 view = view.behind(one)
-                line = "" if isinstance(one, Progress) else notice_text(one)
+                silent = isinstance(one, Progress) or (between and _is_usual(one))
+                line = "" if silent else notice_text(one)
+                if isinstance(one, WaitBegan):
+                    between = True
+                elif isinstance(one, Changed) and one.state is State.MOVE:
+                    between = False
         yield Moment(time, view, line)

@@ -1,5 +1,8 @@
 """How a run kept to its plan: when in the program each sample was taken, and how far from there the robot was.
 
+Times of a program count its dwells, with the ways of a WHEN one after the other. For the search, the dwells and the ways that weren't taken are cut out: the
+robot followed the curve that is left, from its beginning on. Where the robot stood, only the program times in the log say when.
+
 A sample's program time comes from how many lines the controller has left: it is good to a segment or two, and a segment of a fast
 motion is degrees long. But what is commanded lies on the planned curve: the time is taken where the curve is nearest to it. Where
 the curve turns back on itself, it is as near twice; there the samples before and behind decide.
@@ -8,6 +11,7 @@ the curve turns back on itself, it is as near twice; there the samples before an
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -36,6 +40,15 @@ _SAME = 2e-3
 _DRIFT = 1e-3
 """How much faster than the host's clock the controller's may be; quartzes are ten times better."""
 
+_BESIDE = 0.02
+"""Nearer than this to where the robot stands, the curve doesn't tell the time [s]."""
+
+_BESIDE_WAY = 0.12
+"""A program time in the log that is nearer to the end of a way may be outside [s]."""
+
+_WITHIN = 1e-6
+"""How far behind its end a way is left [s]."""
+
 _CANDIDATES = 65
 _MINIMA = 3
 _STEPS = 5
@@ -55,25 +68,34 @@ class Tracking:
         times: (M,) of the program [s]; they never fall within a pass.
         off_path: (M, n) what is commanded, less the point of the planned path that is nearest to it [rad or m].
         error: (M, n) where the robot is, less where the program is at that time [rad or m].
+        breaks: (B,) the samples before which a way of a WHEN was left out, or another pass begins.
     """
 
     rows: NDArray[np.int64]
     times: Array
     off_path: Array
     error: Array
+    breaks: NDArray[np.int64]
 
 
 def tracking_of(run: RecordedRun, planned: Planned) -> Tracking:
     """Find for each sample when in the program it was taken."""
     rows = np.flatnonzero(run.passes >= 0)
     times, nearest = np.empty(len(rows)), np.empty(len(rows))
+    breaks = [np.empty(0, dtype=np.int64)]
     for part in _parts(run.passes[rows]):
-        times[part], nearest[part] = _times_of_pass(run, planned, rows[part])
+        told = run.program_times[rows[part]]
+        course = _course(planned, told)
+        moved, nearest_ = _times_of_pass(run, course, rows[part])
+        times[part], nearest[part] = course.with_dwells(moved, told), course.places(nearest_)
+        left_out = np.searchsorted(times[part], course.skipped.mean(axis=1))
+        breaks.append(part.start + np.concatenate(([0], left_out[left_out < len(moved)])))
     return Tracking(
         rows=rows,
         times=times,
         off_path=run.commanded[rows] - planned.at(nearest)[0],
         error=run.actual[rows] - planned.at(times)[0],
+        breaks=np.unique(np.concatenate(breaks)[1:]) if len(rows) else breaks[0],
     )
 
 
@@ -83,10 +105,97 @@ def _parts(passes: NDArray[np.int64]) -> Iterator[slice]:
     return (slice(first, behind) for first, behind in pairwise(bounds))
 
 
-def _times_of_pass(run: RecordedRun, planned: Planned, rows: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Program times [s] of the samples of one pass: those that never fall, and those where the curve is nearest."""
+@frozen(eq=False)
+class _Course:
+    """A planned motion without some stretches of its time.
+
+    Attributes:
+        planned: the motion.
+        cut: (C, 2) the stretches [s of the program], apart from each other and in order.
+        at_cut: (C,) when they come [s of the course].
+        stands: (D,) when the robot stood [s of the course], each time once.
+        skipped: (W, 2) the ways of a WHEN that were left out [s of the program].
+    """
+
+    planned: Planned
+    cut: Array
+    at_cut: Array
+    stands: Array
+    skipped: Array
+
+    @property
+    def duration(self) -> float:
+        """Of what is left [s]."""
+        return self.planned.duration - float(np.diff(self.cut, axis=1).sum())
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """Positions [rad or m] and velocities, (M, n) each, at times (M,) of the course [s]."""
+        return self.planned.at(self.places(times))
+
+    def segment_times(self, times: Array) -> Array:
+        """The segment times (M,) [s] at times (M,) of the course [s]."""
+        return self.planned.segment_times(self.places(times))
+
+    def places(self, times: Array) -> Array:
+        """Times (M,) of the course as times of the program [s]; where something was cut out, its end."""
+        longer = np.concatenate(([0.0], np.cumsum(np.diff(self.cut, axis=1))))
+        found: Array = times + longer[np.searchsorted(self.at_cut, times, side="right")]
+        return found
+
+    def times(self, places: Array) -> Array:
+        """Times (M,) of the program as times of the course [s]; those in what was cut out are those of its begin."""
+        if not len(self.cut):
+            return places
+        at = np.searchsorted(self.cut[:, 0], places, side="right")
+        last = np.maximum(at - 1, 0)
+        behind: Array = self.at_cut[last] + np.maximum(places - self.cut[last, 1], 0.0)
+        return np.where(at > 0, behind, places)
+
+    def with_dwells(self, times: Array, told: Array) -> Array:
+        """Times (M,) of the course as times of the program [s].
+
+        Args:
+            times: never falling.
+            told: (M,) the program times in the log [s], which count where the robot stood.
+        """
+        found = self.places(times)
+        for stand in self.stands.tolist():
+            ends = np.array([stand - _BESIDE, stand + _BESIDE])
+            first, behind = np.searchsorted(times, ends).tolist()
+            low, high = self.places(ends)
+            low = max(float(low), 0.0)
+            found[first:behind] = np.clip(told[first:behind], low, min(high, self.planned.duration))
+        rising: Array = np.maximum.accumulate(found)
+        return rising
+
+
+def _course(planned: Planned, told: Array) -> _Course:
+    """What a pass with program times `told` (M,) [s] can have followed: without dwells, and without ways in which it never was."""
+    ways = np.concatenate((planned.ways[:, :2], planned.ways[:, 1:]))
+    when = np.sort(told)
+    # what was told at its ends may be of what comes before or after it
+    margin = np.minimum(_BESIDE_WAY, 0.4 * (ways[:, 1] - ways[:, 0]))
+    first, behind = np.searchsorted(when, ways[:, 0] + margin), np.searchsorted(when, ways[:, 1] - margin)
+    skipped = ways[(ways[:, 1] > ways[:, 0]) & (behind <= first)]
+    # behind its end, the other way's begin is another place
+    skipped = skipped + np.array([0.0, _WITHIN])
+    cut: list[tuple[float, float]] = []
+    for begin, end in sorted((*skipped.tolist(), *planned.dwells.tolist())):
+        if cut and begin < cut[-1][1]:
+            cut[-1] = cut[-1][0], max(cut[-1][1], end)
+        else:
+            cut.append((begin, end))
+    stretches = np.array(cut, dtype=np.float64).reshape(-1, 2)
+    lengths = stretches[:, 1] - stretches[:, 0]
+    at_cut = stretches[:, 0] - np.concatenate(([0.0], np.cumsum(lengths)[:-1]))[: len(lengths)]
+    course = _Course(planned, stretches, at_cut, np.empty(0), skipped)
+    return replace(course, stands=np.unique(course.times(planned.dwells[:, 0]).round(9)))
+
+
+def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Times of the course [s] of the samples of one pass: those that never fall, and those where the curve is nearest."""
     clock, points = run.times[rows] * (1.0 + _DRIFT), run.commanded[rows]
-    units, told = run.robot.axis_units, run.program_times[rows]
+    units, told = run.robot.axis_units, planned.times(run.program_times[rows])
     window = _SEGMENTS * planned.segment_times(told) + _LATE
     about = clock - _never_falling(clock - told, np.ones(len(rows)))
     near = _nearest(planned, units, points, about, window)
@@ -118,7 +227,7 @@ class _Nearest:
     alone: NDArray[np.bool_]
 
 
-def _nearest(planned: Planned, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
+def _nearest(planned: _Course, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
     """When the planned curve is nearest to points.
 
     Args:
@@ -137,7 +246,7 @@ def _nearest(planned: Planned, units: Array, points: Array, about: Array, window
     )
 
 
-def _nearest_few(planned: Planned, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
+def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
     """`_nearest` for as many as fit into memory."""
     doubt, places = ((_DOUBT / window) ** 2)[:, None], (points / units)[:, None]
     about = about[:, None]

@@ -80,12 +80,7 @@ def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branch
 
 def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
     """The closed form of one block of poses."""
-    count = len(poses)
-    columns = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
-    columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, count)
-    columns = np.matmul(arm.first_from_base[:3, :3], columns)
-    columns[3] += arm.first_from_base[:3, 3, None]
-
+    count, columns = len(poses), _columns(arm, poses)
     q1, over = _shoulder(arm, columns[3], hold[0])
     sin1, cos1 = np.sin(q1), np.cos(q1)
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
@@ -118,6 +113,97 @@ def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
     free = np.empty((2, 2, 4, count), bool)
     free[0], free[1] = over.singular, straight
     return Branches(q, valid.reshape(8, count), free.reshape(2, 8, count))
+
+
+def _columns(arm: WristedArm, poses: Array) -> Array:
+    """Return the wrist's axes and, as the fourth, its centre (4, 3, N), in the axes of the first joint, for base_from_flange (N, 4, 4)."""
+    columns: Array = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
+    columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, len(poses))
+    columns = np.matmul(arm.first_from_base[:3, :3], columns)
+    columns[3] += arm.first_from_base[:3, 3, None]
+    return columns
+
+
+def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], bent: Array) -> Array:
+    """Return the wrist's rotation (3, 3, 1, N) that an arm leaves over.
+
+    Args:
+        arm: the arm's constants.
+        columns: as of `_columns`.
+        turned_by: sine and cosine of q1, (N,) each.
+        bent: q2 and q3 together (N,) [rad].
+    """
+    count, rows = len(bent), columns[:3].transpose(1, 0, 2)
+    turned: Array = np.empty((3, 3, count))
+    sin, cos = turned_by
+    turned[0] = cos * rows[0] + sin * rows[1]
+    turned[1] = cos * rows[1] - sin * rows[0]
+    turned[2] = rows[2]
+    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, count)
+    sin, cos = np.sin(bent), np.cos(bent)
+    rest: Array = np.empty((3, 3, 1, count))
+    rest[0, :, 0] = cos * turned[0] + sin * turned[1]
+    rest[1, :, 0] = cos * turned[1] - sin * turned[0]
+    rest[2, :, 0] = turned[2]
+    left: Array = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 1, count)
+    return left
+
+
+def one_branch(
+    arm: WristedArm, base_from_flange: Array, branch: int
+) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return one branch of all poses, to the last bit as of `closed_form`, in less time.
+
+    Args:
+        arm: the arm's constants.
+        base_from_flange: (N, 4, 4).
+        branch: 4 wrist + 2 shoulder + elbow.
+
+    Returns:
+        Joint positions (6, N) [rad], where they reach the poses (N,), and where an angle of any branch is free (N,): where one is, `closed_form` holds it, and the
+        positions mean nothing.
+    """
+    count, nothing = len(base_from_flange), np.zeros(1)
+    wrist, shoulder, elbow = branch // 4, branch // 2 % 2, branch % 2
+    q: Array = np.empty((6, count))
+    valid, singular = np.empty(count, bool), np.empty(count, bool)
+    for start in range(0, count, BLOCK):
+        piece = slice(start, start + BLOCK)
+        columns = _columns(arm, base_from_flange[piece])
+        q1, over = _shoulder(arm, columns[3], nothing)
+        sin1, cos1 = np.sin(q1), np.cos(q1)
+        q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
+        bent = q2 + q3
+        q[0, piece] = q1[shoulder]
+        q[1, piece], q[2, piece] = q2[shoulder, elbow], q3[shoulder, elbow] * arm.elbow_sign
+        rest = _left_over(arm, columns, (sin1[shoulder], cos1[shoulder]), bent[shoulder, elbow])
+        angles, bendable, _ = _wrist(arm, rest, nothing)
+        q[3:, piece] = angles[:, wrist, 0]
+        valid[piece] = reached[shoulder] & over.reached & bendable[0]
+        singular[piece] = over.singular | _is_straight(arm, columns[2], (sin1, cos1), bent)
+    q -= TURN * np.round(q * (1.0 / TURN))
+    return q, valid, singular
+
+
+def _is_straight(
+    arm: WristedArm, axis: Array, turned_by: tuple[Array, Array], bent: Array
+) -> NDArray[np.bool_]:
+    """Return True (N,) where the wrist of any branch is straight, or all but straight.
+
+    Args:
+        arm: the arm's constants.
+        axis: the last axis (3, N), in the axes of the first joint.
+        turned_by: sine and cosine of q1, (shoulder 2, N) each.
+        bent: q2 and q3 together (shoulder 2, elbow 2, N) [rad].
+    """
+    sin, cos = turned_by
+    turned = np.stack((cos * axis[0] + sin * axis[1], cos * axis[1] - sin * axis[0], axis[2] + 0.0 * sin))
+    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 2, 1, -1)
+    sin, cos = np.sin(bent), np.cos(bent)
+    along, aside = cos * turned[0] + sin * turned[1], cos * turned[1] - sin * turned[0]
+    x, y = (one * along + other * aside + third * turned[2] for one, other, third in arm.wrist.T[:2])
+    found: NDArray[np.bool_] = (x * x + y * y < (11.0 * HOLD) ** 2).any(axis=(0, 1))
+    return found
 
 
 @frozen
@@ -235,12 +321,8 @@ def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDA
     Shoulder, elbow and wrist are chosen one after the other. Any other branch differs in at least one of these
     choices, and costs at least what the rejected side of that choice did: where all of it costs less, it is the nearest.
     """
-    count = len(poses)
-    columns = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
-    columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, count)
-    columns = np.matmul(arm.first_from_base[:3, :3], columns)
-    columns[3] += arm.first_from_base[:3, 3, None]
-    q: Array = np.empty((6, count))
+    columns = _columns(arm, poses)
+    q: Array = np.empty((6, len(poses)))
     q1, over = _shoulder(arm, columns[3], seed[0])
     q1, away1 = next_to(q1, seed[0])
     cost1 = away1 * away1
@@ -257,20 +339,7 @@ def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDA
     rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
     cost += np.minimum(costs[0], costs[1])
     q[1:3] = np.where(second, bends[:, 1], bends[:, 0])
-    turned: Array = np.empty((3, 3, count))
-    rows = columns[:3].transpose(1, 0, 2)
-    sin, cos = sin1[0], cos1[0]
-    turned[0] = cos * rows[0] + sin * rows[1]
-    turned[1] = cos * rows[1] - sin * rows[0]
-    turned[2] = rows[2]
-    turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, count)
-    bent = q[1] + arm.elbow_sign * q[2]
-    sin, cos = np.sin(bent), np.cos(bent)
-    rest: Array = np.empty((3, 3, 1, count))
-    rest[0, :, 0] = cos * turned[0] + sin * turned[1]
-    rest[1, :, 0] = cos * turned[1] - sin * turned[0]
-    rest[2, :, 0] = turned[2]
-    rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 1, count)
+    rest = _left_over(arm, columns, (sin1[0], cos1[0]), q[1] + arm.elbow_sign * q[2])
     wrist, bendable, _straight = _wrist(arm, rest, seed[3])
     turns, away = next_to(wrist[:, :, 0], seed[3:, None])
     costs = (away * away).sum(axis=0)

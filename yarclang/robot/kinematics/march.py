@@ -17,7 +17,10 @@ LEAP = 8
 """Samples of one leap: all are predicted from its start and solved together."""
 
 LEAPS = 4000
-"""The most leaps of a path."""
+"""The most leaps of a path of few bends."""
+
+_OVER = 4
+"""Bends between two samples of a leap at most."""
 
 DRIFT = 0.12
 """How far a solution may be from its prediction [rad or m]; more may be another branch."""
@@ -30,7 +33,7 @@ DAMPING = 1e-7
 """Of the prediction: at a singularity a joint that doesn't help stays where it is."""
 
 
-def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array) -> Strand:
+def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends: int = 0) -> Strand:
     """The strand that starts at `q_start` (n,), which stands at pose_at(0).
 
     Each leap predicts its samples along the arm's least joint velocities, improves them by damped least
@@ -41,15 +44,17 @@ def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array) -> St
         chain: the arm, n joints.
         pose_at: base_from_flange (N, 4, 4) at places (N,).
         q_start: (n,) [rad or m].
+        bends: about how many bends the path may have; a leap passes a few of them at most.
     """
     places, joints = [np.zeros(1)], [q_start[None]]
-    here, q, length = 0.0, q_start, 0.5
+    here, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
+    length = min(0.5, longest)
     end: End = "whole"
     beyond = q_start
-    for _ in range(LEAPS):
+    for _ in range(max(LEAPS, bends)):
         if here >= 1.0:
             break
-        length = min(length, 1.0 - here)
+        length = min(length, longest, 1.0 - here)
         s = here + length * np.arange(1, LEAP + 1) / LEAP
         if length == 1.0 - here:
             s[-1] = 1.0

@@ -113,6 +113,26 @@ def nearest_solutions(
     return Solutions(_sealed(q[_distinct(q)]))
 
 
+def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
+    """Return True (N,) for each pose (N, 4, 4) for which `nearest_solutions` has a solution, as far as that is seen without a closer look.
+
+    None is seen of arms without a closed form, nor where a singularity leaves a joint free.
+    """
+    arm = wristed_arm(chain)
+    sure = np.zeros(len(base_from_flange), dtype=bool)
+    if arm is None:
+        return sure
+    found = closed_form(arm, base_from_flange, np.zeros((chain.size, 1)))
+    q = found.q.transpose(2, 1, 0)
+    lifted = nearest_turn(chain, limits, q, np.zeros(chain.size))
+    is_within = (np.abs(beyond(limits, lifted)) <= EDGE).all(axis=2)
+    may_be = (found.valid & ~found.singular).T & is_within
+    rows = np.flatnonzero(may_be.any(axis=1))
+    candidates = q[rows, np.argmax(may_be[rows], axis=1)]
+    sure[rows] = _reaching(chain, base_from_flange[rows], candidates)
+    return sure
+
+
 def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
     """All joint positions (m, n) within limits that differ from `q` (n,) by full turns of revolute joints."""
     choices = []
@@ -179,7 +199,7 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
         moved[:, 5] -= excess
         moved[:, 3] += sense * excess
         q = np.where((excess != 0.0)[:, None], moved, q)
-    return q[_reaching(chain, pose, q)]
+    return q[_reaching(chain, pose[None], q)]
 
 
 def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
@@ -235,7 +255,7 @@ def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Arra
         active = active[np.where(better, change > 1e-6, share[active] > 0.1)]
         if not len(active):
             break
-    q = q[_reaching(chain, pose, q)]
+    q = q[_reaching(chain, pose[None], q)]
     clear = np.abs(np.clip(q, lower, upper) - q).max(axis=1) <= EDGE
     return q[clear] if clear.any() else q
 
@@ -259,10 +279,10 @@ def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
     return Unreachable("reach", _sealed(q), miss=miss, miss_angle=miss_angle)
 
 
-def _reaching(chain: Chain, pose: Array, q: Array) -> NDArray[np.bool_]:
-    """Which of the joint positions (m, n) reach the pose, by forward kinematics."""
+def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
+    """Which of the joint positions (m, n) reach their poses (m, 4, 4), or the only pose (1, 4, 4), by forward kinematics."""
     columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
-    position, angle = misses(columns, pose_columns(pose[None]))
+    position, angle = misses(columns, pose_columns(poses))
     reaching: NDArray[np.bool_] = np.maximum(position, angle) < reached_within(chain)
     return reaching
 

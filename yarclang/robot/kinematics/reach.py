@@ -4,6 +4,8 @@ error.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from yarclang.robot.kinematics.fk import links_of
@@ -52,8 +54,14 @@ def arm_length(chain: Chain, flange_from_tool: Array) -> float:
     It is the sum of the links, each from the foot of the one behind it on its axis: a size of the arm that
     doesn't depend on where along their axes the URDF puts the joints.
     """
+    return _arm_length(chain, np.asarray(flange_from_tool, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=256)
+def _arm_length(chain: Chain, tool: bytes) -> float:
+    """As `arm_length`, remembered by the chain's identity and the tool's numbers (4, 4)."""
     links = links_of(chain)
-    point = (chain.base_from_flange @ flange_from_tool)[:3, 3]
+    point = (chain.base_from_flange @ np.frombuffer(tool).reshape(4, 4))[:3, 3]
     total = 0.0
     for joint in range(chain.size - 1, -1, -1):
         if links.turn[joint]:

@@ -19,6 +19,9 @@ VANISHED = 1e-12
 """A smaller singular value counts as this much, so that a motion that the arm has lost costs a very large
 joint speed and not an undefined one."""
 
+_ROUNDING = 1e-9
+"""What squares of singular values, of up to some tens, may lose by rounding, and much more."""
+
 
 @frozen(eq=False)
 class Nearness:
@@ -55,6 +58,29 @@ def smallest_singular_values(chain: Chain, q: Array, flange_from_tool: Array) ->
     """As `nearness(...).smallest` (N,), without the motions."""
     scaled = weighted_jacobians(chain, q, flange_from_tool)
     return np.linalg.svd(scaled, compute_uv=False)[:, -1].astype(float)
+
+
+def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float) -> bool:
+    """Return True if the smallest singular value is proved to be above a limit at every joint position.
+
+    The squares of the singular values, less that of the limit, are all positive if there is a Cholesky factor: a fifth of the time of the values.
+    Very near the limit the answer is False.
+
+    Args:
+        chain: the arm, n joints.
+        q: (N, n) [rad or m].
+        flange_from_tool: (4, 4).
+        limit: a pure number.
+    """
+    scaled = weighted_jacobians(chain, q, flange_from_tool)
+    turned = scaled.transpose(0, 2, 1)
+    squares = scaled @ turned if chain.size >= 6 else turned @ scaled
+    squares -= (limit * limit + _ROUNDING) * np.eye(squares.shape[1])
+    try:
+        np.linalg.cholesky(squares)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def joint_speeds(chain: Chain, q: Array, flange_from_tool: Array, twist: Array) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.closed_form import FREE_JOINTS, TURN, closed_form, next_to
+from yarclang.robot.kinematics.closed_form import FREE_JOINTS, TURN, closed_form, next_to, one_branch
 from yarclang.robot.kinematics.geometry import WristedArm
 from yarclang.robot.model import Array
 
@@ -107,6 +107,45 @@ def follow_branches(arm: WristedArm, pose_at: Callable[[Array], Array], s: Array
         extra = _sampled(arm, pose_at(cuts), cuts, q_start)
         samples = _merged(samples, extra)
     return strand
+
+
+def plain_strands(
+    arm: WristedArm, poses: Array, s: Array, starts: Array, branch: int
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Follow many paths at once along one branch, where there is nothing to decide.
+
+    Args:
+        arm: the closed form.
+        poses: base_from_flange (m * M, 4, 4) of m paths, at the same places of each.
+        s: (M,) the places, from 0 to 1; M at least 3.
+        starts: (m, 6) [rad], where each path begins.
+        branch: the branch on which all begin.
+
+    Returns:
+        Joint positions (m, M, 6), and True (m,) for each path that keeps to the branch without a closer look. For these, `follow_branches` gives the
+        same strand, whole.
+    """
+    q = np.empty((len(starts), len(s), 6))
+    beyond = poses.reshape(*q.shape[:2], 4, 4)[:, 1:]
+    branches = closed_form(arm, beyond[:, 0], starts[0][:, None])
+    own, valid, singular = one_branch(arm, beyond.reshape(-1, 4, 4), branch)
+    if branches.singular.any() or singular.any():  # a held angle depends on where its path begins
+        return q, np.zeros(len(starts), dtype=bool)
+    here = own.T.reshape(len(starts), -1, 6)
+    moves = here[:, 1:] - here[:, :-1]
+    moves -= TURN * np.round(moves / TURN)
+    q[:, 0] = starts
+    q[:, 1], away = next_to(here[:, 0], starts)
+    q[:, 2:] = next_to(here[:, 1:], q[:, 1:2] + np.cumsum(moves, axis=1))[0]
+    is_plain = valid.reshape(here.shape[:2]).all(axis=1)
+    is_plain &= (np.abs(away) <= NEAR).all(axis=1) & (np.abs(moves) <= NEAR).all(axis=(1, 2))
+    # to the first sample, the nearest of all branches is taken
+    size = np.abs(next_to(branches.q.transpose(2, 1, 0), starts[:, None])[1]).max(axis=2)
+    size[~branches.valid.T] = np.inf
+    is_plain &= np.argmin(size, axis=1) == branch
+    share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
+    bent = np.abs(q[:, 1:-1] - q[:, :-2] - share * (q[:, 2:] - q[:, :-2])) > BEND
+    return q, is_plain & ~bent.any(axis=(1, 2))
 
 
 def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:

@@ -30,6 +30,9 @@ the path is out of reach. The last two are searches of some 0.1 s."""
 
 PathPoses = Callable[[Array], Array]
 
+SAMPLES = 33
+"""How many places of a path are looked at first."""
+
 ON_PATH = 1e-6
 """How far the start may miss the path, and the polished start its limits [m or rad]."""
 
@@ -109,7 +112,7 @@ def track(
     pose_at: PathPoses,
     q_start: Array,
     *,
-    samples: int = 33,
+    samples: int = SAMPLES,
     reason: Reason = "measured",
 ) -> Track | Broken:
     """Follow a path by continuity.
@@ -141,7 +144,10 @@ def track(
             limits, lower=np.minimum(limits.lower, start[0]), upper=np.maximum(limits.upper, start[0])
         )
     arm = wristed_arm(chain)
-    strand = march(chain, pose_at, start[0]) if arm is None else follow_branches(arm, pose_at, s, start[0])
+    bends = samples if samples > SAMPLES else 0
+    strand = (
+        march(chain, pose_at, start[0], bends) if arm is None else follow_branches(arm, pose_at, s, start[0])
+    )
     outside = _leaving(chain, limits, pose_at, strand)
     if outside is not None:
         return outside
@@ -218,7 +224,9 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
     if max(further[1][0], further[2][0]) < reached_within(chain):
         beyond = further[0][0]
     jump = beyond - q
-    joint = int(np.argmax(np.abs(jump)))
+    # two axes that fall together jump by the same: which of them is larger by rounding differs from processor to processor
+    size = np.abs(jump)
+    joint = int(np.flatnonzero(size >= (1.0 - 1e-6) * size.max())[0])
     # at a singularity the joints could go over with the flange at rest; else the two are apart
     middle = 0.5 * (q + beyond)
     between = fit(chain, pose_at(np.array([s])), middle[None])
@@ -236,15 +244,17 @@ def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> 
 
 def _spline(s: Array, q: Array) -> Array:
     """Second derivatives (M, n) of the natural cubic spline through `q` (M, n) at `s` (M,)."""
+    from scipy.linalg import solveh_banded
+
     width = np.diff(s)
     slope = np.diff(q, axis=0) / width[:, None]
-    matrix = np.eye(len(s))
-    inner = np.arange(1, len(s) - 1)
-    matrix[inner, inner] = 2.0 * (width[:-1] + width[1:])
-    matrix[inner, inner - 1], matrix[inner, inner + 1] = width[:-1], width[1:]
-    right = np.zeros_like(q)
-    right[1:-1] = 6.0 * np.diff(slope, axis=0)
-    bend: Array = np.linalg.solve(matrix, right).astype(float)
+    bend = np.zeros_like(q)
+    if len(s) > 3:  # LAPACK's wrapper has no system of one equation
+        band = np.zeros((2, len(s) - 2))
+        band[0, 1:], band[1] = width[1:-1], 2.0 * (width[:-1] + width[1:])
+        bend[1:-1] = solveh_banded(band, 6.0 * np.diff(slope, axis=0), check_finite=False)
+    elif len(s) == 3:
+        bend[1] = 3.0 * (slope[1] - slope[0]) / (width[0] + width[1])
     return bend
 
 

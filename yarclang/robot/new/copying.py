@@ -1,8 +1,8 @@
-"""The URDF's copy in a robot folder: the same text, with the collision meshes beside it.
+"""The URDF's copy in a robot folder: the same text, with its meshes beside it.
 
-What collides is needed, and what is drawn isn't: visual meshes are neither copied nor looked for. A collision mesh
-that isn't there takes its <collision> out of the copy, so that what the copy says is true. One that is no mesh, or is
-somebody else's file (`meshes.py`), is an error.
+What collides is needed: a collision mesh that isn't there takes its <collision> out of the copy, so that what the copy
+says is true; one that is no mesh, or is somebody else's file (`meshes.py`), is an error. What is only drawn isn't needed:
+a visual mesh that can't be copied, for the same reasons, is left out, and pictures show the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -22,6 +22,12 @@ from yarclang.robot.urdf_xml import Element
 MESHES = "meshes"
 """The folder of the meshes beside the copy."""
 
+VISUALS = f"{MESHES}/visual"
+"""The folder of those that are only drawn."""
+
+LARGEST_VISUAL = 20_000_000
+"""Largest visual mesh that is copied [bytes]: pictures draw none with that many triangles."""
+
 _SHOWN = 80
 """Characters of a file's name in a message."""
 
@@ -30,14 +36,14 @@ _SHOWN = 80
 class UrdfCopy:
     """The copy's text, the meshes that belong to it (name in the folder, content), and what isn't as it was.
 
-    `without` are the links that lost a collision mesh, with the mesh's name; `visuals` is the number of
-    visual meshes that weren't copied.
+    `without` are the links that lost a collision mesh, with the mesh's name; `unseen` the names of visual meshes that
+    weren't copied, with the reasons.
     """
 
     text: str
     meshes: tuple[tuple[str, bytes], ...]
     without: tuple[tuple[str, str], ...]
-    visuals: int
+    unseen: tuple[tuple[str, str], ...]
 
 
 def copy_urdf(urdf: Urdf, file: Path, more: Iterable[Path] = ()) -> UrdfCopy:
@@ -53,9 +59,7 @@ def copy_urdf(urdf: Urdf, file: Path, more: Iterable[Path] = ()) -> UrdfCopy:
     edits: list[tuple[int, int, str]] = []
     names: dict[Path, str] = {}
     without: list[tuple[str, str]] = []
-    visuals = 0
     for link in urdf.root.all("link") if urdf.root else ():
-        visuals += sum(_mesh(body) is not None for body in link.all("visual"))
         for body in link.all("collision"):
             mesh = _mesh(body)
             if mesh is None:
@@ -72,11 +76,70 @@ def copy_urdf(urdf: Urdf, file: Path, more: Iterable[Path] = ()) -> UrdfCopy:
                 names[path] = _free(PurePosixPath(urlparse(name).path).name, set(names.values()))
             span = _filename(urdf.text, mesh)
             edits.append((*span, f'"{MESHES}/{names[path]}"'))
+    drawn, unseen = _copy_visuals(urdf, file.parent, surroundings, (contents, names), edits)
     text = urdf.text
     for start, stop, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[stop:]
     meshes = tuple((f"{MESHES}/{name}", contents[path]) for path, name in names.items())
-    return UrdfCopy(text, meshes, tuple(without), visuals)
+    return UrdfCopy(text, (*meshes, *drawn), tuple(without), unseen)
+
+
+def _copy_visuals(
+    urdf: Urdf,
+    folder: Path,
+    surroundings: Surroundings,
+    collisions: tuple[dict[Path, bytes], dict[Path, str]],
+    edits: list[tuple[int, int, str]],
+) -> tuple[tuple[tuple[str, bytes], ...], tuple[tuple[str, str], ...]]:
+    """Copy what is only drawn, as far as that is possible.
+
+    Args:
+        urdf: a sound tree.
+        folder: where it stands.
+        surroundings: the folders that meshes may come from.
+        collisions: content and name of each collision mesh: one that is drawn as well isn't copied twice.
+        edits: begin, end and text of what is another text in the copy; added to.
+
+    Returns:
+        The meshes (name in the folder, content), and those that weren't copied, each with the reason.
+    """
+    contents, given = collisions
+    names = {path: f"{MESHES}/{name}" for path, name in given.items() if contents[path]}
+    drawn: dict[str, bytes] = {}
+    unseen: dict[str, str] = {}
+    size = sum(map(len, contents.values()))
+    bodies = [body for link in (urdf.root.all("link") if urdf.root else ()) for body in link.all("visual")]
+    for mesh in filter(None, map(_mesh, bodies)):
+        name = mesh.attributes.get("filename", "")
+        path = _found(name, folder)
+        if path is None:
+            unseen[_shown(name)] = "isn't there"
+            continue
+        if path not in names:
+            content = _visual(name, path, surroundings)
+            if isinstance(content, str) or size + len(content) > LARGEST_TOGETHER:
+                unseen[_shown(name)] = content if isinstance(content, str) else "is too much with the others"
+                continue
+            free = _free(PurePosixPath(urlparse(name).path).name, {PurePosixPath(one).name for one in drawn})
+            names[path] = f"{VISUALS}/{free}"
+            drawn[names[path]] = content
+            size += len(content)
+        edits.append((*_filename(urdf.text, mesh), f'"{names[path]}"'))
+    return tuple(drawn.items()), tuple(unseen.items())
+
+
+def _visual(name: str, path: Path, surroundings: Surroundings) -> bytes | str:
+    """Return the content of a mesh that is only drawn, or why it isn't copied."""
+    if not surroundings.has(name, path):
+        return "is outside the URDF's package"
+    try:
+        if path.stat().st_size > LARGEST_VISUAL:
+            return f"has more than {LARGEST_VISUAL:,} bytes"
+        return read_mesh(path)
+    except NoMeshError as error:
+        return str(error)
+    except OSError as error:
+        return f"can't be read: {(error.strerror or str(error)).lower()}"
 
 
 def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, before: int) -> bytes:
@@ -90,7 +153,7 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
         before: the size of the meshes before [bytes].
     """
     name = mesh.attributes.get("filename", "")
-    shown = name if len(name) <= _SHOWN else f"...{name[-_SHOWN:]}"
+    shown = _shown(name)
     if not surroundings.has(name, path):
         message = f"The mesh {shown} is outside the URDF's package and isn't copied."
         remedy = f"Put it beside the URDF, or, if the file is meant, allow its folder with --meshes {shlex.quote(str(path.resolve().parent))}."
@@ -111,6 +174,12 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
         urdf.say("Y1363", message, "Simplify the collision meshes.", mesh, "filename")
         return b""
     return content
+
+
+def _shown(name: str) -> str:
+    """Return a file's name as a message has it."""
+    plain = "".join(one if one.isprintable() else "?" for one in name)
+    return plain if len(plain) <= _SHOWN else f"...{plain[-_SHOWN:]}"
 
 
 def _mesh(body: Element) -> Element | None:

@@ -44,11 +44,13 @@ class _Process:
         moving: robots that move.
         beside: threads that plan or log.
         first: whether the thread that streams goes before ordinary ones.
+        frozen: whether objects were frozen before something moved.
     """
 
     moving: int = 0
     beside: set[int] = field(default_factory=set)
     first: bool = False
+    frozen: bool = False
 
 
 _PROCESS = _Process()
@@ -124,7 +126,8 @@ def prompt_while_moving() -> Iterator[None]:
         return
     for number in tuple(_PROCESS.beside) if _PROCESS.first else ():
         _goes_first(number, _WORKS)
-    switch, garbage, frozen = sys.getswitchinterval(), gc.get_threshold(), gc.get_freeze_count()
+    switch, garbage = sys.getswitchinterval(), gc.get_threshold()
+    frozen = _PROCESS.frozen = _PROCESS.frozen or gc.get_freeze_count() > 0  # to count them takes long
     sys.setswitchinterval(min(switch, _SWITCH))
     if not frozen:  # who froze objects before wants just these to stay so
         gc.freeze()

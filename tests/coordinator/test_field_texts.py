@@ -1,0 +1,24 @@
+"""The texts below a message's fields stand in its schema, wherever the field is declared."""
+
+from yarclang.coordinator.messages import orders, replies
+from yarclang.coordinator.messages.field_texts import field_texts
+
+
+def test_texts_are_those_of_the_source():
+    assert field_texts(replies.Status)["controller"] == "Its address, HOST:PORT."
+    schema = replies.Status.model_json_schema()["properties"]
+    assert schema["controller"]["description"] == "Its address, HOST:PORT."
+    assert "description" not in schema["robot"]
+    # what a field says itself comes first
+    assert (
+        orders.Load.model_json_schema()["properties"]["first"]["description"]
+        == "the index of a command, or null"
+    )
+    assert field_texts(orders.Load)["first"] == "The command to begin with."
+
+
+def test_texts_of_bases_are_there():
+    class Below(replies.Status):
+        pass
+
+    assert field_texts(Below) == field_texts(replies.Status)

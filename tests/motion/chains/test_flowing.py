@@ -1,0 +1,206 @@
+"""Long chains as one path, from the emitted text: where the paths are left, how fast the tool goes, and that limits hold; laws and means by themselves."""
+
+import numpy as np
+import pytest
+from floors import exercises
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from independent import Arm, overlaps, read, shares
+from programs import compiled, robot_of
+from scipy.spatial.transform import Rotation
+
+from yarclang.motion.chains.flowing.law import Law
+from yarclang.motion.chains.flowing.turns import angle_between, matrices, product, quaternions, steadied
+
+BEGIN = {"INDUSTRIAL6": (40.0, 1000.0, 1000.0), "TRACKED_MANIPULATOR": (700.0, 0.0, 500.0)}
+
+
+def drawn(seed, count, shape, turning):
+    """Way-points (count + 1, 3) [mm] from the origin, and turns about x [deg]: pieces of 0.5 to 3 mm."""
+    chance = np.random.default_rng(seed)
+    lengths = chance.uniform(0.7, 3.0, count)
+    if shape == "curve":
+        heading = np.cumsum(
+            chance.normal(0.0, 0.02) + 0.03 * np.sin(np.arange(count) / chance.uniform(5, 30))
+        )
+    elif shape == "stairs":
+        heading = np.repeat([0.0, np.pi / 2], 5)[np.arange(count) % 10]
+    else:
+        heading = np.cumsum(chance.choice([0.0, 0.0, 0.0, 0.5, -0.9, 1.4], count))
+    ways = lengths[:, None] * np.stack((np.cos(heading), np.sin(heading), 0.1 * np.sin(heading)), axis=1)
+    points = np.concatenate(([[0, 0, 0]], np.cumsum(ways, axis=0))).round(4)
+    far = np.abs(points).max()
+    points *= min(1.0, 60.0 / far)  # a tool path of some centimetres
+    gone = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    # to and fro
+    turns = turning * np.abs((gone + 10.0) % 40.0 - 20.0)
+    return points, turns
+
+
+def program(robot, points, turns, speed, ball, tolerance):
+    begin = np.array(BEGIN[robot])
+    lines = [f"DEFAULT {{TCP}} [V {speed:g}] (mm,deg,s) {{B}}"]
+    for number, (point, turn) in enumerate(zip(points + begin, turns, strict=True)):
+        x, y, z = point
+        place = f"{x:.4f} {y:.4f} {z:.4f} {turn:.4f} 0 0"
+        if number == 0:
+            lines.append(f"P0001 MOVEJ_RPY {place} [5]")
+        else:
+            flows = f" BLEND {ball:.6g}" if number < len(points) - 1 else ""
+            lines.append(f"P{10 * number:04d} MOVEL {place} TOL {tolerance:g}{flows}")
+    return "\n".join(lines) + "\n"
+
+
+def to_segments(p, a, b):
+    """Distances (N, k) of points (N, 3) from k pieces."""
+    way = b - a
+    along = np.einsum("nki,ki->nk", p[:, None] - a, way) / np.maximum(np.einsum("ki,ki->k", way, way), 1e-30)
+    nearest = a + np.clip(along, 0, 1)[..., None] * way
+    return np.linalg.norm(p[:, None] - nearest, axis=2)
+
+
+def looked_at(text, robot, points, speed, ball, tolerance):
+    """Hold a text against its way-points; return the mean share of the speed from the first to the last time that it is reached."""
+    arm = Arm(robot_of(robot).folder)
+    _, commands = read(text)
+    corners = np.array(BEGIN[robot]) + points
+    radii = overlaps(text)
+    fast, times = [], 0.0
+    for step in sorted(commands)[1:]:
+        executed = commands[step]
+        for name, share in shares(arm, executed).items():
+            assert share <= 1.0 + 1e-6, (step, name, share)
+        p, _ = arm.poses(executed.sample())
+        own = step - 1
+        near = slice(max(own - 1, 0), own + 2)
+        off = to_segments(p, corners[:-1][near], corners[1:][near]).min(axis=1)
+        at_corner = np.minimum(
+            np.linalg.norm(p - corners[own], axis=1) if own and radii[step - 1] else np.full(len(p), np.inf),
+            np.linalg.norm(p - corners[own + 1], axis=1) if radii.get(step) else np.full(len(p), np.inf),
+        )
+        left = off > tolerance * (1 + 1e-6)
+        assert (at_corner[left] <= ball + tolerance).all(), (step, off.max(), at_corner[left].max())
+        steps = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
+        # a chord of an arc is shorter than it
+        assert steps.max() <= speed * (1 + 2e-3), (step, steps.max())
+        fast.append(steps)
+        times += executed.duration
+    fast = np.concatenate(fast) / speed
+    reached = np.flatnonzero(fast > 0.98)
+    return fast[reached[0] : reached[-1] + 1].mean() if len(reached) else 0.0
+
+
+@exercises(flows=0.85)
+@settings(max_examples=12, deadline=None)
+@given(
+    st.sampled_from(sorted(BEGIN)),
+    st.integers(0, 10**6),
+    st.integers(45, 80),
+    st.sampled_from(["curve", "stairs", "corners"]),
+    st.sampled_from([0.0, 0.3, -1.0]),
+    st.sampled_from([5.0, 20.0, 50.0]),
+    st.sampled_from([0.0, 0.1, 0.3]),
+)
+def test_what_is_certified_keeps_to_its_paths_and_limits(
+    tally, robot, seed, count, shape, turning, speed, ball
+):
+    points, turns = drawn(seed, count, shape, turning)
+    if shape != "curve":
+        ball = max(ball, 0.1)
+    ball = min(ball, 0.49 * np.linalg.norm(np.diff(points, axis=0), axis=1).min())
+    made, found = compiled(program(robot, points, turns, speed, ball, 0.05), robot)
+    assert made is not None, [(one.code, one.message) for one in found][:3]
+    flows = [motion.flows for motion in made.plan.motions[1:-1]]
+    tally.count("flows", all(flows))
+    looked_at(made.text, robot, points, speed, ball, 0.05)
+
+
+def test_a_curve_of_short_pieces_keeps_its_speed():
+    """What takes a third of the speed if each corner is passed by itself."""
+    at = np.arange(150) * 2.0
+    heading = np.radians(60) * np.sin(at / 40.0)
+    points = np.concatenate(
+        ([[0, 0, 0]], np.cumsum(2.0 * np.stack((np.cos(heading), np.sin(heading), 0 * at), axis=1), axis=0))
+    )
+    made, found = compiled(program("INDUSTRIAL6", points.round(3), np.zeros(151), 50.0, 0.3, 0.02))
+    assert made is not None
+    assert looked_at(made.text, "INDUSTRIAL6", points.round(3), 50.0, 0.3, 0.02) > 0.975
+    assert all(motion.flows for motion in made.plan.motions[1:-1])
+    assert made.plan.motions[-1].overlap is None
+    # told is where it begins and ends, and nothing between
+    told = [one.span.line for one in found if one.code == "Y0610"]
+    assert not [line for line in told if 8 < line < 145]
+
+
+@given(st.integers(2, 60), st.integers(0, 10**6))
+def test_the_law_is_the_fastest_one(count, seed):
+    chance = np.random.default_rng(seed)
+    s = np.concatenate(([0.0], np.cumsum(chance.uniform(0.01, 1.0, count))))
+    ceiling, slope = chance.uniform(0.05, 2.0, count + 1), chance.uniform(0.1, 3.0, count)
+    law = Law.fastest(s, ceiling, slope)
+    assert law.v[0] == law.v[-1] == 0.0
+    assert (law.v <= ceiling * (1 + 1e-9)).all()
+    gained = np.abs(np.diff(law.v**2))
+    assert (gained <= 2.0 * slope * np.diff(s) * (1 + 1e-9) + 1e-12).all()
+    # each inner node is as fast as something allows: its ceiling, or what can be reached from a neighbour
+    for k in range(1, count):
+        tight = [
+            ceiling[k] ** 2,
+            law.v[k - 1] ** 2 + 2 * slope[k - 1] * (s[k] - s[k - 1]),
+            law.v[k + 1] ** 2 + 2 * slope[k] * (s[k + 1] - s[k]),
+        ]
+        assert law.v[k] ** 2 == pytest.approx(min(tight), rel=1e-9, abs=1e-12)
+    # and its places are those of its speeds
+    t = np.linspace(0.0, law.duration, 4001)
+    places = law.places(t)
+    assert places[0] == 0.0
+    assert places[-1] == pytest.approx(s[-1], abs=1e-9)
+    assert (np.diff(places) >= -1e-12).all()
+    speeds = np.diff(places) / np.diff(t)
+    middle = 0.5 * (t[1:] + t[:-1])
+    assert np.abs(speeds - law.speeds(middle)).max() <= 2.0 * slope.max() * (t[1] - t[0]) + 1e-9
+
+
+@given(st.integers(0, 10**6))
+def test_turns(seed):
+    rotations = Rotation.random(20, random_state=seed)
+    turns = quaternions(rotations.as_matrix())
+    np.testing.assert_allclose(matrices(turns), rotations.as_matrix(), atol=1e-12)
+    both = (rotations * rotations[::-1]).as_matrix()
+    np.testing.assert_allclose(matrices(product(turns, turns[::-1])), both, atol=1e-12)
+    steady = steadied(turns)
+    assert (np.einsum("ni,ni->n", steady[1:], steady[:-1]) >= 0.0).all()
+    np.testing.assert_allclose(matrices(steady), rotations.as_matrix(), atol=1e-12)
+    angles = (rotations.inv() * rotations[::-1]).magnitude()
+    np.testing.assert_allclose(
+        angle_between(rotations.as_matrix(), rotations[::-1].as_matrix()), angles, atol=1e-7
+    )
+
+
+@pytest.mark.parametrize("ball", [0.0, 0.3])
+def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
+    """The means of a law that gets slower at a corner are faster behind it, if the law isn't slower before."""
+    at = np.arange(50) * 2.0
+    heading = np.radians(2.0) * np.sin(at / 40.0)
+    ways = 2.0 * np.stack((np.cos(heading), np.sin(heading), 0.0 * at), axis=1)
+    points = np.concatenate(([[0, 0, 0]], np.cumsum(ways, axis=0))).round(3)
+    speeds = np.where((np.arange(50) >= 15) & (np.arange(50) < 32), 20.0, 50.0)
+    lines = program("INDUSTRIAL6", points, np.zeros(51), 50.0, ball, 0.05).splitlines()
+    lines[2:] = [
+        line.replace(" TOL", f" [V {speed:g}] TOL") for line, speed in zip(lines[2:], speeds, strict=True)
+    ]
+    made, found = compiled("\n".join(lines) + "\n")
+    assert made is not None, [(one.code, one.message) for one in found if one.is_error]
+    assert all(motion.flows for motion in made.plan.motions[1:-1])
+    arm = Arm(robot_of("INDUSTRIAL6").folder)
+    _, commands = read(made.text)
+    for step in range(12, 36):
+        executed = commands[step]
+        p, _ = arm.poses(executed.sample())
+        went = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
+        # the corner is passed up to a segment from where the map says
+        inner, allowed = went[8:-8], speeds[max(step - 2, 0) : step + 1].max()
+        assert inner.max(initial=0.0) <= speeds[step - 1] * 1.002
+        assert went.max() <= allowed * 1.002
+        if 18 <= step <= 30:
+            assert went.min() >= 0.99 * speeds[step - 1]

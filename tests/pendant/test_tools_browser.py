@@ -1,0 +1,145 @@
+"""The pages Tools and frames, and I/O, in a real browser."""
+
+import shutil
+
+import pytest
+from pendant.process import PIN, serving
+from pendant.test_browser import Place, click, goes_to, shown, size, until
+from view.browser import browser_or_skip, opened_browser
+
+from tests.collision.test_bodies import changed
+from tests.conftest import EXAMPLES
+from tests.robot.test_dynamics import heavy_industrial6
+
+WAITS = 'CELL "cell.toml"\nP0010 MOVEJ 5 0 0 0 -10 0 [1] (deg,s)\nP0020 WAIT PART_READY OFF\nP0030 MOVEJ HOME [1] (deg,s)\n'
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A pendant at a robot with masses in a project with a cell; anna, who controls it, is logged in."""
+    browser_or_skip()
+    folder = tmp_path_factory.mktemp("pendant")
+    heavy_industrial6(folder)
+    changed(
+        folder,
+        ("gravity = [0, 9.81, 0]", ""),
+        ("[positions]", '[tools.GRIPPER]\nframe = "TCP"\nmass = 1.80  # weighed\n\n[positions]'),
+    )
+    shutil.copy(EXAMPLES / "05_pick_and_place.toml", folder / "cell.toml")
+    (folder / "wait.yarc").write_text(WAITS)
+    options = ("--cell", str(folder / "cell.toml"))
+    with (
+        serving(folder, *options, robot=str(folder / "arm")) as (url, token, process),
+        opened_browser(folder / "profile") as browser,
+    ):
+        found = Place(url, token, process, browser)
+        found.folder = folder
+        size(browser, 1024, 700)
+        found.control()
+        yield found
+
+
+def press(browser, where, label):
+    """Press a button by what it says."""
+    until(
+        lambda: browser.execute_script(
+            "const one = [...document.querySelectorAll(arguments[0])].find((one) => one.textContent.includes(arguments[1]) && !one.disabled); one?.click(); return Boolean(one)",
+            where,
+            label,
+        )
+    )
+
+
+def chosen(browser):
+    return browser.execute_script(
+        "return Object.fromEntries([...document.querySelectorAll('select[data-frames]')].map((one) => [one.dataset.frames, one.value]))"
+    )
+
+
+def test_signals_are_shown_and_switched(place):
+    browser = place.browser
+    goes_to(browser, "run")
+    goes_to(browser, "io")
+    until(lambda: shown(browser, "[data-name=GRIP] .lamp") == "OFF")
+    assert "the part doesn't fall" in shown(browser, "[data-name=GRIP]")
+    # an output that does something to a part is asked about
+    click(browser, "[data-name=GRIP] [data-value='1']")
+    until(lambda: "The gripper closes" in shown(browser, "dialog.asks"))
+    assert browser.execute_script("return document.activeElement.textContent") == "Cancel"
+    press(browser, "dialog.asks button", "Cancel")
+    assert shown(browser, "[data-name=GRIP] .lamp") == "OFF"
+    click(browser, "[data-name=GRIP] [data-value='1']")
+    press(browser, "dialog.asks button", "Switch")
+    until(lambda: shown(browser, "[data-name=GRIP] .lamp") == "ON")
+    # the WAIT at which the robot stands, and the input set by hand that ends it
+    browser.execute_script(
+        "const said = (path, body) => fetch(path, {method: 'POST', body: JSON.stringify(body)}).then((answer) => answer.json());"
+        "said('/api/orders/load', {file: 'wait.yarc'}).then((told) => said('/api/orders/run', {program: told.program.number}))"
+    )
+    until(lambda: shown(browser, ".io-wait").startswith("P0020 waits for PART_READY = OFF since"))
+    assert "outputs are the program's" in shown(browser, ".io-lists")
+    assert browser.execute_script("return document.querySelector('[data-name=GRIP] [data-value]').disabled")
+    click(browser, "[data-name=PART_READY] [data-value='0']")
+    until(lambda: browser.execute_script("return document.querySelector('.io-wait').hidden"))
+    until(lambda: shown(browser, "#bar .state") == "Idle")
+    # a number, a search, and who may not
+    click(browser, "[data-name=PRESS_LOADED] button:last-child")
+    browser.execute_script("document.querySelector('dialog.asks input').value = '7'")
+    press(browser, "dialog.asks button", "Set")
+    press(browser, "dialog.asks button", "Switch")
+    until(lambda: shown(browser, "[data-name=PRESS_LOADED] .lamp") == "7")
+    browser.execute_script(
+        "const one = document.querySelector('.io-bar input[type=search]'); one.value = 'm2'; one.dispatchEvent(new Event('input'))"
+    )
+    assert browser.execute_script(
+        "return [...document.querySelectorAll('.signal')].map((one) => one.dataset.name)"
+    ) == ["PRESS_LOADED"]
+    press(browser, "#bar button", "Release control")
+    until(lambda: "Take control of the robot first" in shown(browser, ".io-lists"))
+
+
+def test_one_choice_of_frames_and_a_payload(place):
+    browser = place.browser
+    goes_to(browser, "setup/tools")
+    press(browser, ".frame-row", "{GRIPPER}")
+    press(browser, ".frame-row", "{PRESS}")
+    wanted = {"moving": "{GRIPPER}", "axes": "{PRESS}"}
+    assert chosen(browser) == wanted
+    until(lambda: shown(browser, ".frame-pose").startswith("{GRIPPER} is at X"))
+    goes_to(browser, "status")
+    assert chosen(browser) == wanted
+    goes_to(browser, "jog")
+    click(browser, "input[value=base]")
+    until(lambda: chosen(browser) == wanted)
+    # a frame that isn't there any more falls back, with a word
+    browser.execute_script(
+        "localStorage.setItem('yarc.anna.jog', JSON.stringify({moving: '{GONE}', axes: '{B}'})); location.reload()"
+    )
+    until(lambda: "There is no frame {GONE} any more" in shown(browser, "#notices"))
+    goes_to(browser, "setup/tools")
+    until(lambda: chosen(browser) == {"moving": "{TCP}", "axes": "{B}"})
+    # what a payload does, and robot.toml with it
+    press(browser, ".tool-names .pick", "GRIPPER")
+    browser.execute_script(
+        "document.querySelector('[name=mass]').value = '400'; document.querySelector('[name=center_y]').value = '500'"
+    )
+    press(browser, ".payload-form button", "What it does")
+    press(browser, ".torque-kinds button", "Worst pose")
+    assert browser.execute_script("return document.querySelectorAll('.torque[data-over=true]').length") > 0
+    assert "Its motor can't do this" in shown(browser, ".torque-bars")
+    press(browser, ".torques button", "Look at the change")
+    press(browser, "dialog.shows button", "Write it")
+    until(lambda: "Your PIN" in shown(browser, "dialog.asks"))
+    browser.execute_script("document.querySelector('dialog.asks input').value = arguments[0]", PIN)
+    press(browser, "dialog.asks button", "Go on")
+    until(lambda: "when the pendant is started anew" in shown(browser, ".payload .ask"))
+    text = (place.folder / "arm" / "robot.toml").read_text()
+    assert "mass = 400  # weighed\ncenter_of_mass = [0, 500, 0]\n" in text
+    # another one changes the file while the change is shown: nothing is written, and the page says so
+    browser.execute_script("document.querySelector('[name=mass]').value = '3'")
+    press(browser, ".payload-form button", "What it does")
+    press(browser, ".torques button", "Look at the change")
+    (place.folder / "arm" / "robot.toml").write_text(text + "# later\n")
+    press(browser, "dialog.shows button", "Write it")
+    until(lambda: "another content" in shown(browser, "#notices"))
+    assert (place.folder / "arm" / "robot.toml").read_text() == text + "# later\n"

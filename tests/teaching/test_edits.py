@@ -1,0 +1,228 @@
+"""Laws of all edits, over whole and broken texts: they never overlap, what they don't touch stays to the byte, and nothing is read worse."""
+
+import itertools
+import random
+import time
+from pathlib import Path
+
+import mutated_texts
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from programs import robot_of
+
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile, lines_with_ends
+from yarclang.teaching.changing import change
+from yarclang.teaching.edits import Program, applied
+from yarclang.teaching.fields import Reader
+from yarclang.teaching.holding import around
+from yarclang.teaching.lines import delete, insert, move, renumbered
+from yarclang.teaching.listing import listing
+from yarclang.teaching.motions import Taught, teach
+from yarclang.teaching.points import touch_up
+
+ROBOT = robot_of("INDUSTRIAL6")
+ENDS = ("\n", "\r\n", "\r")
+
+
+def program(text):
+    return Program(SourceFile("test.yarc", text))
+
+
+def overlap(edits):
+    pairs = itertools.pairwise(sorted(edits, key=lambda one: one.span))
+    return any(
+        (one.span.end_line, one.span.end_column) > (other.span.line, other.span.column)
+        for one, other in pairs
+    )
+
+
+def untouched(text, edits):
+    """The lines that no edit reaches into, with their ends."""
+    lines = lines_with_ends(text)
+    reached = set()
+    for edit in edits:
+        span = edit.span
+        last = span.end_line - (span.end_column == 1 and span.end_line > span.line)
+        if span.column == 1 and (span.line, span.column) == (span.end_line, span.end_column):
+            continue  # put in before a line
+        reached.update(range(span.line, last + 1))
+    return [line for number, line in enumerate(lines, 1) if number not in reached]
+
+
+def is_part(some, all_of_them):
+    """Whether some lines stand among others in their order."""
+    left = iter(all_of_them)
+    return all(any(one == other for other in left) for one in some)
+
+
+def holds(text, edited):
+    """What must hold of every edit; the text that it makes."""
+    new = applied(text, edited.edits)
+    assert not overlap(edited.edits)
+    assert is_part(untouched(text, edited.edits), lines_with_ends(new))
+    before, after = program(text), program(new)
+    assert after.faults[0] <= before.faults[0]
+    assert after.faults[1] <= before.faults[1]
+    assert 1 <= edited.line <= max(after.size, 1)
+    assert edited.what
+    return new
+
+
+def some_edit(text, draw):
+    """One edit by chance; None where it is refused."""
+    found = program(text)
+    line = draw.randint(1, max(found.size, 1))
+    other = draw.randint(1, found.size + 1)
+    named = None
+    joints = ROBOT.home + np.array([draw.uniform(-0.3, 0.3) for _ in range(6)])
+    kind = draw.choice(("delete", "move", "renumber", "insert", "change", "teach", "touch"))
+    try:
+        if kind in ("teach", "touch"):
+            named = around(found, Path(__file__).parent, ROBOT)
+        match kind:
+            case "delete":
+                return delete(found, line, min(line + draw.randint(0, 3), found.size))
+            case "move":
+                return move(found, line, other)
+            case "renumber":
+                return renumbered(found)
+            case "insert":
+                code = draw.choice(("WAIT [1] (s)", "STOP", 'HOLD "a ! b"', "! only words"))
+                return insert(found, line - draw.randint(0, 1), code, has_index=code[0] != "!")
+            case "change":
+                statement = found.statement(line)
+                placed = Reader(found.sketch).placed(statement)
+                if not placed:
+                    return None
+                field = draw.choice(placed).field
+                value = draw.choice(
+                    ("1.5", "READY", "", "ON", "{B}", "a ! b", "min", "2] (s) !", "1\n2", "50%", '"')
+                )
+                return change(found, line, {field.name: value})
+            case "teach":
+                motion = draw.choice(("MOVEJ", "MOVEL", "DMOVE", "MOVEC"))
+                name = draw.choice(("", "", f"T{draw.randint(0, 99)}")) if motion != "DMOVE" else ""
+                taught = Taught(motion, name=name, via=ROBOT.home + 0.1)
+                return teach(named, line - draw.randint(0, 1), taught, joints)
+            case _:
+                return touch_up(named, line, joints)
+    except Trouble as trouble:
+        told = trouble.what
+    assert told
+    assert "\n" not in told
+    return None
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 1 << 30), broken=st.booleans())
+def test_edits_keep_what_they_dont_mean(seed, broken):
+    draw = random.Random(seed)
+    whole = [text for _, text in mutated_texts.programs() if len(text) < 4000]
+    text = mutated_texts.drawn(seed)[1][:4000] if broken else draw.choice(whole)
+    text = text.replace("\r\n", "\n").replace("\n", draw.choice(ENDS))
+    if draw.random() < 0.3:
+        text = text.rstrip("\r\n")
+    for _ in range(6):
+        edited = some_edit(text, draw)
+        if edited is not None:
+            text = holds(text, edited)
+    assert all(one.line >= 1 and one.rows >= 1 and one.depth >= 0 for one in listing(SourceFile("x", text)))
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 1 << 30))
+def test_what_was_inserted_and_is_deleted_leaves_no_trace(seed):
+    draw = random.Random(seed)
+    text = mutated_texts.drawn(seed)[1][:3000].replace("\n", draw.choice(ENDS))
+    before = program(text)
+    try:
+        edited = insert(before, draw.randint(0, before.size), "WAIT [1] (s)")
+    except Trouble:
+        return
+    if "new one" in edited.what:  # there was no index left
+        return
+    new = applied(text, edited.edits)
+    try:
+        back = delete(program(new), edited.line, edited.line)
+    except Trouble:
+        return
+    assert applied(new, back.edits) == text
+
+
+def test_no_text_is_too_strange_to_be_listed():
+    for seed in range(200):
+        text = mutated_texts.drawn(seed)[1]
+        found = listing(SourceFile("x", text))
+        module = program(text).sketch.module
+        lines = {one.line for one in found}
+        assert {one.line for one in module.statements} | set(module.unreadable_lines) <= lines
+        assert len(found) == len(lines)
+
+
+def test_a_block_goes_with_its_end_and_says_what_is_missing_then():
+    text = "JOINTS READY 0 0 0 0 10 0 (deg)\nREPEAT 2 ! twice\n  P0010 MOVEJ READY [2] (s)\n  IF 1\n    P0020 STOP\n  END\nEND\nP0030 STOP\n"
+    gone = delete(program(text), 2, 2)
+    assert applied(text, gone.edits) == "JOINTS READY 0 0 0 0 10 0 (deg)\nP0030 STOP\n"
+    assert gone.what == "deleted 6 lines from line 2 on"
+    with pytest.raises(Trouble, match="the END in line 7 belongs to REPEAT in line 2"):
+        delete(program(text), 7, 7)
+    assert "READY is used in line 2" in delete(program(text), 1, 1).what
+    rows = "P0010 MOVEJ_SPLINE 1 2 3 4 5 6; ! a\n\n ! b\n  1 2 3 4 5 7 [9] (deg,s)\nP0020 STOP"
+    assert applied(rows, delete(program(rows), 3, 3).edits) == "P0020 STOP"
+    assert applied(rows, delete(program(rows), 5, 5).edits) == rows[: -len("\nP0020 STOP")]
+
+
+def test_a_command_is_moved_into_a_block_as_its_neighbours_are():
+    text = 'P0010 STOP  ! one\r\nREPEAT 2\r\n    P0020 HOLD "a"\r\nEND\r\nP0030 HOLD "b"\r\n'
+    inside = move(program(text), 1, 4)
+    made = applied(text, inside.edits)
+    assert made == 'REPEAT 2\r\n    P0020 HOLD "a"\r\n    P0025 STOP  ! one\r\nEND\r\nP0030 HOLD "b"\r\n'
+    assert inside.line == 3
+    whole = applied(text, move(program(text), 2, 6).edits)
+    assert whole.splitlines()[1:] == ['P0030 HOLD "b"', "REPEAT 2", '    P0040 HOLD "a"', "END"]
+    with pytest.raises(Trouble, match="into themselves"):
+        move(program(text), 2, 4)
+
+
+def test_fields_are_changed_in_their_places():
+    text = "DEFAULT {TCP} [50%] (mm,deg) {B}\nP0010   MOVEL  1.00 2  3 0 0 0   BLEND 5   ! there\nP0020 WAIT DOOR ON\nP0030 MOVEJ A NEAR B\n"
+    found = program(text)
+
+    def line(number, **fields):
+        return applied(text, change(found, number, fields).edits).splitlines()[number - 1]
+
+    assert line(2, x="7.5") == "P0010   MOVEL  7.5 2  3 0 0 0   BLEND 5   ! there"
+    assert line(2, speed="100") == "P0010   MOVEL  1.00 2  3 0 0 0 [V 100]   BLEND 5   ! there"
+    assert line(2, blend="", comment="") == "P0010   MOVEL  1.00 2  3 0 0 0"
+    assert (
+        line(2, time="4", base="TABLE", acc="30")
+        == "P0010   MOVEL  1.00 2  3 0 0 0 [4] (s) {TABLE}   BLEND 5 ACC 30%   ! there"
+    )
+    assert line(3, time="5") == "P0020 WAIT DOOR ON [5] (s)"
+    assert line(4, target="READY", near="") == "P0030 MOVEJ READY"
+    for wrong in (
+        {"x": "1 2"},
+        {"x": ""},
+        {"blend": "5 ! x"},
+        {"nothing": "1"},
+        {"time": "1", "percent": "50"},
+        {"comment": "a\nP1 STOP"},
+    ):
+        with pytest.raises(Trouble):
+            change(found, 2, wrong)
+
+
+def test_a_long_program_is_listed_in_a_second():
+    lines = "".join(
+        f"P{n * 10:05d} MOVEL {n % 999}.25 1000 {n / 100:.2f} 0 0 {n % 90}\n" for n in range(10_000)
+    )
+    source = SourceFile("x", f"DEFAULT {{TCP}} [50%] (mm,deg,s) {{B}}\n{lines}")
+    took = []
+    for _ in range(2):
+        begin = time.process_time()
+        assert len(listing(source)) == 10_001
+        took.append(time.process_time() - begin)
+    assert min(took) < 1.0

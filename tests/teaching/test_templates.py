@@ -1,0 +1,122 @@
+"""Forms make lines that compile; templates are proved as they come, on both robots of the library."""
+
+from pathlib import Path
+
+import pytest
+from programs import checked, codes, robot_of
+
+from yarclang.commands.registry import commands
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.inputs import Options
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+from yarclang.teaching.edits import Program, applied
+from yarclang.teaching.forms import forms, known, put_in
+from yarclang.teaching.holding import around
+from yarclang.teaching.templates import filled, new, templates
+
+NAMES = [one.name for one in templates()]
+HEAD = "INPUT DOOR M11\nOUTPUT GRIP M1\nFRAME {TOOL} 0 150 0 90 0 0 (mm,deg) {FLANGE}\nDEFAULT {TOOL} [50%] (mm,deg,s) {B}\nFRAME {BOX} 0 900 500 0 0 0\nJOINTS READY 0 -10 -20 0 -60 0\nP0010 MOVEJ READY\n"
+
+
+@pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_template_is_proved_as_it_comes(name, robot, tmp_path):
+    text = filled(name, robot_of(robot), {})
+    assert "@" not in text
+    told = check_text(SourceFile(str(tmp_path / "x.yarc"), text), tmp_path, Options())
+    assert told.compiled is not None
+    assert [(one.code, one.message) for one in told.diagnostics] == []
+
+
+def test_templates_take_only_what_they_ask_for(tmp_path):
+    robot = robot_of("INDUSTRIAL6")
+    text = new("pick-place", robot, {"grip": "Vacuum", "times": "1"}, tmp_path)
+    assert "SET" not in text
+    assert "OUTPUT VACUUM M1" in text
+    for fields in (
+        {"grip": "A B"},
+        {"grip": "MOVEJ"},
+        {"times": "99"},
+        {"times": "1\nSTOP"},
+        {"speed": "0"},
+        {"other": "1"},
+    ):
+        with pytest.raises(Trouble):
+            filled("pick-place", robot, fields)
+    with pytest.raises(Trouble, match="there is no template"):
+        filled("../project/program", robot, {})
+
+
+def named(text):
+    here = Path(__file__).parent
+    return around(Program(SourceFile(str(here / "test.yarc"), text)), here, robot_of("INDUSTRIAL6"))
+
+
+def after(text, command, /, **fields):
+    line = text.count("\n")
+    return applied(text, put_in(named(text), line, command, fields).edits)
+
+
+def test_every_command_has_a_form():
+    found = {one.command: one for one in forms(known(named(HEAD)))}
+    assert {"SET", "WAIT", "HOLD", "!", *commands(), "CALL PICKPLACE.PICK"} <= set(found)
+    pick = {one.name: one for one in found["CALL PICKPLACE.PICK"].fields}
+    assert (pick["TOOL"].kind, pick["TOOL"].choices) == ("frame", ("FLANGE", "TCP", "TOOL"))
+    assert (pick["AT"].kind, pick["AT"].value) == ("frame", "BOX")
+    assert (pick["ABOVE"].kind, pick["ABOVE"].unit, pick["ABOVE"].value) == ("number", "mm", "100")
+    assert (pick["GRIP"].kind, pick["GRIP"].choices) == ("signal", ("GRIP",))
+    assert "length of the straight lines" in pick["ABOVE"].label
+
+
+def test_forms_make_lines_that_compile():
+    text = HEAD
+    text = after(text, "SET", signal="GRIP", value="ON")
+    text = after(text, "WAIT", signal="DOOR", value="ON", time="5")
+    text = after(text, "WAIT", time="0.5")
+    text = after(text, "HOLD", text="look! then go on")
+    text = after(text, "!", comment="a note")
+    text = after(text, "MOVEJ", target="READY", percent="20")
+    text = after(text, "MOVEL", x="0", y="0", z="50", roll="0", pitch="0", yaw="0", base="BOX", speed="100")
+    text = after(text, "CALL PICKPLACE.PICK", TOOL="TOOL", AT="BOX", ABOVE="50", GRIP="GRIP", T="1")
+    text = after(text, "STOP")
+    assert text.splitlines()[-9:] == [
+        "P0020 SET GRIP ON",
+        "P0030 WAIT DOOR ON [5]",
+        "P0040 WAIT [0.5]",
+        'P0050 HOLD "look! then go on"',
+        "! a note",
+        "P0060 MOVEJ READY [20%]",
+        "P0070 MOVEL 0 0 50 0 0 0 [V 100] {BOX}",
+        "P0080 CALL PICKPLACE.PICK {TOOL} {BOX} 50 GRIP 1",
+        "P0090 STOP",
+    ]
+    assert "\nUSE PICKPLACE\n" in text
+    _, found = checked(text, load=named(text).request.load)
+    assert [one.message for one in found if one.is_error] == []
+    assert codes(found) == []
+    for command, fields in (
+        ("SET", {"signal": "GRIP"}),
+        ("SET", {"signal": "A\nB", "value": "ON"}),
+        ("MOVEL", {"x": "1"}),
+        ("NOTHING", {}),
+        ("CALL PICKPLACE.PICK", {}),
+        ("OUTPUT", {"name": "LAMP"}),
+        ("OUTPUT", {"name": "GRIP", "variable": "M7"}),
+        ("OUTPUT", {"name": "SET", "variable": "M7"}),
+        ("OUTPUT", {"name": "LAMP", "variable": "M7 ON\nSTOP"}),
+        ("INPUT", {"name": "LAMP", "variable": "M7", "safe": "ON"}),
+    ):
+        with pytest.raises(Trouble):
+            after(HEAD, command, **fields)
+
+
+def test_new_signals_stand_with_the_declarations():
+    text = after(HEAD, "OUTPUT", name="Lamp", variable="m7", safe="OFF")
+    text = after(text, "INPUT", name="BEAM", variable="M17")
+    text = after(after(text, "SET", signal="LAMP", value="ON"), "WAIT", signal="BEAM", value="ON", time="2")
+    lines = text.splitlines()
+    assert lines.index("OUTPUT LAMP M7 OFF") + 1 == lines.index("INPUT BEAM M17")
+    assert lines[-2:] == ["P0020 SET LAMP ON", "P0030 WAIT BEAM ON [2]"]
+    _, found = checked(text, load=named(text).request.load)
+    assert [one.message for one in found if one.is_error] == []

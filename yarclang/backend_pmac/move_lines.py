@@ -1,0 +1,100 @@
+"""Move lines as text: all numbers of many commands at once, digit by digit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+_ROWS_AT_ONCE = 4096
+# the zeros first, then the point: half the time of one expression for both
+_ZEROS = re.compile(r"0+(?=[A-Z\n])")
+_POINT = re.compile(r"\.(?=[A-Z\n])")
+
+
+def move_lines(axes: Sequence[str], decimals: int, commands: Sequence[NDArray[np.float64]]) -> Iterator[str]:
+    """Yield the move lines of each command.
+
+    Args:
+        axes: the letter of each axis.
+        decimals: how many the numbers have at most; trailing zeros aren't written.
+        commands: the values (k, axes) of each command [axis units], rounded to `decimals`.
+    """
+    block: list[NDArray[np.float64]] = []
+    rows = 0
+    for values in commands:
+        block.append(values)
+        rows += len(values)
+        if rows >= _ROWS_AT_ONCE:
+            yield from _split(_lines(axes, decimals, np.concatenate(block)), block)
+            block, rows = [], 0
+    if block:
+        yield from _split(_lines(axes, decimals, np.concatenate(block)), block)
+
+
+def _split(text: bytes, commands: Sequence[NDArray[np.float64]]) -> Iterator[str]:
+    """Yield the part of a text that belongs to each command: as many lines as it has values."""
+    ends = np.flatnonzero(np.frombuffer(text, np.uint8) == _LINE_FEED) + 1
+    begin, lines = 0, 0
+    for values in commands:
+        lines += len(values)
+        end = int(ends[lines - 1]) if lines else 0
+        yield text[begin:end].decode("ascii")
+        begin = end
+
+
+_LINE_FEED, _MINUS, _POINT_BYTE, _ZERO = b"\n-.0"
+
+_MOST = 4e9
+"""Beyond this, a number in units of its last decimal isn't taken apart here."""
+
+
+def _lines(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
+    """Return the move lines of `values` (k, axes)."""
+    size = np.abs(values)
+    scale = 10.0**decimals
+    if not (size.size and 0 < decimals <= 9 and size.max() * scale < _MOST):
+        return _printed(axes, decimals, values)
+    # the value is the float nearest to a number of so many decimals, which times `scale` is that integer but for rounding
+    whole = np.rint(size * scale)
+    if not np.array_equal(whole / scale, size):
+        return _printed(axes, decimals, values)
+    left = whole.astype(np.uint32)
+    digits = decimals + len(str(int(whole.max()) // 10**decimals))
+    # each number has an axis, a sign, digits with a point among them, and the end of a line; what isn't written is left out then
+    text = np.empty((*values.shape, digits + 4), np.uint8)
+    kept = np.empty(text.shape, np.bool_)
+    text[:, :, 0], kept[:, :, 0] = [ord(axis) for axis in axes], True
+    text[:, :, 1], kept[:, :, 1] = _MINUS, np.signbit(values)
+    text[:, :, -1], kept[:, :, -1] = _LINE_FEED, False
+    kept[:, -1, -1] = True
+    counts = np.zeros(values.shape, np.bool_)
+    place = digits + 2
+    for _ in range(decimals):
+        left, digit = _last_digit(left)
+        counts |= digit != 0
+        text[:, :, place], kept[:, :, place] = digit + _ZERO, counts
+        place -= 1
+    text[:, :, place], kept[:, :, place] = _POINT_BYTE, counts
+    kept[:, :, place - 1] = True
+    for ahead in range(place - 1, 1, -1):
+        if ahead < place - 1:
+            kept[:, :, ahead] = left != 0
+        left, digit = _last_digit(left)
+        text[:, :, ahead] = digit + _ZERO
+    return text[kept].tobytes()
+
+
+def _last_digit(numbers: NDArray[np.uint32]) -> tuple[NDArray[np.uint32], NDArray[np.uint8]]:
+    """Return integers without their last digit, and that."""
+    rest = numbers // np.uint32(10)
+    return rest, (numbers - rest * np.uint32(10)).astype(np.uint8)
+
+
+def _printed(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
+    """Return the same for all numbers, in one formatting."""
+    row = "".join(f"{axis}%.{decimals}f" for axis in axes) + "\n"
+    text = (row * len(values)) % tuple(values.ravel().tolist())
+    return _POINT.sub("", _ZEROS.sub("", text)).encode("ascii")

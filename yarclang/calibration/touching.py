@@ -1,0 +1,274 @@
+"""Touches of a calibration: where the robot stood at each one, what follows from them, and what comes next. Nothing here moves."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+
+from yarclang.calibration.frame import FrameCalibration, find_frame
+from yarclang.calibration.home import OffsetCalibration, find_offsets
+from yarclang.calibration.spread import ERROR, touch_error
+from yarclang.calibration.tool import FEWEST_TOUCHES, TipCalibration, find_tip
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.actuation import to_counts
+from yarclang.robot.kinematics.fk import flange_poses, tool_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MM
+
+
+class Touching(ABC):
+    """A calibration.
+
+    Args:
+        robot: that touches.
+        name: of what is calibrated.
+
+    Attributes:
+        joints: (n,) each, where the robot stood at each touch [rad or m].
+        findings: what is wrong with the touches so far.
+    """
+
+    fewest = 1
+    named: tuple[str, ...] = ()
+    """The first touches, each of which is something of its own."""
+
+    def __init__(self, robot: Robot, name: str) -> None:
+        self.robot = robot
+        self.name = name
+        self.joints: list[Array] = []
+        self.findings: tuple[Diagnostic, ...] = ()
+
+    def touch(self, joints: Array, at: int | None = None) -> None:
+        """Take a touch.
+
+        Args:
+            joints: (n,) where the robot stands [rad or m].
+            at: the touch that is taken anew (from 0); None: a further one.
+        """
+        if at is None:
+            self.joints.append(joints)
+        else:
+            self.joints[at] = joints
+        self.solve()
+
+    def can_go(self, at: int) -> bool:
+        """Return True if a touch (from 0) can be forgotten: those that have a name only as the last one, as the next would take their place."""
+        return at >= len(self.named) or at == len(self.joints) - 1
+
+    def untouch(self, at: int = -1) -> None:
+        """Forget a touch that can go, the last one if none is named."""
+        self.joints.pop(at)
+        self.solve()
+
+    def error(self) -> float:
+        """Return the error of one touch [m] that the touches tell; the assumed one if they don't."""
+        return ERROR
+
+    @property
+    def missing(self) -> int:
+        """The number of touches that are needed and aren't there yet."""
+        return max(0, self.fewest - len(self.joints))
+
+    def solve(self) -> None:
+        """Compute the result of the touches, and `findings`."""
+        self.findings = ()
+        self.forget()
+        if not self.missing:
+            self.find()
+
+    @abstractmethod
+    def forget(self) -> None:
+        """Forget the result."""
+
+    @abstractmethod
+    def find(self) -> None:
+        """Compute the result, if there are touches enough."""
+
+    @abstractmethod
+    def next_step(self) -> str:
+        """Return what to do before the next touch."""
+
+    @abstractmethod
+    def result_text(self) -> str:
+        """Return the result in words; empty if there is none."""
+
+    @abstractmethod
+    def residuals(self) -> Array | None:
+        """Return how far each touch is from what all of them say (k,) [mm, of a joint deg or mm]; None if it can't be computed."""
+
+
+class TipTouching(Touching):
+    """The tip of a tool, by touching one point with it several times."""
+
+    fewest = FEWEST_TOUCHES
+    value: TipCalibration | None = None
+
+    def poses(self) -> Array:
+        """Return the poses of the flange (k, 4, 4) [m]."""
+        return flange_poses(self.robot.chain, np.array(self.joints).reshape(-1, self.robot.size))
+
+    def forget(self) -> None:
+        """Forget the tip."""
+        self.value = None
+
+    def error(self) -> float:
+        """Return the error of one touch [m] that the misses tell."""
+        return ERROR if self.value is None else self.value.error
+
+    def find(self) -> None:
+        """Compute the tip."""
+        found = find_tip(self.poses())
+        self.findings, self.value = found.diagnostics, found.value
+
+    def next_step(self) -> str:
+        """Return a step for the first touch, and for those that are tilted."""
+        if not self.joints:
+            return "bring the tool's tip to a fixed, pointed object"
+        return "bring it to the same point again, tilted to another side by 20 deg or more"
+
+    def result_text(self) -> str:
+        """Return where the tip is, and how well that is known."""
+        if self.value is None:
+            return ""
+        tip, spread = self.value.flange_from_tip / MM, self.value.uncertainty / MM
+        misses = self.value.misses / MM
+        return (
+            f"{len(misses)} touches: {{{self.name}}} is at {_numbers(tip)} mm in {{FLANGE}}, to {_numbers(spread)} mm (95 %); "
+            f"the touches miss each other by {misses.mean():.3f} mm, touch {self.value.worst + 1} most, by {misses.max():.3f} mm"
+        )
+
+    def residuals(self) -> Array | None:
+        """Return how far the tip is from the fixed point at each touch [mm]."""
+        return None if self.value is None else self.value.misses / MM
+
+
+class FrameTouching(Touching):
+    """A frame, by touching its origin, a point on its x axis and points of its plane.
+
+    Args:
+        robot: that touches.
+        name: of the frame.
+        flange_from_tip: (4, 4) what touches [m].
+    """
+
+    fewest = 3
+    named = ("origin", "point on x")
+    value: FrameCalibration | None = None
+
+    def __init__(self, robot: Robot, name: str, flange_from_tip: Array) -> None:
+        super().__init__(robot, name)
+        self.flange_from_tip = flange_from_tip
+
+    def points(self) -> Array:
+        """Return the points that were touched (k, 3), in {B} [m]."""
+        joints = np.array(self.joints).reshape(-1, self.robot.size)
+        return tool_poses(self.robot.chain, joints, self.flange_from_tip)[:, :3, 3]
+
+    def error(self) -> float:
+        """Return the error of one point [m] that their distances from the plane tell."""
+        if self.value is None:
+            return ERROR
+        return touch_error(float(np.sum(self.value.heights**2)), len(self.joints) - self.fewest)
+
+    def forget(self) -> None:
+        """Forget the frame."""
+        self.value = None
+
+    def find(self) -> None:
+        """Compute the frame."""
+        points = self.points()
+        found = find_frame(points[0], points[1], list(points[2:]))
+        self.findings, self.value = found.diagnostics, found.value
+
+    def next_step(self) -> str:
+        """Return which point comes next."""
+        steps = (
+            "bring the tip to the origin",
+            "bring it to a point on the x axis, far out",
+            "bring it to a point of the x-y plane on the side of y",
+        )
+        return (
+            steps[len(self.joints)]
+            if self.missing
+            else "bring it to another point of the x-y plane on the side of y"
+        )
+
+    def result_text(self) -> str:
+        """Return that the frame is found, and, of more than three points, how flat they lie."""
+        if self.value is None:
+            return ""
+        heights = np.abs(self.value.heights) / MM
+        flat = (
+            f"the points lie within {heights.max():.3f} mm of a plane"
+            if len(self.joints) > self.fewest
+            else "three points lie in every plane: a fourth one would show how exact it is"
+        )
+        return f"{{{self.name}}} is found; {flat}"
+
+    def residuals(self) -> Array | None:
+        """Return the distance of each point from the plane [mm]; three points are in every plane, and say nothing."""
+        if self.value is None or len(self.joints) <= self.fewest:
+            return None
+        # the origin has no height of its own: the plane goes through it
+        heights: Array = np.abs(self.value.heights) / MM
+        return heights
+
+
+class HomeTouching(Touching):
+    """The offsets of the motors, by bringing joints to their marks.
+
+    Args:
+        robot: whose.
+        marks: the joint positions [rad or m] at the marks, by the joints' names.
+    """
+
+    value: OffsetCalibration | None = None
+
+    def __init__(self, robot: Robot, marks: Mapping[str, float]) -> None:
+        super().__init__(robot, ", ".join(marks))
+        self.marks = marks
+
+    def forget(self) -> None:
+        """Forget the offsets."""
+        self.value = None
+
+    def find(self) -> None:
+        """Compute the offsets."""
+        found = find_offsets(self.robot, [to_counts(self.robot, q) for q in self.joints], self.marks)
+        self.findings, self.value = found.diagnostics, found.value
+
+    def next_step(self) -> str:
+        """Return the step to the marks."""
+        marks = "its mark" if len(self.marks) == 1 else "their marks"
+        return f"bring {self.name} to {marks}{', approached anew' if self.joints else ''}"
+
+    def result_text(self) -> str:
+        """Return how much the joints read wrongly today, and how well the marks repeat."""
+        if self.value is None:
+            return ""
+        shift, spread = (values / self.robot.axis_units for values in (self.value.shift, self.value.spread))
+        return "\n".join(
+            f"{name} reads {-shift[at]:+.4f} {self.robot.axis_unit_names[at]} wrong"
+            + (
+                f"; its visits differ from their mean by {spread[at]:.4f} {self.robot.axis_unit_names[at]} at most"
+                if len(self.joints) > 1
+                else ""
+            )
+            for at, name in enumerate(self.robot.joint_names)
+            if name in self.marks
+        )
+
+    def residuals(self) -> Array | None:
+        """Return how far each visit is from the mean of all, of the joint that differs most [deg or mm]; None for a single visit."""
+        if self.value is None or len(self.joints) < 2:
+            return None
+        marked = np.array([name in self.marks for name in self.robot.joint_names])
+        visits = np.array(self.joints) / self.robot.axis_units
+        apart: Array = np.abs((visits - visits.mean(axis=0))[:, marked]).max(axis=1)
+        return apart
+
+
+def _numbers(values: Array) -> str:
+    return " ".join(f"{value:.3f}" for value in values + 0.0)

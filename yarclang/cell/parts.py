@@ -1,0 +1,63 @@
+"""Parts of a cell, and the outputs that do something to them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from yarclang.cell.bodies import Surroundings, read_obstacle
+from yarclang.cell.frames import ROOTS, known_frame, mount_of
+from yarclang.cell.model import Grip, Part, Removal
+from yarclang.cell.schema import OutputTable, PartTable
+from yarclang.toml.places import Path
+
+REACH = 0.010
+"""How far grippers and machines reach if their file doesn't say [m]."""
+
+
+def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None:
+    """Read a part; None with findings."""
+    body = read_obstacle(table, path, around)
+    if body is None:
+        return None
+    if body.mount.on_flange and table.count > 1:
+        message = f"{body.name} hangs on {table.frame}, which the robot carries: there is one of it, not {table.count}."
+        around.measures.file.say("Y1308", (*path, "count"), message, "Remove count, or name a frame under B.")
+        return None
+    return Part(replace(body, mass=table.mass, is_part=True), table.count)
+
+
+def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:
+    """Read what an output does to parts; None if it does nothing to them, or with findings."""
+    file = around.measures.file
+    key = "grips" if table.grips is not None else "removes"
+    name = getattr(table, key)
+    for other, wanted in (("grips_at", "grips"), ("removes_at", "removes"), ("reach", key)):
+        if getattr(table, other) is not None and getattr(table, wanted) is None:
+            message = f"The output {path[-1]} has {other}, and neither takes parts nor removes them."
+            remedy = f'Add {wanted} = "FRAME", where it does so.'
+            file.say("Y1305", (*path, other), message, remedy, at_key=True)
+            return None
+    if name is None:
+        return None
+    if table.grips is not None and table.removes is not None:
+        message = f"The output {path[-1]} has grips and removes: it does one of both."
+        file.say("Y1305", (*path, "removes"), message, "Remove one of them.", at_key=True)
+        return None
+    frame = known_frame(name, (*path, key), {each: each for each in around.names}, file)
+    factor = (
+        around.measures.factor(around.measures.common, "length", (*path, "reach")) if table.reach else 1.0
+    )
+    if frame is None or factor is None or (frame not in ROOTS and frame not in around.frames):
+        return None
+    mount = mount_of(frame, around.frames)
+    if mount.on_flange != (key == "grips"):
+        stands = "which the robot carries" if mount.on_flange else "which stands still"
+        message = f"The output {path[-1]} {key} at {frame}, {stands}."
+        wanted = "Name B, or a frame under it." if mount.on_flange else "Name FLANGE, or a frame under it."
+        file.say("Y1374", (*path, key), message, wanted)
+        return None
+    reach = REACH if table.reach is None else table.reach * factor
+    at = getattr(table, f"{key}_at")
+    value = 1.0 if at is None else at
+    kind = Grip if mount.on_flange else Removal
+    return kind(frame, mount.transform, reach, value)

@@ -1,0 +1,68 @@
+"""Columns of a table on a terminal: how wide they are, how names in them become shorter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
+
+from yarclang.frozen import frozen
+
+LONGEST_PLACE, SHORTEST_PLACE = 48, 16
+"""Characters of a command's place on a terminal; on a narrow one it is cut down to the shorter of these before a column is left out."""
+LEAST_PLACE = 8
+"""Characters of a command's place for which even the column of the worst share is left out."""
+
+_LONG_NAME = 4
+"""Characters of a joint's name above which a table without room numbers the joints."""
+
+
+@frozen
+class Column:
+    """A column: its name, its cells, and the side at which they stand."""
+
+    name: str
+    cells: tuple[str, ...]
+    side: Literal["left", "right"] = "right"
+
+    @property
+    def width(self) -> int:
+        """Characters of the widest cell, the name counted."""
+        return max(len(self.name), *map(len, self.cells))
+
+    def lines(self) -> Iterator[str]:
+        """Yield the name, a rule and the cells, all as wide as the column."""
+        width = self.width
+        for cell in (self.name, "-" * width, *self.cells):
+            yield cell.ljust(width) if self.side == "left" else cell.rjust(width)
+
+
+def whole_width(columns: Sequence[Column]) -> int:
+    """Return the characters of a line with all columns, their places cut as on a wide terminal."""
+    place, *others = columns
+    return min(place.width, LONGEST_PLACE) + sum(column.width + 2 for column in others)
+
+
+def numbers_of(joints: Sequence[str]) -> dict[str, str]:
+    """Return J1, J2, ... for the names of joints; empty if all are short, or a joint has such a name itself."""
+    numbers = {name: f"J{number}" for number, name in enumerate(joints, 1)}
+    is_worth_it = max(map(len, joints), default=0) > _LONG_NAME and not set(numbers) & set(numbers.values())
+    return numbers if is_worth_it else {}
+
+
+def renamed(column: Column, numbers: Mapping[str, str]) -> Column:
+    """Return a column with numbers instead of the names of joints."""
+
+    def numbered(cell: str) -> str:
+        bracket = cell[: cell.startswith("(")]
+        name, space, share = cell[len(bracket) :].rpartition(" ")
+        return f"{bracket}{numbers[name]}{space}{share}" if name in numbers else cell
+
+    return Column(column.name, tuple(map(numbered, column.cells)), column.side)
+
+
+def cut(place: str, most: int) -> str:
+    """Return a place in at most so many characters: its beginning and its end say most."""
+    if len(place) <= most:
+        return place
+    end = (most - 3) * 2 // 3
+    return f"{place[: most - 3 - end]}...{place[len(place) - end :]}"

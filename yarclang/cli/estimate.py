@@ -1,0 +1,132 @@
+"""How much of a compilation is done, and how long the rest takes: over all its stages, of which most can't count what they have to do.
+
+Time comes in as an argument.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+_STAGES = (
+    ("reading", 6.0, 1.0),
+    ("checking", 8.0, 1.0),
+    ("planning", 45.0, 0.5),
+    ("writing the controller's text", 6.0, 1.0),
+    ("certifying", 33.0, 1.0),
+    ("looking for what else", 2.0, 1.0),
+)
+"""What the stages tell of themselves, or how it begins, in their order; how long each takes against the others, measured with long chains of lines; and the
+share of it that is done when all that it counts is: motions are counted before chains are made of them."""
+
+_WHOLE = sum(weight for _, weight, _ in _STAGES)
+_BEFORE = tuple(sum(weight for _, weight, _ in _STAGES[:number]) for number in range(len(_STAGES)))
+
+_SURE = 0.05
+"""Before this share is done, nothing is said of the time left."""
+_SLOWLY = 4.0
+"""In about so many seconds the time left follows a better estimate: it doesn't jump to and fro."""
+
+
+@lru_cache(maxsize=256)
+def stage_of(what: str) -> int | None:
+    """Return which stage says this; None if it is none of a compilation. What it is a part of comes before: `a.yarc: planning`."""
+    found = [
+        number for number, (name, *_) in enumerate(_STAGES) if what.startswith(name) or f": {name}" in what
+    ]
+    return max(found, key=lambda number: len(_STAGES[number][0]), default=None)
+
+
+@dataclass(slots=True)
+class Estimate:
+    """Follows one compilation, or one of `files` after the other: `file` of them are done.
+
+    The share that is done never falls, but for what begins anew.
+    """
+
+    file: int = 0
+    files: int = 1
+    _stage: int = -1
+    _share: float = 0.0
+    _begun: float = 0.0
+    _entered: float = 0.0
+    _counted: float | None = None
+    _left: float | None = None
+    _looked: float = 0.0
+
+    def tell(self, stage: int, done: int, total: int, now: float) -> None:
+        """Take what a stage tells at a time `now` [s]."""
+        if stage < self._stage or self._stage < 0:
+            # another file, or another try: what was known of the time left isn't known any more
+            self._share, self._begun, self._entered, self._left = 0.0, now, now, None
+            self._counted = None
+        elif stage > self._stage:
+            self._entered, self._counted = now, None
+        self._stage = stage
+        if 0 < total <= done + 1 and self._counted is None:
+            self._counted = now
+        inside = min(done / total, 1.0) * _STAGES[stage][2] if total > 0 else 0.0
+        self._reach(stage, max(inside, self._passed(stage, now)))
+
+    def share(self, now: float) -> float:
+        """Return how much of all files is done, 0 to 1."""
+        if self._stage >= 0:
+            self._reach(self._stage, self._passed(self._stage, now))
+        return (self.file + self._share) / max(self.files, 1)
+
+    def left(self, now: float) -> float | None:
+        """Return how long the rest takes [s]; None before that is known."""
+        share = self.share(now)
+        if self._stage < 0 or self._share < _SURE or (self.file and share <= 0.0):
+            return None
+        found = (now - self._begun) * (self.files - self.file - self._share) / self._share
+        if self._left is None:
+            self._left = found
+        else:
+            passed = now - self._looked
+            expected = max(self._left - passed, 0.0)
+            self._left = expected + (found - expected) * (1.0 - math.exp(-passed / _SLOWLY))
+        self._looked = now
+        return self._left
+
+    def _reach(self, stage: int, inside: float) -> None:
+        self._share = max(self._share, (_BEFORE[stage] + _STAGES[stage][1] * inside) / _WHOLE)
+
+    def _passed(self, stage: int, now: float) -> float:
+        """Return how much of a stage is done by the time that it takes, as far as that is known; it never says that all is."""
+        before, (_, weight, counted) = _BEFORE[stage], _STAGES[stage]
+        if self._counted is not None and counted < 1.0:
+            # the rest goes on as what was counted
+            took = max(self._counted - self._entered, 1e-3)
+            return counted + (1.0 - counted) * _eased(
+                (now - self._counted) / took * counted / (1.0 - counted)
+            )
+        if before <= 0.0 or self._entered <= self._begun:
+            return 0.0
+        expected = (self._entered - self._begun) / before * weight
+        return _eased((now - self._entered) / max(expected, 1e-3)) * counted
+
+
+_EVEN = 0.7
+"""Up to this share of the time that is expected, work goes on evenly; from there on ever slower, as it takes longer than expected."""
+
+
+def _eased(share: float) -> float:
+    """Return how much is done after a share of the time that is expected, below 1."""
+    if share < _EVEN:
+        return share
+    return 1.0 - (1.0 - _EVEN) * math.exp((_EVEN - share) / (1.0 - _EVEN))
+
+
+def left_text(seconds: float | None) -> str:
+    """Return the time left in words, rounded as far as it is known."""
+    if seconds is None:
+        return ""
+    if seconds < 5.0:
+        return "a few seconds left"
+    if seconds < 55.0:
+        return f"about {round(seconds / 5.0) * 5} s left"
+    if seconds < 90.0:
+        return "about a minute left"
+    return f"about {round(seconds / 60.0)} min left"

@@ -1,0 +1,43 @@
+"""The machines around a simulated robot, as a command line describes them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.robot.model import Robot
+from yarclang.simulated_cell.playing import SimulatedCell
+from yarclang.simulated_cell.script import Change, Known, load_script, read_setting
+
+
+def surroundings_of(
+    options: dict[str, Any], known: Known, robot: Robot | None, cell: Cell | None, *, waits: bool
+) -> Result[SimulatedCell]:
+    """Return what --set and --inputs describe, and the sensors of a cell.
+
+    Args:
+        options: of the command line.
+        known: the names that may be used.
+        robot: that is simulated.
+        cell: whose sensors drive inputs.
+        waits: True if times count from the beginning of a run; else from that of the simulation.
+
+    Returns:
+        None with findings if a name or the script is wrong.
+    """
+    settings: list[Change] = []
+    script: tuple[Change, ...] = ()
+    found: list[Diagnostic] = []
+    for text in options["set"]:
+        read = read_setting(text, known)
+        found += read.diagnostics
+        settings += [] if read.value is None else [read.value]
+    if options["inputs"] is not None:
+        loaded = load_script(Path(options["inputs"]), known)
+        found += loaded.diagnostics
+        script = loaded.value or ()
+    if found:
+        return Result(None, tuple(found))
+    return Result(SimulatedCell(script, known, settings=settings, cell=cell, robot=robot, waits=waits))

@@ -1,0 +1,79 @@
+"""What is around a robot, as its coordinator knows it: the cell, and inputs and outputs by name. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.cell.model import Cell
+from yarclang.coordinator.lines import Lines
+from yarclang.coordinator.names import Names
+from yarclang.hir import Output, Program
+from yarclang.semantics.scope import Input
+from yarclang.simulated_cell.script import Known, known_in
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The file of the cell, and the controller's variables of inputs and outputs by their names."""
+
+    cell: str | None
+    inputs: Mapping[str, str]
+    outputs: Mapping[str, str]
+
+
+class Around:
+    """Cell, inputs and outputs of the program that was run last, with those of the session.
+
+    Args:
+        names: of the session.
+        lines: of the session, whose revision says if its names are others now.
+    """
+
+    def __init__(self, names: Names, lines: Lines) -> None:
+        self._names = names
+        self._lines = lines
+        self._session = Seen(None, {}, {})
+        self._revision = -1
+        self._known = Known({}, {})
+        self._cell: str | None = None
+
+    @property
+    def is_current(self) -> bool:
+        """True if `look` has nothing to read again."""
+        return self._revision == self._lines.revision
+
+    def know(self, program: Program | None, cell: Cell | None) -> None:
+        """Learn what belongs to a program that is run now.
+
+        Args:
+            program: whose names are shown; None if only its text is known.
+            cell: that it keeps to.
+        """
+        self._known = known_in(program, cell)
+        self._cell = _file(cell)
+
+    def look(self) -> Seen:
+        """Return what is around; after a declaration of the session its lines are read again."""
+        if not self.is_current:
+            revision = self._lines.revision
+            scope = self._names.scope()
+            inputs, outputs = {}, {}
+            for name in scope.names(Input, Output):
+                meaning = scope.name(name)
+                if isinstance(meaning, Input):
+                    inputs[name] = meaning.signal.variable
+                elif isinstance(meaning, Output):
+                    outputs[name] = meaning.signal.variable
+            program = self._names.cell().value
+            # a cell that can't be read any more is still the one that motions keep to
+            cell = self._session.cell if program is None else _file(program.cell)
+            self._session = Seen(cell, inputs, outputs)
+            self._revision = revision
+        own, known = self._session, self._known
+        return Seen(self._cell or own.cell, {**own.inputs, **known.inputs}, {**own.outputs, **known.outputs})
+
+
+def _file(cell: Cell | None) -> str | None:
+    return None if cell is None else str(Path(cell.source.name).absolute())

@@ -1,0 +1,133 @@
+"""Which steps of a program were carried out, as far as its end tells. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from yarclang.coordinator.resting import resting_place
+from yarclang.hir import Else, EndWhen, Hold, Motion, SetOutput, Step, Stop, WaitInput, When
+from yarclang.motion.plan import MotionPlan
+from yarclang.runtime.job import Job
+from yarclang.runtime.operation import PATIENCE
+from yarclang.runtime.outcome import Ended
+
+_LOST = "Y1606"
+"""Code of a connection that was lost."""
+
+_AT_END = 2.0
+"""Who rests within so many segments of a motion's end may have gone on to what stands behind it."""
+
+
+@dataclass(frozen=True, slots=True)
+class CarriedOut:
+    """The steps that were carried out for sure, and the SETs behind them of which the first ones may have been, in order."""
+
+    surely: tuple[int, ...]
+    perhaps: tuple[int, ...] = ()
+
+
+def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> list[int]:
+    """Return the numbers of the steps from `begin` to `end` on the ways that were taken, up to the first WHEN whose way isn't known.
+
+    A WHEN is there where it was passed, an ELSE where a way ended at it, and the end of a WHEN where the robot came to it.
+    """
+    left, found = list(ways), list[int]()
+    passing, depth = True, 0
+    for number in range(begin, end):
+        step = steps[number]
+        if not passing:
+            if isinstance(step, When):
+                depth += 1
+            elif isinstance(step, EndWhen) and depth:
+                depth -= 1
+            elif isinstance(step, Else | EndWhen) and not depth:
+                passing = True
+            continue
+        if isinstance(step, When) and not left:
+            return found
+        found.append(number)
+        if isinstance(step, Stop):
+            return found
+        passing = left.pop(0) if isinstance(step, When) else not isinstance(step, Else)
+    return found
+
+
+def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: Ended) -> CarriedOut:
+    """Find which steps were carried out.
+
+    Args:
+        plan: of the program.
+        begin: the first step of what was performed.
+        end: behind the last.
+        program: the job of the whole program.
+        ended: how it has ended.
+    """
+    steps = plan.program.steps
+    done = taken(steps, begin, end, ended.ways)
+    if ended.well:
+        return CarriedOut(tuple(done))
+    stops = [at for at, number in enumerate(done) if _is_barrier(steps[number])]
+    first = stops[ended.barriers - 1] + 1 if 0 < ended.barriers <= len(stops) else 0
+    last = stops[ended.barriers] if ended.barriers < len(stops) else len(done)
+    before, leg = done[:first], done[first:last]
+    if ended.at_barrier:
+        return CarriedOut((*before, *leg))
+    motions = [number for number in leg if isinstance(steps[number], Motion)]
+    if not ended.command:
+        # nothing has moved: at most what stands in front of the first motion
+        return CarriedOut(tuple(before), _sets(steps, leg, -1, motions[0] if motions else len(steps)))
+    now, began, rests = _motion_at(plan, program, ended)
+    latest = _latest(plan, program, ended)
+    if now not in motions:
+        return CarriedOut(tuple(before), _sets(steps, leg, -1, latest))
+    place = motions.index(now)
+    behind = motions[place + 1] if place + 1 < len(motions) else len(steps)
+    if began:
+        surely = [*before, *(number for number in leg if number < now)]
+    else:
+        # at the very beginning of a motion, what stands in front of it may be still to come
+        since = motions[place - 1] if place else -1
+        surely = [*before, *(number for number in leg if number <= since)]
+        return CarriedOut(tuple(surely), _sets(steps, leg, since, now))
+    if rests == "within":
+        return CarriedOut(tuple(surely))
+    return CarriedOut(tuple(surely), _sets(steps, leg, now, behind if rests == "end" else latest))
+
+
+def _is_barrier(step: Step) -> bool:
+    return isinstance(step, WaitInput | Hold | When | Else | EndWhen)
+
+
+def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:
+    return tuple(number for number in leg if after < number < before and isinstance(steps[number], SetOutput))
+
+
+def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
+    """Return the step of the first motion that can't have begun yet: what was heard last may be old, after a lost connection as old as what the controller's buffer holds."""
+    command = program.command_at(ended.done)
+    if ended.joints is None or command is None or len(program.commands) != len(plan.motions):
+        return len(plan.program.steps)
+    number = program.commands.index(command)
+    segment = max(motion.curve.segment for motion in plan.motions)
+    late = program.capacity * segment + sum(seconds for _, seconds in program.dwells)
+    heard = plan.begins[number] + ended.done - command.begins
+    last = heard + _AT_END * segment + (late if ended.code == _LOST else min(late, PATIENCE))
+    later = (one.step for one, begins in zip(plan.motions, plan.begins, strict=True) if begins > last)
+    return next(later, len(plan.program.steps))
+
+
+def _motion_at(plan: MotionPlan, program: Job, ended: Ended) -> tuple[int, bool, str]:
+    """Return the step of the motion at which the robot rests, True if that has begun for sure, and if the robot rests `within` it, at its `end`, or perhaps far `behind`."""
+    place = None if ended.joints is None else resting_place(plan, program, ended.joints, ended.done)
+    command = program.command_at(ended.done) if place is None else place.command
+    if command is None or len(program.commands) != len(plan.motions):
+        return -1, False, "behind"
+    number = program.commands.index(command)
+    motion = plan.motions[number]
+    if place is None:
+        return motion.step, True, "behind"
+    near = _AT_END * motion.curve.segment
+    if place.done - command.begins <= near:
+        return motion.step, False, "within"
+    return motion.step, True, "end" if command.ends - place.done <= near else "within"

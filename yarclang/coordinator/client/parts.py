@@ -1,0 +1,107 @@
+"""Where the parts of the cell are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Present
+from yarclang.coordinator.client.part import Part
+from yarclang.coordinator.kept_parts import Known
+from yarclang.coordinator.placing import as_filed, gone, put
+from yarclang.diagnostics import Result
+from yarclang.handling.parts import first_parts
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Trouble
+
+
+class Parts(Part):
+    """The part of a client that asks where the parts of the session's cell are, and says it."""
+
+    def where(self, file: str | None = None) -> Result[Known]:
+        """Return what is known of the parts of a cell.
+
+        Args:
+            file: of the cell; None: the session's.
+
+        Returns:
+            None for a file whose parts nothing has moved.
+
+        Raises:
+            Trouble: the session's cell has no parts.
+        """
+        if file is not None:
+            return Result(self._coordinator.carrying.kept.of_file(Path(file)))
+        made = self._coordinator.names.cell()
+        if made.value is None:
+            return Result(None, made.diagnostics)
+        return Result(self._known(made.value.cell))
+
+    async def as_filed(self, part: str | None = None) -> Result[Known]:
+        """Say that a part, or all of them (None), are where the cell's file has them.
+
+        Raises:
+            NotOwner: this client only watches, and the owner doesn't share the robot.
+            Trouble: no part is called so, or the robot is under way.
+        """
+        return await self._say(lambda known: Result(as_filed(known, part)), part or "all parts")
+
+    async def gone(self, part: str) -> Result[Known]:
+        """Say that a part isn't in the cell any more.
+
+        Raises:
+            NotOwner, Trouble: as `as_filed`.
+        """
+        return await self._say(lambda known: Result(gone(known, part)), part)
+
+    async def put(self, part: str, frame: str, frame_from_part: Array) -> Result[Known]:
+        """Say that a part lies somewhere, or hangs in a gripper.
+
+        Args:
+            part: its name.
+            frame: the frame in which its place is told; that of a gripper: the gripper holds it.
+            frame_from_part: (4, 4) its place [m].
+
+        Raises:
+            NotOwner, Trouble: as `as_filed`.
+        """
+
+        def placed(known: Known) -> Result[Known]:
+            names, plain = self._coordinator.names, frame.strip(" {}").upper()
+            grips = {one.frame: variable for variable, one in known.cell.grips.items()}
+            gripper = grips.get(plain)
+            found = names.base(frame) if gripper is None else names.moving(frame)
+            if found.value is None:
+                return Result(None, found.diagnostics)
+            pose = np.asarray(found.value.transform) @ frame_from_part
+            return Result(put(known, self._coordinator.robot, part, pose, gripper))
+
+        return await self._say(placed, part)
+
+    async def _say(self, change: Callable[[Known], Result[Known]], what: str) -> Result[Known]:
+        coordinator = self._coordinator
+        coordinator.check_pace(self._name, "to say where parts are")
+        found = self.where()
+        stands = await coordinator.stands()
+        if found.value is None:
+            return found
+        made = change(replace(found.value, stands=stands))
+        if made.value is None:
+            return made
+        kept = coordinator.carrying.kept
+        kept.say(made.value)
+        known = self._known(made.value.cell)
+        if coordinator.surroundings is not None:
+            coordinator.surroundings.place(known.present.parts, known.cell)
+        coordinator.tell(f"{self._name} has said where {what} {'are' if what == 'all parts' else 'is'}")
+        return Result(known, found.diagnostics)
+
+    def _known(self, cell: Cell | None) -> Known:
+        if cell is None or not cell.parts:
+            raise Trouble(
+                "the session's cell has no parts", "declare them in its cell.toml: [[parts]]", "Y1601"
+            )
+        return self._coordinator.carrying.kept.known(cell) or Known(cell, Present(first_parts(cell)))

@@ -1,0 +1,75 @@
+"""How a robot's motors, link and buffer are, and where its frames are, as messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.coordinator.describing import joints_by_name
+from yarclang.coordinator.messages import replies
+from yarclang.pmac.status import MOTOR_WORD_1, MOTOR_WORD_2
+from yarclang.robot.actuation import from_counts
+from yarclang.runtime.state import State
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
+
+_NAMES = (*MOTOR_WORD_1, *MOTOR_WORD_2)
+
+
+def health_of(coordinator: Coordinator) -> replies.Health:
+    """Return what was heard last; nothing is asked."""
+    robot, operation = coordinator.robot, coordinator.engine.operation
+    sample = coordinator.sample
+    errors: list[float | None] = [None] * robot.size
+    following = None
+    if sample is not None:
+        errors = sample.following.tolist()
+        following = joints_by_name(
+            robot, from_counts(robot, sample.commanded) - from_counts(robot, sample.actual)
+        )
+    return replies.Health(
+        motors=tuple(
+            replies.MotorHealth(
+                number=number,
+                closed_loop=not motor.has("open loop"),
+                homed=motor.has("home complete"),
+                trouble=motor.trouble,
+                flags=tuple(name for name in _NAMES if motor.has(name)),
+                following=error,
+            )
+            for number, motor, error in zip(
+                robot.controller.motors[: len(operation.motors)], operation.motors, errors, strict=False
+            )
+        ),
+        following=following,
+        reply_s=round(operation.latest, 6),
+        slowest_s=round(operation.slowest, 6),
+        silence_s=round(operation.silence, 3),
+        ahead=operation.ahead,
+        guard=_is_guarded(coordinator),
+        link=coordinator.engine.lost,
+    )
+
+
+def _is_guarded(coordinator: Coordinator) -> bool:
+    """Return True if the guard PLC was tried and found at work: it is tried where all else is as it must be."""
+    inspection = coordinator.inspection
+    if inspection is None or inspection.errors or coordinator.engine.lost:
+        return False
+    return coordinator.state is not State.DISCONNECTED
+
+
+def frames_of(coordinator: Coordinator) -> replies.Frames:
+    """Return the frames that have a name in the session."""
+    return replies.Frames(
+        frames=tuple(
+            replies.NamedFrame(
+                name=f"{{{name}}}",
+                on_flange=frame.on_flange,
+                pose=tuple(map(tuple, np.asarray(frame.transform).tolist())),
+            )
+            for name, frame in coordinator.names.frames().items()
+        )
+    )

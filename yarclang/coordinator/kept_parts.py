@@ -1,0 +1,295 @@
+"""Where the parts of cells are between what a coordinator carries out: each program, line and jog begins with them as the one before has left them. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from pathlib import Path
+
+from yarclang.cell.model import Cell, Parts, Present
+from yarclang.coordinator.carried_out import CarriedOut, carried_out
+from yarclang.handling.parts import either, first_parts, remove
+from yarclang.handling.present import are_same, beside, is_same, on_cell, present_after, presently
+from yarclang.handling.walk import Handling, flange_pose, followed, handling_of
+from yarclang.hir import Else, EndWhen, Motion, SetOutput, Step, When
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.cells import file_of
+from yarclang.pipeline.parts import ends_of
+from yarclang.robot.actuation import to_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.job import Job
+from yarclang.runtime.outcome import Ended
+
+ELSEWHERE = "Y1620"
+"""Code of what can't be done since parts are elsewhere, or nobody knows where."""
+
+_COUNTS = 1.0
+"""Who stands within so many counts of a place stands there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """Where the parts of a cell are: `cell` is the reading of its file that they belong to, `stands` (n,) where the robot stood then [rad or m] (None: not known).
+
+    `doubt` says why nobody knows where the parts are; empty: it is known.
+    """
+
+    cell: Cell
+    present: Present
+    stands: Array | None = None
+    doubt: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Performed:
+    """What was performed: the steps of a plan from `begin` to `end`, not included; `program` is the job of the whole.
+
+    `assumed` says where the parts were at `begin`, if nothing is known of them.
+    """
+
+    plan: MotionPlan
+    begin: int
+    end: int
+    program: Job
+    assumed: Parts | None
+
+
+class KeptParts:
+    """Where the parts of each cell are, as far as it is known from what was carried out, or from people.
+
+    Args:
+        robot: that carries them.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._known: dict[Path, Known] = {}
+
+    # what is known
+
+    def known(self, cell: Cell) -> Known | None:
+        """Return what is known of the parts of a cell; None: nothing but its file."""
+        found = self._known.get(file_of_cell(cell)) if cell.parts else None
+        if found is None or found.cell.parts == cell.parts:
+            return found
+        return replace(found, cell=cell, present=on_cell(found.present, found.cell, cell))
+
+    def of_file(self, file: Path) -> Known | None:
+        """Return what is known of the parts of the cell with a file; None: nothing but that file."""
+        return self._known.get(file_of(file))
+
+    def now(self, cell: Cell, start: Array) -> Cell | None:
+        """Return a cell with its parts where they are, for a program that starts at joint positions (n,) [rad or m]; None if nothing is known but its file."""
+        known = self.known(cell)
+        if known is None:
+            return None
+        present = self._at(known, start)
+        return cell if present == Present(first_parts(cell)) else presently(cell, present)
+
+    def now_for_lines(self, cell: Cell, start: Array) -> Cell:
+        """Return the same for lines of a session: other lines may follow, and close or open grippers.
+
+        Raises:
+            Trouble: nobody knows where the parts are.
+        """
+        known = self.known(cell) or Known(cell, Present(first_parts(cell)))
+        check_sure(known)
+        return presently(cell, replace(self._at(known, start), goes_on=True))
+
+    def _at(self, known: Known, start: Array) -> Present:
+        """Who doesn't start where the robot stands doesn't stand beside parts."""
+        stands = known.stands
+        if known.present.leaving and (stands is None or not self._is_there(start, stands)):
+            return replace(known.present, leaving=())
+        return known.present
+
+    def _is_there(self, one: Array, other: Array) -> bool:
+        return bool((abs(to_counts(self._robot, one) - to_counts(self._robot, other)) <= _COUNTS).all())
+
+    def check(self, cell: Cell | None, assumed: Parts | None) -> None:
+        """Check that the parts of a cell are where a proof has them.
+
+        Raises:
+            Trouble: they are elsewhere, or nobody knows where.
+        """
+        known = None if cell is None or assumed is None else self.known(cell)
+        if known is None or assumed is None:
+            return
+        check_sure(known)
+        if not are_same(known.present.parts, assumed):
+            moved = _moved(known.present.parts, assumed)
+            raise Trouble(
+                f"{moved} isn't where it was when this was proved",
+                "load it again, or correct where the parts are (.parts)",
+                ELSEWHERE,
+            )
+
+    # what changes it
+
+    def say(self, known: Known) -> None:
+        """Let parts be where somebody says."""
+        present = beside(self._robot, known.cell, known.present, known.stands)
+        if present == Present(first_parts(known.cell)):
+            self._known.pop(file_of_cell(known.cell), None)  # as nobody has said or done anything
+        else:
+            self._known[file_of_cell(known.cell)] = replace(known, present=present, doubt="")
+
+    def doubt(self, cell: Cell | None, why: str) -> None:
+        """Nobody knows any more where the parts of a cell are."""
+        if cell is not None and cell.parts:
+            known = self.known(cell) or Known(cell, Present(first_parts(cell)))
+            self._known[file_of_cell(cell)] = replace(known, doubt=why)
+
+    def doubt_all(self, why: str) -> None:
+        """Nobody knows any more where the parts are that were carried or put somewhere."""
+        for file, known in tuple(self._known.items()):
+            self._known[file] = replace(known, doubt=why)
+
+    def stands(self, q: Array | None) -> None:
+        """Learn where the robot stands (n,) [rad or m] after a motion that takes and puts nothing."""
+        for file, known in tuple(self._known.items()):
+            if known.present.leaving:
+                present = beside(self._robot, known.cell, known.present, q)
+                self._known[file] = replace(known, present=present, stands=q)
+
+    def set(self, cell: Cell | None, variable: str, value: float, q: Array) -> None:
+        """Learn that an output was given a value while the robot stands at `q` (n,) [rad or m]."""
+        if cell is None or not cell.parts:
+            return
+        known = self.known(cell) or Known(cell, Present(first_parts(cell)))
+        self._known[file_of_cell(cell)] = self._given(known, {variable: value}, q)
+
+    def performed(self, what: Performed, ended: Ended, outputs: Mapping[str, float]) -> None:
+        """Learn what was carried out.
+
+        Args:
+            what: of which program.
+            ended: how it has ended.
+            outputs: the values that outputs of grippers and machines have now, as far as they could be asked.
+        """
+        plan, given = what.plan, what.plan.program.cell
+        assert given is not None, "nothing is followed in a program without a cell"
+        cell = replace(given, present=None)
+        known = self.known(cell)
+        if known is None:
+            known = Known(cell, Present(what.assumed or first_parts(cell)))
+        start = _start(plan, what.begin)
+        cell = presently(cell, replace(self._at(known, start), goes_on=False))
+        handling = handling_of(self._robot, cell, plan.program.steps[what.begin : what.end])
+        done = carried_out(plan, what.begin, what.end, what.program, ended)
+        safe = dict(what.program.outputs)
+        q = what.program.end if ended.well and what.end == len(plan.program.steps) else ended.joints
+        present = self._followed(
+            handling, what, done, start, q, {k: v for k, v in outputs.items() if k not in safe}
+        )
+        learned = Known(known.cell, present, q, known.doubt)
+        if safe and q is None and any(one in (*cell.grips, *cell.removals) for one in safe):
+            learned = replace(
+                learned,
+                doubt=f"{what.program.name} was ended, and its outputs were made safe at a place that isn't known",
+            )
+        elif safe and q is not None:
+            learned = self._given(learned, safe, q)
+        self._known[file_of_cell(cell)] = learned
+
+    def _followed(
+        self,
+        handling: Handling,
+        what: Performed,
+        done: CarriedOut,
+        start: Array,
+        q: Array | None,
+        outputs: Mapping[str, float],
+    ) -> Present:
+        """Follow the steps that were carried out; of those that may have been, as many as the outputs allow."""
+        cell, steps = handling.cell, handling.steps
+        ends = {step - what.begin: at for step, at in ends_of(what.plan).items()}
+        moving = () if cell is None else (*cell.grips, *cell.removals)
+        surely = {at - what.begin for at in done.surely}
+        perhaps = [at - what.begin for at in done.perhaps if _output(steps[at - what.begin]) in moving]
+        found: list[Present] = []
+        for count in range(len(perhaps) + 1):
+            # motions between these SETs were carried out, too
+            more = range(max(surely, default=-1) + 1, perhaps[count - 1] + 1 if count else 0)
+            chosen = surely | {at for at in more if isinstance(steps[at], Motion) or at in perhaps}
+            if perhaps and not _agrees(steps, chosen, outputs):
+                continue
+            left_out = {
+                at
+                for at, one in enumerate(steps)
+                if at not in chosen or isinstance(one, When | Else | EndWhen)
+            }
+            walked = followed(handling, start, ends, left_out)
+            found.append(present_after(handling, walked, q))
+        if not found:  # somebody else has set an output: as the program has it
+            return self._followed(handling, what, done, start, q, {})
+        leaving = tuple(dict.fromkeys(one for each in found for one in each.leaving))
+        return Present(reduce(either, (one.parts for one in found)), leaving)
+
+    def _given(self, known: Known, outputs: Mapping[str, float], q: Array) -> Known:
+        """Return what is known when outputs have these values while the robot stands at `q` (n,)."""
+        handling = handling_of(self._robot, presently(known.cell, known.present), ())
+        present = known.present
+        for variable, value in outputs.items():
+            grip, removal = known.cell.grips.get(variable), known.cell.removals.get(variable)
+            if grip is not None:
+                grasp = handling.at_pose(present.parts, 0, variable, value, flange_pose(self._robot, q))
+                if grasp is not None:
+                    more = (handling.leaving(grasp),) if grasp.moved else ()
+                    present = Present(grasp.after, (*present.leaving, *more))
+            if removal is not None and value == removal.value:
+                present = replace(present, parts=remove(present.parts, removal))
+        return replace(known, present=beside(self._robot, known.cell, present, q), stands=q)
+
+
+def _moved(one: Parts, other: Parts) -> str:
+    """Return the names of some parts that aren't at the same place in two states; of a gripper if no part is elsewhere."""
+    pairs = ((one, other), (other, one))
+    names = [
+        item.name
+        for here, there in pairs
+        for item in here.items
+        if not any(is_same(item, each) for each in there.items)
+    ]
+    return ", ".join(list(dict.fromkeys(names))[:4]) or "a gripper"
+
+
+def file_of_cell(cell: Cell) -> Path:
+    """Return the file of a cell."""
+    return file_of(Path(cell.source.name))
+
+
+def _start(plan: MotionPlan, begin: int) -> Array:
+    """Return where the robot stands (n,) before a step with which a part of a plan begins."""
+    motion = next((one for one in plan.motions if one.step == begin), None)
+    return plan.program.start if begin == 0 or motion is None else motion.curve.points[0]
+
+
+def _output(step: Step) -> str | None:
+    return step.output.variable if isinstance(step, SetOutput) else None
+
+
+def _agrees(steps: Sequence[Step], chosen: Collection[int], outputs: Mapping[str, float]) -> bool:
+    """Return True if outputs that are known have the values that the chosen steps have given them."""
+    values = {
+        step.output.variable: step.value
+        for at, step in enumerate(steps)
+        if at in chosen and isinstance(step, SetOutput)
+    }
+    return all(outputs.get(variable, value) == value for variable, value in values.items())
+
+
+def check_sure(known: Known) -> None:
+    """Check that it is known where the parts are.
+
+    Raises:
+        Trouble: it isn't.
+    """
+    if known.doubt:
+        raise Trouble(
+            f"nobody knows where the parts of the cell are: {known.doubt}",
+            "say where they are: .parts",
+            ELSEWHERE,
+        )

@@ -1,0 +1,36 @@
+"""What the texts below a message's fields say, read from the source when a schema asks for them: each start would pay for them otherwise."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+from collections.abc import Mapping
+from functools import cache
+
+
+def field_texts(kind: type) -> Mapping[str, str]:
+    """Return the texts below the fields of a class, and of those that it is made of, by the fields' names."""
+    found: dict[str, str] = {}
+    for one in reversed(kind.__mro__):
+        if one.__module__.startswith("yarclang."):
+            found |= _of_module(one.__module__).get(one.__qualname__, {})
+    return found
+
+
+@cache
+def _of_module(name: str) -> Mapping[str, Mapping[str, str]]:
+    tree = ast.parse(inspect.getsource(importlib.import_module(name)))
+    return {one.name: _of_class(one) for one in tree.body if isinstance(one, ast.ClassDef)}
+
+
+def _of_class(tree: ast.ClassDef) -> Mapping[str, str]:
+    found = {}
+    for field, below in zip(tree.body, tree.body[1:], strict=False):
+        match field, below:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(text))),
+            ):
+                found[name] = inspect.cleandoc(text)
+    return found

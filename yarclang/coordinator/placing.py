@@ -1,0 +1,131 @@
+"""Where people say that parts are. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.cell.model import Item, Leaving, Parts, Present, Touch
+from yarclang.coordinator.kept_parts import Known
+from yarclang.handling.grasp import Grasp
+from yarclang.handling.parts import first_parts
+from yarclang.handling.walk import flange_pose, handling_of
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+
+_CODE = "Y1601"
+
+
+def as_filed(known: Known, name: str | None) -> Known:
+    """Return what is known when a part lies where its file has it.
+
+    Args:
+        known: before.
+        name: of the part, or of all of its kind; None: all parts.
+
+    Raises:
+        Trouble: no part is called so.
+    """
+    first = first_parts(replace(known.cell, present=None))
+    if name is None:
+        return _with(known, first, _lying(first))
+    kind = _kind(known, name)
+    items = [one for one in first.items if one.part.body.name == kind]
+    return _placed(known, kind, None, items)
+
+
+def gone(known: Known, name: str) -> Known:
+    """Return what is known when a part isn't in the cell any more.
+
+    Raises:
+        Trouble: no part is called so.
+    """
+    kind = _kind(known, name)
+    return _placed(known, kind, None if name == kind else _number(known, kind, name), [])
+
+
+def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None) -> Known:
+    """Return what is known when a part lies somewhere, or is held.
+
+    Args:
+        known: before; it says where the robot stands.
+        robot: that holds it.
+        name: of the part.
+        pose: (4, 4) base_from_part [m], or flange_from_part of one that a gripper holds.
+        gripper: the variable of that gripper's output; None: it lies.
+
+    Raises:
+        Trouble: no part is called so, there are several of its kind, or the gripper holds another part.
+    """
+    kind = _kind(known, name)
+    number = _number(known, kind, name)
+    part = next(one for one in known.cell.parts if one.body.name == kind)
+    item = Item(part, number, np.array(pose, dtype=np.float64).tobytes(), gripper)
+    for one in known.present.parts.held(gripper) if gripper is not None else ():
+        if one.name != item.name:
+            raise Trouble(f"the gripper holds {one.name}", f"say first where {one.name} is", _CODE)
+    after = _placed(known, kind, number, [item])
+    if gripper is None:
+        return after
+    parts = replace(after.present.parts, closed=after.present.parts.closed | {gripper})
+    if known.stands is None:
+        return _with(after, parts, after.present.leaving)
+    handling, grip = handling_of(robot, known.cell, ()), known.cell.grips[gripper]
+    before = replace(parts, items=tuple(one for one in parts.items if one is not item))
+    grasp = Grasp(0, gripper, grip, True, flange_pose(robot, known.stands), before, parts)
+    return _with(after, parts, (*after.present.leaving, handling.leaving(grasp)))
+
+
+def _placed(known: Known, kind: str, number: int | None, items: list[Item]) -> Known:
+    """Return what is known with other items in the place of one part, or (None) of all of a kind."""
+    parts = known.present.parts
+
+    def is_other(name: str, its: int) -> bool:
+        return name != kind or number not in (None, its)
+
+    kept = [one for one in parts.items if is_other(one.part.body.name, one.number)]
+    had = {one.gripper for one in parts.items if one not in kept}
+    closed = parts.closed - {
+        one for one in had if one is not None and all(each.gripper != one for each in kept)
+    }
+    expected = tuple(one for one in parts.expected if is_other(one.part.body.name, one.number))
+    after = Parts((*kept, *items), frozenset(closed), expected)
+    return _with(known, after, (*known.present.leaving, *_lying(replace(after, items=tuple(items)))))
+
+
+def _with(known: Known, parts: Parts, leaving: tuple[Leaving, ...]) -> Known:
+    return replace(known, present=Present(parts, leaving), doubt="")
+
+
+def _lying(parts: Parts) -> tuple[Leaving, ...]:
+    """Return that the robot may stand beside parts that lie, as one that has just put them down."""
+    names = [one.name for one in parts.items if one.gripper is None]
+    return tuple(Leaving((name,), False, (Touch(name, None, -np.inf),)) for name in names)
+
+
+def _kind(known: Known, name: str) -> str:
+    kinds = [one.body.name for one in known.cell.parts]
+    found = next((one for one in kinds if name == one or _is_number_of(name, one)), None)
+    if found is None:
+        raise Trouble(f"no part is called {name[:40]}", f"there are {', '.join(kinds)}", _CODE)
+    return found
+
+
+def _is_number_of(name: str, kind: str) -> bool:
+    return name.startswith(f"{kind} ") and name[len(kind) + 1 :].isdecimal()
+
+
+def _number(known: Known, kind: str, name: str) -> int:
+    """Return which of its kind a part is."""
+    count = next(one.count for one in known.cell.parts if one.body.name == kind)
+    if name != kind:
+        number = int(name[len(kind) + 1 :])
+        if not 1 <= number <= count:
+            raise Trouble(f"there is no {name[:40]}", f"there are {count} of {kind}", _CODE)
+        return number
+    numbers = sorted({one.number for one in known.present.parts.items if one.part.body.name == kind})
+    if len(numbers) > 1:
+        names = ", ".join(f"{kind} {one}" for one in numbers[:8])
+        raise Trouble(f"there are several parts {kind}", f"name one of {names}", _CODE)
+    return numbers[0] if numbers else 1

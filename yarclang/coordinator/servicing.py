@@ -1,0 +1,254 @@
+"""What one client does with a controller that isn't ready: enable, home, compare and send its settings. What changes something is for the owner."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Awaitable, Callable
+from typing import TypeVar
+
+from yarclang.coordinator.client.part import Part
+from yarclang.coordinator.describing import finished
+from yarclang.coordinator.messages import replies
+from yarclang.coordinator.messages.events import Began
+from yarclang.lasting import Lasting
+from yarclang.pipeline.settings import proved_settings
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Lost, Script, Trouble
+from yarclang.runtime.homing import home, searches
+from yarclang.runtime.inspection import Inspection
+from yarclang.runtime.outcome import Ended
+from yarclang.runtime.servicing import Sent, check_open, disable, enable, save, send
+
+T = TypeVar("T")
+
+ENABLING, DISABLING, SENDING, SAVING = "enabling", "disabling", "sending settings", "saving settings"
+
+
+def wrong_in(found: Inspection) -> tuple[str, ...]:
+    """Return what isn't as it must be, in words."""
+    return tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors)
+
+
+def lines_of(text: str) -> tuple[str, ...]:
+    """Return what of a settings text is sent: its lines without comments."""
+    bare = (line.partition(";")[0].strip() for line in text.splitlines())
+    return tuple(line for line in bare if line)
+
+
+def settings_text(robot: Robot) -> str:
+    """Return the settings of a robot's controller: the very text that was proved.
+
+    Raises:
+        Trouble: they aren't proved.
+    """
+    return proved_settings(robot).text
+
+
+class Servicing(Part):
+    """The part of a client that gets a controller ready."""
+
+    # the motors
+
+    async def enable(self) -> replies.Serviced:
+        """Close the loops of the motors; see `yarclang.runtime.servicing`.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: something is under way, or there is no connection.
+        """
+        return await self._served(ENABLING, "to enable the motors", enable)
+
+    async def disable(self) -> replies.Serviced:
+        """Open the loops of all motors.
+
+        Raises:
+            NotOwner, Trouble: as `enable`.
+        """
+        return await self._served(DISABLING, "to disable the motors", disable)
+
+    async def _served(self, name: str, what: str, script: Callable[..., Script[str]]) -> replies.Serviced:
+        coordinator = self._coordinator
+        coordinator.check_owner(self._name, what)
+        engine, stops = coordinator.engine, coordinator.stops
+        operation, robot = engine.operation, coordinator.robot
+
+        async def work() -> tuple[str, Inspection]:
+            if coordinator.stops != stops:
+                raise Trouble("stopped before it began; nothing was done", "", "")
+            told = await engine.session.perform(script(operation, robot))
+            operation.orders.clear()
+            return told, await engine.look()
+
+        told, found = await self._carried_out(name, work, lambda made: made[0])
+        return replies.Serviced(what=told, wrong=wrong_in(found))
+
+    async def _carried_out(self, name: str, work: Callable[[], Awaitable[T]], what: Callable[[T], str]) -> T:
+        """Carry work out, and tell everybody when it begins and how it has ended.
+
+        Args:
+            name: what people call it.
+            work: what is done.
+            what: returns what isn't well in what came of it; empty: all is.
+        """
+        coordinator = self._coordinator
+
+        async def told() -> T:
+            began = Began(time_s=coordinator.time, name=name, duration_s=0.0, waits=0, client=self._name)
+            coordinator.announce(began)
+            ended = Ended(False, "it was ended by something unforeseen")
+            try:
+                made = await work()
+                ended = Ended(not what(made), what(made))
+            except Trouble as trouble:
+                ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
+                raise
+            except Lost as lost:
+                ended = Ended(False, f"the connection was lost: {lost}", code="Y1606")
+                raise
+            finally:
+                coordinator.announce(finished(coordinator.time, name, ended, coordinator.robot))
+            return made
+
+        return await coordinator.engine.move(name, told, serves=True)
+
+    # homing
+
+    async def searches(self) -> replies.HomeSearches:
+        """Return what home searches would do.
+
+        Raises:
+            Trouble: the robot is under way, or there is no connection.
+        """
+        engine, robot = self._coordinator.engine, self._coordinator.robot
+        found = await engine.ask(lambda: searches(engine.operation, robot))
+        return replies.HomeSearches(
+            searches=tuple(
+                replies.MotorSearch(
+                    motor=one.motor,
+                    joint=one.joint,
+                    unit=one.unit,
+                    speed=round(one.speed, 6),
+                    longest_s=round(one.longest, 1),
+                    refused=one.refused,
+                    homed=motor.has("home complete"),
+                )
+                for one, motor in zip(found, engine.operation.motors, strict=True)
+            )
+        )
+
+    async def home(self, motors: tuple[int, ...]) -> Ended:
+        """Let the controller search the home of motors, one after the other; a hold, a stop or an abort ends it.
+
+        Returns:
+            How it has ended.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: something is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self._name, "to home the robot")
+        engine, stops = coordinator.engine, coordinator.stops
+        operation, robot = engine.operation, coordinator.robot
+        if unknown := [str(one) for one in motors if one not in robot.controller.motors]:
+            raise Trouble(f"the robot has no motor {', '.join(unknown)}", "name some of its motors", "Y1601")
+
+        async def work() -> Ended:
+            ended = Ended(True)
+            try:
+                for motor in motors:
+                    await engine.session.perform(home(operation, robot, motor))
+                    coordinator.tell(f"motor {motor} is homed")
+            except Trouble as trouble:
+                ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
+            # the same place is told by other positions now
+            coordinator.history.forget()
+            coordinator.carrying.kept.doubt_all("the motors were homed")
+            operation.orders.clear()
+            await engine.look()
+            return ended
+
+        names = ", ".join(map(str, motors))
+        many = "motors" if len(motors) > 1 else "motor"
+        return await coordinator.carry_out(
+            self._name, f"homing {many} {names}", Lasting(), work, stops, serves=True
+        )
+
+    # settings
+
+    async def compared(self) -> replies.SettingsCompared:
+        """Compare what the controller has with what the robot needs.
+
+        Raises:
+            Trouble: the robot is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        text = await coordinator.plan(settings_text, coordinator.robot)
+        found = await coordinator.engine.look_again()
+        things = []
+        for one in found.checked:
+            name, _, about = one.subject.partition(", ")
+            things.append(
+                replies.Comparison(
+                    name=name,
+                    about=about,
+                    found=one.found,
+                    wanted=one.wanted,
+                    verdict=one.verdict,
+                    help=one.remedy,
+                )
+            )
+        return replies.SettingsCompared(things=tuple(things), lines=len(lines_of(text)), sha256=_digest(text))
+
+    async def send(self, known: str) -> replies.SettingsSent:
+        """Send the settings.
+
+        Args:
+            known: SHA-256 of the text that the person has seen compared.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: they aren't those, a loop is closed, something is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self._name, "to send settings")
+        engine, stops = coordinator.engine, coordinator.stops
+        operation, robot = engine.operation, coordinator.robot
+        text = await coordinator.plan(settings_text, robot)
+        if _digest(text) != known:
+            raise Trouble("the settings aren't those that were compared", "compare them again", "Y1613")
+        lines = lines_of(text)
+
+        async def work() -> tuple[Sent, Inspection]:
+            if coordinator.stops != stops:
+                raise Trouble("stopped before it began; nothing was sent", "", "")
+            await engine.session.perform(check_open(operation, robot, robot.controller.ixx08))
+            sent = await engine.session.perform(send(operation, lines))
+            operation.orders.clear()
+            return sent, await engine.look()
+
+        sent, found = await self._carried_out(SENDING, work, lambda made: made[0].what)
+        return replies.SettingsSent(
+            sent=sent.sent, of=sent.of, what=sent.what, help=sent.remedy, wrong=wrong_in(found)
+        )
+
+    async def save(self) -> replies.Done:
+        """Let the controller keep its settings.
+
+        Raises:
+            NotOwner: this client only watches.
+            Trouble: the robot isn't at rest, something is under way, or there is no connection.
+        """
+        coordinator = self._coordinator
+        coordinator.check_owner(self._name, "to save settings")
+        engine = coordinator.engine
+        await self._carried_out(
+            SAVING,
+            lambda: engine.session.perform(save(engine.operation, coordinator.robot)),
+            lambda _: "",
+        )
+        return replies.Done()
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

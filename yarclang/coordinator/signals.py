@@ -1,0 +1,65 @@
+"""Inputs and outputs as a coordinator tells of them."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+from yarclang.cell.model import Cell
+from yarclang.coordinator.messages import events
+from yarclang.hir import Program
+from yarclang.runtime.session import Session
+from yarclang.runtime.signals import InputChanged, OutputSet, Signal, WaitBegan, WaitEnded
+from yarclang.simulated_cell.inputs import Set
+from yarclang.simulated_cell.playing import SimulatedCell
+from yarclang.simulated_cell.script import known_in
+
+_DIGITS = 4
+
+_EVENTS: dict[type, Any] = {
+    OutputSet: events.OutputSet,
+    WaitBegan: events.WaitBegan,
+    WaitEnded: events.WaitEnded,
+    InputChanged: events.InputChanged,
+}
+
+
+def signal_event(signal: Signal) -> events.BaseEvent:
+    """Return what a run tells of an input or an output as an event."""
+    kind = _EVENTS[type(signal)]
+    said = {name: getattr(signal, name) for name in signal.__slots__ if name not in ("time", "waited")}
+    if isinstance(signal, WaitEnded):
+        said["waited_s"] = round(signal.waited, _DIGITS)
+    event: events.BaseEvent = kind(time_s=round(signal.time, _DIGITS), **said)
+    return event
+
+
+def hear_inputs(
+    surroundings: SimulatedCell, session: Session, later: Callable[[Callable[[Set], None], Set], object]
+) -> None:
+    """Let a session tell each change of a simulated input.
+
+    Args:
+        surroundings: the machines around the robot, in a thread of their own.
+        session: tells.
+        later: calls a function with an argument in the session's event loop.
+    """
+
+    def tell(one: Set) -> None:
+        names = {variable: name for name, variable in surroundings.known.inputs.items()}
+        changed = InputChanged(
+            session.now(), names.get(one.variable, one.variable), one.variable, one.value, one.cause
+        )
+        session.operation.notices.append(changed)
+
+    def heard(one: Set) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            later(tell, one)
+
+    surroundings.listen(heard)
+
+
+def output_names(program: Program | None, cell: Cell | None) -> dict[str, str]:
+    """Return the names of the outputs of a program and its cell, by their variables."""
+    return {variable: name for name, variable in known_in(program, cell).outputs.items()}

@@ -1,0 +1,85 @@
+"""Family 09, continued: parts that grippers take and put down."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y0940",
+        "grips-nothing",
+        "warning",
+        "a gripper closes where no part is",
+        "A gripper takes the part that is nearest to the origin of its frame, if that is within its reach. Here none is: the program leads the gripper elsewhere, the cell.toml has the part "
+        "elsewhere, or all parts of the kind have been taken. The robot then carries nothing, and nothing is proved for a part that it may hold in reality.",
+        "P0010 MOVEL {GRIPPER} 0 0 100 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON      ! the box lies 100 mm below",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON",
+    ),
+    Finding(
+        "Y0941",
+        "never-put-down",
+        "warning",
+        "a part is taken and never put down",
+        "Where the program ends, a gripper still holds the part. A program that is compiled by itself begins with all parts where the cell.toml has them, and doesn't know of it; "
+        "in a session (`yarc repl`, `serve`) the next one begins with the part in the gripper.",
+        "P0020 SET GRIP ON\nP0030 MOVEJ READY [50%]",
+        "P0020 SET GRIP ON\nP0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {PRESS}\nP0040 SET GRIP OFF",
+    ),
+    Finding(
+        "Y0942",
+        "put-into-something",
+        "error",
+        "a part is put into something",
+        "Where the gripper opens, the part overlaps with a body of the cell, or with a part that lies there, by more than a millimetre. On the way in it may touch what it will stand on: so it "
+        "is said here.",
+        "P0030 MOVEL {GRIPPER} 0 0 -20 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF      ! 20 mm too low",
+        "P0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
+    ),
+    Finding(
+        "Y0943",
+        "let-go-in-the-air",
+        "warning",
+        "a part is let go where nothing carries it",
+        "Where the gripper opens, no body is within 5 mm of the part (and the margin of that body). It will fall; from then on it counts as standing where it was let go.",
+        "P0030 MOVEL {GRIPPER} 0 0 60 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
+        "P0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
+    ),
+    Finding(
+        "Y0944",
+        "grips-while-moving",
+        "error",
+        "a gripper closes or opens while the robot moves",
+        "With BLEND, the motions before and after the SET flow into each other, and the output is set in the middle of the corner. A part is taken or put down at rest: only then it is "
+        "known where it is.",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX} BLEND 5\nP0020 SET GRIP ON\nP0030 MOVEL {GRIPPER} 0 0 100 0 0 0 [1] (mm,deg,s) {BOX}",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON\nP0030 MOVEL {GRIPPER} 0 0 100 0 0 0 [1] (mm,deg,s) {BOX}",
+    ),
+    Finding(
+        "Y0945",
+        "unsure-what-is-held",
+        "error",
+        "after WHENs too many parts may be in the grippers",
+        "If one way of a WHEN takes a part and the other doesn't, everything after it is proved with the part and without it. With more than five such parts at once there would be too many "
+        "combinations.",
+        "WHEN A ON\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX_A} 100 GRIP_A 1\nEND      ! and so on, for six grippers",
+        "WHEN A ON\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX_A} 100 GRIP_A 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {PRESS} 100 GRIP_A 1\nEND",
+    ),
+    Finding(
+        "Y0946",
+        "starts-in-the-air",
+        "warning",
+        "a part hangs in the air, or is inside of something, where the program starts",
+        "Where a part lies when the program starts, no body is within 5 mm of it (and the larger margin of both), or it overlaps with one by more than a millimetre. Most likely its frame or xyz "
+        "in the cell.toml is wrong, or what it lies on is missing there. It is said where the gripper takes the part; of several of a kind for the first one only.",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON      ! cell.toml has the box 30 mm above its table",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON      ! on its table in the cell.toml",
+    ),
+    Finding(
+        "Y0947",
+        "gripper-deep-in-part",
+        "note",
+        "a gripper closes deep in a part",
+        "Where the gripper closes, a body of the robot overlaps with the part: the cup of a gripper with a sensor of kind `vacuum` by more than 5 mm, any other body by more than 5 mm beyond half of "
+        "the part's thickness. A gripper may touch the part that it takes, so nothing is reported as a collision. If the overlap isn't meant, the frame of the part or of the gripper is wrong by as much.",
+        "P0010 MOVEL {CUP} 0 0 -30 0 0 0 [1] (mm,deg,s) {TOP}\nP0020 SET GRIP ON      ! the cup is 30 mm in the box",
+        "P0010 MOVEL {CUP} 0 0 0 0 0 0 [1] (mm,deg,s) {TOP}\nP0020 SET GRIP ON      ! the cup is on the box",
+    ),
+)

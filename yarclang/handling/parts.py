@@ -1,0 +1,238 @@
+"""Where the parts of a cell are, and what changes when a gripper closes or opens.
+
+A state is a set of places at which a part may be. After a WHEN there may be several for one part: each of them counts as occupied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Expected, Grip, Item, Parts, Removal
+from yarclang.collision.geometry import UnreadableError, geometry_of
+from yarclang.frozen import frozen
+from yarclang.shapes import Array, Shape, Sphere
+from yarclang.transforms import constant
+
+BUILT_IN = ""
+"""The gripper of parts that hang on the flange from the start and that no output lets go."""
+
+
+NO_PARTS = Parts(())
+
+
+@lru_cache(maxsize=64)
+def first_parts(cell: Cell | None) -> Parts:
+    """Return where the parts of a cell are when a program starts."""
+    if cell is None or not cell.parts:
+        return NO_PARTS
+    if cell.present is not None:
+        return cell.present.parts
+    items = []
+    for part in cell.parts:
+        mount = part.body.mount
+        holder = _holder(cell, mount.transform) if mount.on_flange else None
+        items.append(Item(part, 1, mount.transform.tobytes(), holder))
+    return Parts(tuple(items), frozenset(one.gripper for one in items if one.gripper))
+
+
+def _holder(cell: Cell, flange_from_part: Array) -> str:
+    """Return the gripper that is nearest to a part on the flange."""
+    apart = {
+        variable: float(np.linalg.norm(grip.flange_from_grip[:3, 3] - flange_from_part[:3, 3]))
+        for variable, grip in cell.grips.items()
+    }
+    return min(apart, key=apart.__getitem__) if apart else BUILT_IN
+
+
+@frozen
+class Nearest:
+    """The part nearest to a gripper that closes, and how far its surface is from the gripper's origin [m]; 0 for an origin inside of the part."""
+
+    item: Item
+    distance: float
+
+
+def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest | None:
+    """Return the part that a gripper would take at a flange pose (4, 4), however far it is; None if none lies anywhere.
+
+    Of several that the gripper's origin touches, it is the one whose origin is nearest.
+    """
+    origin = (base_from_flange @ grip.flange_from_grip)[:3, 3]
+    found = [
+        (
+            _distance(one.part.body.shape, one.transform, origin),
+            float(np.linalg.norm(one.transform[:3, 3] - origin)),
+            at,
+        )
+        for at, one in enumerate(parts.items)
+        if one.gripper is None
+    ]
+    if not found:
+        return None
+    distance, _, at = min((max(gap, 0.0), away, at) for gap, away, at in found)
+    return Nearest(parts.items[at], distance)
+
+
+def _distance(shape: Shape, base_from_shape: Array, point: Array) -> float:
+    """Return how far a point (3,) is from a shape [m]; negative inside."""
+    there = np.eye(4)
+    there[:3, 3] = point
+    return _between(shape, base_from_shape, Sphere(_POINT), there) + _POINT
+
+
+def _between(one: Shape, base_from_one: Array, other: Shape, base_from_other: Array) -> float:
+    """Return how far two shapes are apart [m], each with its hull; negative if they overlap."""
+    import coal
+
+    try:
+        first, second = _hull(one), _hull(other)
+    except UnreadableError:  # said with the collisions
+        return float("inf")
+    request, answer = coal.DistanceRequest(), coal.DistanceResult()
+    request.enable_signed_distance = True
+    here, there = (coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (base_from_one, base_from_other))
+    return float(coal.distance(first, here, second, there, request, answer))
+
+
+_POINT = 1e-6
+"""The radius of the sphere that stands for a point [m]."""
+
+
+@lru_cache(maxsize=256)
+def _hull(shape: Shape) -> object:
+    return geometry_of(shape, hull=True).of_coal
+
+
+def close(
+    parts: Parts, variable: str, grip: Grip, base_from_flange: Array, step: int
+) -> tuple[Parts, Nearest | None]:
+    """Close a gripper.
+
+    Args:
+        parts: where the parts are before.
+        variable: the gripper's output.
+        grip: the gripper.
+        base_from_flange: (4, 4) where the flange stands.
+        step: the step of the program that closes it.
+
+    Returns:
+        Where the parts are then, and the part that lay nearest to the gripper: it is held if it was within reach.
+    """
+    near = nearest_part(parts, grip, base_from_flange)
+    closed = parts.closed | {variable}
+    if near is None or near.distance > grip.reach:
+        return replace(parts, closed=closed), near
+    item = near.item
+    flange_from_part = np.linalg.inv(base_from_flange) @ item.transform
+    taken = replace(item, pose=flange_from_part.tobytes(), gripper=variable)
+    items = tuple(taken if one is item else one for one in parts.items)
+    # a part that was put back into its place, and is taken again, still keeps the next one out of it
+    expected = tuple(
+        dict.fromkeys(replace(one, taken=step) if _blocks(item, one) else one for one in parts.expected)
+    )
+    is_first_place = item.pose == item.part.body.mount.transform.tobytes()
+    if is_first_place and item.number < item.part.count and not any(_blocks(item, one) for one in expected):
+        expected = (*expected, Expected(item.part, item.number + 1, step))
+    return Parts(items, closed, expected), near
+
+
+def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
+    """Open a gripper at a flange pose (4, 4): what it holds stays where it is."""
+    items = tuple(
+        replace(one, pose=(base_from_flange @ one.transform).tobytes(), gripper=None)
+        if one.gripper == variable
+        else one
+        for one in parts.items
+    )
+    return replace(parts, items=items, closed=parts.closed - {variable})
+
+
+def remove(parts: Parts, removal: Removal) -> Parts:
+    """Take away what lies within the reach of a machine."""
+    origin = removal.base_from_place[:3, 3]
+    items = tuple(
+        one
+        for one in parts.items
+        if one.gripper is not None or _distance(one.part.body.shape, one.transform, origin) > removal.reach
+    )
+    return replace(parts, items=items)
+
+
+def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
+    """Put the next parts into the places from which others were taken.
+
+    Args:
+        parts: where the parts are.
+        leaving: the SETs that closed a gripper from which the robot is still on its straight way out: nothing comes into these places yet.
+    """
+    lying = [one for one in parts.items if one.gripper is None and one.is_sure]
+    here = [
+        one
+        for one in parts.expected
+        if one.taken not in leaving and not any(_blocks(each, one) for each in lying)
+    ]
+    if not here:
+        return parts
+    new = [Item(one.part, one.number, one.part.body.mount.transform.tobytes()) for one in here]
+    known = {one.name for one in parts.items}
+    return replace(
+        parts,
+        # the ways of a WHEN may have taken the part before it with different SETs
+        items=(*parts.items, *(one for one in dict.fromkeys(new) if one.name not in known)),
+        expected=tuple(one for one in parts.expected if one not in here),
+    )
+
+
+def _blocks(item: Item, expected: Expected) -> bool:
+    """Return True if a part is the one before another, and lies where that is expected."""
+    kind, place = expected.part, expected.part.body
+    is_before = item.part.body.name == place.name and item.number == expected.number - 1
+    return (
+        is_before
+        and item.gripper is None
+        and _between(item.part.body.shape, item.transform, kind.body.shape, place.mount.transform) < -_DEEP
+    )
+
+
+_DEEP = 1e-3
+"""Parts that overlap by more than this [m] can't lie there both."""
+
+
+def either(one: Parts, other: Parts) -> Parts:
+    """Return where the parts may be if either of two states is the true one."""
+    if one == other:
+        return one
+    there = tuple(next((each for each in one.items if _are_alike(each, item)), item) for item in other.items)
+    both = set(one.items) & set(there)
+    items = [item if item in both else replace(item, is_sure=False) for item in (*one.items, *there)]
+    return Parts(
+        tuple(dict.fromkeys(items)),
+        one.closed & other.closed,
+        tuple(dict.fromkeys((*one.expected, *other.expected))),
+    )
+
+
+def _are_alike(one: Item, other: Item) -> bool:
+    """Return True if a part is at the same place but for what is lost in computing: one that was put down and taken again where it lay."""
+    return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and bool(
+        (np.abs(one.transform - other.transform) <= _ALIKE).all()
+    )
+
+
+_ALIKE = 1e-7
+"""Poses that differ by less [m, or entries of a rotation] are the same; a proof keeps a hundred times as much in hand (`yarclang.collision.proof.SLACK`)."""
+
+
+def doubtful(parts: Parts) -> Iterator[str]:
+    """Yield the names of parts that may be at several places."""
+    names = [one.name for one in parts.items]
+    yield from dict.fromkeys(name for name in names if names.count(name) > 1)
+
+
+def constant_pose(item: Item) -> Array:
+    """Return an item's pose (4, 4) [m], read-only."""
+    return constant(item.transform.copy())

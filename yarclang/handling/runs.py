@@ -1,0 +1,161 @@
+"""The straight ways on which a robot goes in to a part and out again: there bodies may touch that touch while it is taken or put down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
+
+from yarclang.cell.model import Grip
+from yarclang.frozen import frozen
+from yarclang.hir import Else, EndWhen, Gap, LineMove, Motion, SetOutput, Step, Stop, When
+
+
+@frozen
+class Lead:
+    """A SET of a gripper next to a motion, and the motions of the same straight way that are next to this one, between it and the SET: none if the robot may stand at the SET."""
+
+    to: int
+    between: tuple[int, ...] = ()
+
+
+@frozen(eq=False)
+class Runs:
+    """For each motion by its step: the SETs of grippers to which it leads in (`towards`), and those from which it leads out (`away`).
+
+    There are several if the ways of a WHEN lead from different SETs or to different ones. A motion that leads out from none on one of the ways is in neither. `leaves` has for a motion
+    the SETs from which it leads out on each way that comes from there: what these have taken away isn't followed by the next part yet.
+    """
+
+    towards: Mapping[int, tuple[Lead, ...]]
+    away: Mapping[int, tuple[Lead, ...]]
+    leaves: Mapping[int, frozenset[int]]
+
+
+NO_RUNS = Runs({}, {}, {})
+
+BEFORE = -1
+"""Stands for the SETs of the lines of a session before a program. The SETs of the lines after it have the number of its steps."""
+
+
+def runs_of(
+    steps: Sequence[Step], grippers: Mapping[str, Grip], *, leaves: bool = False, goes_on: bool = False
+) -> Runs:
+    """Find the motions next to each SET of a gripper: one of any kind, or several in straight lines.
+
+    Args:
+        steps: of a program.
+        grippers: by the variables of their outputs.
+        leaves: True if a SET stands before the program.
+        goes_on: True if a SET may stand after it.
+    """
+    if not grippers:
+        return NO_RUNS
+    closing = tuple((variable, grip.value) for variable, grip in grippers.items())
+    return _runs_of(tuple(steps), closing, leaves, goes_on)
+
+
+@lru_cache(maxsize=16)
+def _runs_of(
+    steps: tuple[Step, ...], closing: tuple[tuple[str, float], ...], leaves: bool, goes_on: bool
+) -> Runs:
+    values = dict(closing)
+    away = _along(steps, range(len(steps)), values, BEFORE if leaves else None)
+    towards = _along(steps, range(len(steps) - 1, -1, -1), values, len(steps) if goes_on else None)
+    still = {
+        at: frozenset(one.set for one in ways if one.set is not None and not one.left)
+        - {one.set for one in ways if one.left}
+        for at, ways in away.items()
+    }
+    return Runs(_leads(towards), _leads(away), still)
+
+
+@frozen
+class _Way:
+    """A way on which a step is come to: the last SET of a gripper on it (None: none), the last motion since (None: the robot stands at the SET), and True if the robot has `left` its straight way."""
+
+    set: int | None = None
+    motion: int | None = None
+    left: bool = False
+
+
+_NOWHERE = frozenset({_Way(left=True)})
+
+
+def _along(
+    steps: tuple[Step, ...], numbers: range, closing: Mapping[str, float], first: int | None
+) -> dict[int, frozenset[_Way]]:
+    """Return the ways on which each motion is come to that is the first after a SET of a gripper, or goes on straight; backwards if the numbers fall.
+
+    Args:
+        steps: of a program.
+        numbers: of the steps, in the order in which they are gone through.
+        closing: the values that close grippers, by their outputs.
+        first: the SET that stands before the first of these steps; None: there is none.
+    """
+    opens, ends = (When, EndWhen) if numbers.step > 0 else (EndWhen, When)
+    now = _NOWHERE if first is None else frozenset({_Way(first)})
+    around: list[tuple[frozenset[_Way], frozenset[_Way] | None]] = []
+    found: dict[int, frozenset[_Way]] = {}
+    for at in numbers:
+        step = steps[at]
+        if isinstance(step, opens):
+            around.append((now, None))
+        elif isinstance(step, Else | ends):
+            # of steps that are cut out of a program the WHEN may be missing
+            before, other = around.pop() if around else (_NOWHERE, None)
+            if isinstance(step, Else):
+                around.append((before, now))
+                now = before
+            else:
+                now |= before if other is None else other
+        elif isinstance(step, Stop | Gap):
+            now = _NOWHERE
+        elif isinstance(step, SetOutput) and step.output.variable in closing:
+            now = frozenset(_after_set(steps, at, closing, now, forwards=numbers.step > 0))
+        elif isinstance(step, Motion):
+            is_line = isinstance(step, LineMove)
+            found[at] = frozenset(
+                _Way(one.set, one.motion, one.left or (one.motion is not None and not is_line)) for one in now
+            )
+            now = frozenset(
+                _Way(one.set, left=True) if one.left or not is_line else _Way(one.set, at)
+                for one in found[at]
+            )
+    return found
+
+
+def _after_set(
+    steps: tuple[Step, ...],
+    at: int,
+    closing: Mapping[str, float],
+    ways: Iterable[_Way],
+    *,
+    forwards: bool,
+) -> Iterable[_Way]:
+    """Yield the ways behind a SET: one that does again what the last one did changes nothing."""
+    for one in ways:
+        last = steps[one.set] if forwards and one.set is not None and 0 <= one.set < len(steps) else None
+        again = isinstance(last, SetOutput) and _does(last, closing) == _does(steps[at], closing)
+        yield one if again else _Way(at)
+
+
+def _does(step: Step, closing: Mapping[str, float]) -> tuple[str, bool]:
+    assert isinstance(step, SetOutput)  # only such steps move grippers
+    return step.output.variable, step.value == closing[step.output.variable]
+
+
+def _leads(found: Mapping[int, frozenset[_Way]]) -> dict[int, tuple[Lead, ...]]:
+    """Return the SETs next to each motion that is next to one on all ways."""
+    leads: dict[int, tuple[Lead, ...]] = {}
+    for at, ways in found.items():
+        if any(one.left or one.set is None for one in ways):
+            continue
+        between: dict[int, set[int | None]] = {}
+        for one in ways:
+            assert one.set is not None  # looked at above
+            between.setdefault(one.set, set()).add(one.motion)
+        leads[at] = tuple(
+            Lead(number, () if None in motions else tuple(sorted(one for one in motions if one is not None)))
+            for number, motions in sorted(between.items())
+        )
+    return leads

@@ -1,0 +1,120 @@
+"""What a description of parts leaves open to mistakes: what a part lies on at its start, and how deep the gripper is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.cell.model import Cell, Item, Parts, Touch
+from yarclang.collision.geometry import UnreadableError, geometry_of
+from yarclang.collision.placing import Relative, distances
+from yarclang.collision.scene import Body, Scene, scene_of
+from yarclang.handling.grasp import Grasp
+from yarclang.handling.surroundings import surroundings
+from yarclang.robot.model import Array, Robot
+
+DEEP = 5e-3
+"""A cup of a vacuum gripper may be this deep in the part that it takes [m]; a gripper without a vacuum sensor deeper by this than to the part's middle."""
+
+
+def first_of(grasp: Grasp) -> tuple[Item, ...]:
+    """Return the parts that a gripper takes from where they lie when the program starts; of several of a kind only the first one."""
+    return tuple(
+        one
+        for one in grasp.before.items
+        if grasp.closes
+        and one.name in grasp.moved
+        and one.number == 1
+        and one.pose == one.part.body.mount.transform.tobytes()
+    )
+
+
+def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
+    """Find the body that is nearest to a part where a gripper takes it.
+
+    Args:
+        robot: in the cell.
+        cell: as its file says.
+        grasp: takes the part.
+        name: of the part.
+
+    Returns:
+        The body, and its distance as `least` [m], negative if both overlap; None if there is no other body that stands still.
+    """
+    found = _gaps(
+        robot,
+        cell,
+        grasp.after,
+        grasp.base_from_flange,
+        lambda still: still.joint == 0,
+        lambda moved: moved.is_part and moved.name == name and not moved.of_cell,
+    )
+    return min(found, key=lambda one: one.least, default=None)
+
+
+def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
+    """Find the body of the flange that is deeper in a part than a gripper should be where it closes.
+
+    A cup lies on the part. Fingers reach around it; as one body, which has no room between them, they are in it, but hardly beyond its middle.
+
+    Args:
+        robot: in the cell.
+        cell: as its file says.
+        grasp: takes the part.
+        name: of the part.
+
+    Returns:
+        The part as `part`, the body as `other`, and minus the overlap as `least` [m]; None if nothing is too deep.
+    """
+    item = next(one for one in grasp.before.items if one.name == name)
+    is_cup = any(one.gripper == grasp.variable for one in cell.sensors)
+    allowed = DEEP if is_cup else DEEP + _half_thickness(item)
+    found = _gaps(
+        robot,
+        cell,
+        grasp.before,
+        grasp.base_from_flange,
+        lambda still: still.is_part and still.of_cell and still.name == name,
+        lambda moved: moved.joint == robot.size and not moved.is_part,
+    )
+    worst = min(found, key=lambda one: one.least, default=None)
+    if worst is None or worst.least >= -allowed:
+        return None
+    return Touch(name, worst.part, worst.least)
+
+
+def _half_thickness(item: Item) -> float:
+    """Return half of the shortest edge of the box around a part [m]; infinite for a mesh that can't be read."""
+    try:
+        return float(geometry_of(item.part.body.shape).half.min())
+    except UnreadableError:  # said with the collisions
+        return np.inf
+
+
+def _gaps(
+    robot: Robot,
+    cell: Cell,
+    parts: Parts,
+    base_from_flange: Array,
+    is_still: Callable[[Body], bool],
+    is_moved: Callable[[Body], bool],
+) -> list[Touch]:
+    """Return the distances of bodies that stand still (`other`) from bodies of the flange (`part`) at a flange pose (4, 4); empty without a scene."""
+    scene = scene_of(robot, surroundings(cell, parts)).value
+    if scene is None:
+        return []
+    still, moved = _which(scene, is_still), _which(scene, is_moved)
+    pairs = np.flatnonzero(still[scene.first] & moved[scene.second])
+    first, second = scene.first[pairs], scene.second[pairs]
+    way = base_from_flange @ np.linalg.inv(robot.chain.base_from_flange)
+    back = scene.rotation[first].transpose(0, 2, 1)
+    apart = scene.middle[second] @ way[:3, :3].T + way[:3, 3] - scene.middle[first]
+    seen = Relative(back @ way[:3, :3] @ scene.rotation[second], (back @ apart[:, :, None])[:, :, 0])
+    gaps = distances(scene, pairs, seen)
+    return [Touch(*scene.names(pair), float(gap)) for pair, gap in zip(pairs.tolist(), gaps, strict=True)]
+
+
+def _which(scene: Scene, wanted: Callable[[Body], bool]) -> NDArray[np.bool_]:
+    return np.array([wanted(one) for one in scene.bodies], dtype=np.bool_)

@@ -1,0 +1,201 @@
+"""The cell at an instant of a program: its parts are obstacles where they lie, and carried bodies while a gripper holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Item, Mount, Obstacle, Parts, Touch
+from yarclang.collision.geometry import UnreadableError, geometry_of
+from yarclang.collision.placing import Relative, distances, place, relative
+from yarclang.collision.scene import scene_of
+from yarclang.handling.parts import constant_pose, doubtful
+from yarclang.robot.masses import with_load
+from yarclang.robot.model import Array, Dynamics, Robot
+from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
+
+PRESSED = 5e-4
+"""Bodies that touch while a part is taken or put down may come nearer by this on the way in and out [m]."""
+INTO = 1e-3
+"""A part may be put this deep into what carries it [m]: drawings aren't exact."""
+NEAR = 0.02
+"""Bodies that are farther than this and their margin from a part [m] don't carry it."""
+
+
+def surroundings(cell: Cell | None, parts: Parts, touches: tuple[Touch, ...] = ()) -> Cell | None:
+    """Return the cell as it is with its parts at their places; equal states give the same object.
+
+    Args:
+        cell: as its file says.
+        parts: where its parts are.
+        touches: which bodies may touch each other.
+    """
+    if cell is None or not cell.parts:
+        return cell
+    return _surroundings(cell, parts.items, touches)
+
+
+@lru_cache(maxsize=64)
+def without_parts(cell: Cell) -> Cell:
+    """Return a cell whose parts are left out, as nobody knows where they are; equal cells give the same object."""
+    return replace(cell, parts=()) if cell.parts else cell
+
+
+@lru_cache(maxsize=4096)
+def _surroundings(cell: Cell, items: tuple[Item, ...], touches: tuple[Touch, ...]) -> Cell:
+    bodies = tuple(_body(one) for one in items)
+    # a part that may be at two places doesn't meet itself
+    twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
+    obstacles = (*cell.obstacles, *bodies)
+    return replace(cell, obstacles=obstacles, touches=(*touches, *twice), parts=(), present=None)
+
+
+@lru_cache(maxsize=4096)
+def _body(item: Item) -> Obstacle:
+    body = item.part.body
+    mount = Mount(constant_pose(item), item.gripper is not None)
+    return replace(body, name=item.name, mount=mount, is_sure=item.is_sure)
+
+
+@lru_cache(maxsize=1024)
+def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: bytes) -> tuple[Touch, ...]:
+    """Find what carries the parts of a gripper where it takes them or puts them down.
+
+    Args:
+        robot: in the cell.
+        cell: as its file says.
+        carried: the state in which the gripper holds them.
+        gripper: the variable of its output.
+        flange: where the flange stands, base_from_flange (4, 4) [m], as bytes.
+
+    Returns:
+        Pairs of bodies that are apart by less than `NEAR` and their margin; `least` is by how much [m], negative if they overlap. Nothing without a scene.
+    """
+    scene = scene_of(robot, surroundings(cell, carried)).value
+    names = {one.name for one in carried.held(gripper)}
+    if scene is None or not names:
+        return ()
+    held = np.array([one.is_part and one.name in names and not one.of_cell for one in scene.bodies])
+    pairs = np.flatnonzero((scene.joint[scene.first] == 0) & held[scene.second])
+    first, second = scene.first[pairs], scene.second[pairs]
+    moved = np.frombuffer(flange).reshape(4, 4) @ np.linalg.inv(robot.chain.base_from_flange)
+    apart = scene.middle[second] @ moved[:3, :3].T + moved[:3, 3] - scene.middle[first]
+    limit = scene.margin[pairs] + NEAR
+    close = np.linalg.norm(apart, axis=1) - scene.bound[first] - scene.bound[second] <= limit
+    pairs, first, second, apart, limit = (one[close] for one in (pairs, first, second, apart, limit))
+    back = scene.rotation[first].transpose(0, 2, 1)
+    seen = Relative(back @ moved[:3, :3] @ scene.rotation[second], (back @ apart[:, :, None])[:, :, 0])
+    gaps = distances(scene, pairs, seen)
+    return tuple(
+        Touch(*scene.names(pair), float(gap))
+        for pair, gap, most in zip(pairs.tolist(), gaps, limit, strict=True)
+        if gap <= most
+    )
+
+
+def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
+    """Return what may touch on each of several ways."""
+    first, *others = [*ways] or [()]
+    for other in others:
+        least = {(one.part, one.other): one.least for one in other}
+        first = tuple(
+            replace(one, least=max(one.least, least[one.part, one.other]))
+            for one in first
+            if (one.part, one.other) in least
+        )
+    return first
+
+
+def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...], q: Array) -> bool:
+    """Return True if all that hangs on the flange keeps its distance from some parts that lie.
+
+    Args:
+        robot: in the cell.
+        cell: as its file says.
+        parts: where the parts are.
+        names: of the parts.
+        q: joint position (n,) [rad or m].
+    """
+    scene = scene_of(robot, surroundings(cell, parts)).value
+    if scene is None:
+        return True
+    lies = np.array([one.is_part and one.name in names and one.of_cell for one in scene.bodies])
+    hangs = np.array([one.joint == robot.size and not one.is_part for one in scene.bodies])
+    pairs = np.flatnonzero(lies[scene.first] & hangs[scene.second])
+    at = np.zeros_like(pairs)
+    apart = distances(scene, pairs, relative(place(scene, q[None]), at, pairs))
+    return bool((apart > scene.margin[pairs]).all())
+
+
+def load_cases(robot: Robot, cell: Cell | None) -> tuple[Dynamics, ...]:
+    """Return the masses that the robot may have to move: with each part that it may hold, and without those that it may not hold.
+
+    Args:
+        robot: with masses.
+        cell: as it is at an instant.
+    """
+    dynamics = robot.dynamics
+    if dynamics is None:
+        return ()
+    carried = [one for one in cell.obstacles if one.mass and one.mount.on_flange] if cell else []
+    if not carried:
+        return (dynamics,)
+    return _load_cases(robot, dynamics, tuple(carried))
+
+
+@lru_cache(maxsize=256)
+def _load_cases(robot: Robot, dynamics: Dynamics, carried: tuple[Obstacle, ...]) -> tuple[Dynamics, ...]:
+    sure = [one for one in carried if one.is_sure]
+    for one in sure:
+        dynamics = _loaded(robot, dynamics, one)
+    cases = [dynamics]
+    for one in carried:
+        if not one.is_sure:
+            cases += [_loaded(robot, each, one) for each in cases]
+    return tuple(cases)
+
+
+MOST_UNSURE = 5
+"""The most parts of which it isn't known at once whether a gripper holds them: all combinations of their masses are looked at."""
+
+
+def _loaded(robot: Robot, dynamics: Dynamics, body: Obstacle) -> Dynamics:
+    placed = robot.chain.base_from_flange @ body.mount.transform
+    assert body.mass is not None  # only such bodies are loads
+    center, squares = _solid(body.shape)
+    tensor = placed[:3, :3] @ np.diag(body.mass * squares) @ placed[:3, :3].T
+    return with_load(dynamics, body.mass, placed[:3, :3] @ center + placed[:3, 3], tensor)
+
+
+def _solid(shape: Shape) -> tuple[Array, Array]:
+    """Return the center of a solid body in its frame (3,) [m], and the diagonal of its inertia about that over its mass (3,) [m^2]; a mesh counts as the box around it."""
+    center = np.zeros(3)
+    match shape:
+        case Box(size=size):
+            return center, _of_box(size)
+        case Sphere(radius=radius):
+            return center, np.full(3, 0.4 * radius**2)
+        case Cylinder(radius=radius, length=length):
+            return center, _of_cylinder(radius, length)
+        case Capsule(radius=radius, length=length):
+            # as the cylinder that is as long as the capsule with its caps: never less
+            return center, _of_cylinder(radius, length + 2.0 * radius)
+    try:
+        geometry = geometry_of(shape)
+    except UnreadableError:  # said with the collisions
+        return center, center
+    return geometry.middle, _of_box(2.0 * geometry.half)
+
+
+def _of_box(size: Array) -> Array:
+    squares = np.square(size)
+    found: Array = (squares.sum() - squares) / 12.0
+    return found
+
+
+def _of_cylinder(radius: float, length: float) -> Array:
+    across = radius**2 / 4.0 + length**2 / 12.0
+    return np.array([across, across, radius**2 / 2.0])

@@ -1,0 +1,343 @@
+"""A program followed step by step: where the parts are before each of them, and what its grippers do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Leaving, Parts, Touch
+from yarclang.frozen import frozen
+from yarclang.handling.grasp import Grasp, Whereabouts
+from yarclang.handling.parts import (
+    arrive,
+    close,
+    either,
+    first_parts,
+    open_,
+    remove,
+)
+from yarclang.handling.runs import BEFORE, NO_RUNS, Runs, runs_of
+from yarclang.handling.surroundings import INTO, PRESSED, hand_is_clear, on_all_ways, supports, surroundings
+from yarclang.hir import Else, EndWhen, Motion, SetOutput, Step, Stop, When
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
+
+
+@frozen(eq=False)
+class Handling:
+    """The grippers and parts of a cell, and the steps of a program that uses them."""
+
+    robot: Robot
+    cell: Cell | None
+    steps: Sequence[Step]
+    runs: Runs
+
+    @property
+    def is_needed(self) -> bool:
+        """True if there are parts at all."""
+        return self.cell is not None and bool(self.cell.parts)
+
+    def first(self) -> Whereabouts:
+        """Return where the parts are when the program starts."""
+        return Whereabouts(first_parts(self.cell))
+
+    def before_motion(self, stand: Whereabouts, step: int) -> Whereabouts:
+        """Return where the parts are on a motion: what was taken away is followed by the next of its kind."""
+        if not stand.parts.expected:
+            return stand
+        return replace(stand, parts=arrive(stand.parts, self.runs.leaves.get(step, frozenset())))
+
+    def passed(self, stand: Whereabouts, step: int, q: Array | None) -> tuple[Whereabouts, Grasp | None]:
+        """Carry out a step that doesn't move the robot.
+
+        Args:
+            stand: before the step.
+            step: its number.
+            q: where the robot stands (n,) [rad or m]; None if that isn't known: then grippers change nothing.
+
+        Returns:
+            What is then, and what a gripper did, if the step moves one.
+        """
+        one = self.steps[step]
+        match one:
+            case When():
+                return replace(stand, ways=(*stand.ways, (stand.parts, None))), None
+            case Else():
+                *outer, (before, _) = stand.ways
+                return Whereabouts(before, (*outer, (before, stand.parts))), None
+            case EndWhen():
+                *outer, (before, first) = stand.ways
+                return Whereabouts(
+                    either(before if first is None else first, stand.parts), tuple(outer)
+                ), None
+            case SetOutput(output=output, value=value):
+                removal = self.cell.removals.get(output.variable) if self.cell is not None else None
+                if removal is not None and value == removal.value:
+                    return replace(stand, parts=remove(stand.parts, removal)), None
+                grasp = self._grasp(stand.parts, step, one, q)
+                return (stand, None) if grasp is None else (replace(stand, parts=grasp.after), grasp)
+        return stand, None
+
+    def _grasp(self, parts: Parts, step: int, one: SetOutput, q: Array | None) -> Grasp | None:
+        if q is None or self.cell is None or one.output.variable not in self.cell.grips or not self.is_needed:
+            return None
+        return self.at_pose(parts, step, one.output.variable, one.value, flange_pose(self.robot, q))
+
+    def at_pose(
+        self, parts: Parts, step: int, variable: str, value: float, base_from_flange: Array
+    ) -> Grasp | None:
+        """Return what a gripper does whose output becomes `value` while the flange stands at a pose (4, 4); None if nothing changes."""
+        if self.cell is None:
+            return None
+        flange, grip = base_from_flange, self.cell.grips[variable]
+        closes = value == grip.value
+        if closes:
+            if variable in parts.closed:
+                return None
+            after, near = close(parts, variable, grip, flange, step)
+            return Grasp(step, variable, grip, closes, flange, parts, after, near)
+        if variable not in parts.closed and not parts.held(variable):
+            return None
+        return Grasp(step, variable, grip, closes, flange, parts, open_(parts, variable, flange))
+
+    def touches(
+        self,
+        step: int,
+        grasps: Callable[[int], Grasp | None],
+        clear: Collection[tuple[int, int]] = (),
+        coming: Sequence[Grasp] = (),
+    ) -> tuple[Touch, ...]:
+        """Return which bodies may touch on a motion, as it leads in to a part or out from it; on several ways of a WHEN only what may touch on each of them.
+
+        Args:
+            step: the motion's.
+            grasps: what a SET does, by its step; None if that isn't known.
+            clear: the SETs and motions, by their steps, for which the gripper isn't at the part yet, or no longer: it may not touch it.
+            coming: what the next lines of the session may do.
+        """
+
+        def of_set(number: int, *, leads_in: bool) -> tuple[Touch, ...]:
+            is_clear = (number, step) in clear
+            if number == BEFORE:
+                left = (one for one in self._left if one.closes or not is_clear)
+                return tuple(touch for one in left for touch in one.touches)
+            if number == len(self.steps):
+                return tuple(self._allowed([one for one in coming if not (one.closes and is_clear)]))
+            grasp = grasps(number)
+            if grasp is None or (is_clear and grasp.closes == leads_in):
+                return ()
+            return self._touches(grasp, leads_in=leads_in)
+
+        return (
+            *on_all_ways(of_set(one.to, leads_in=False) for one in self.runs.away.get(step, ())),
+            *on_all_ways(of_set(one.to, leads_in=True) for one in self.runs.towards.get(step, ())),
+        )
+
+    @property
+    def _left(self) -> tuple[Leaving, ...]:
+        present = None if self.cell is None else self.cell.present
+        return () if present is None else present.leaving
+
+    def leaving(self, grasp: Grasp) -> Leaving:
+        """Return what may touch on the way out after a grasp."""
+        return Leaving(grasp.moved, grasp.closes, self._touches(grasp, leads_in=False))
+
+    def coming(self, parts: Parts, base_from_flange: Array) -> tuple[Grasp, ...]:
+        """Return what the next lines of a session may do at a flange pose (4, 4): close what is open, open what is closed."""
+        present = None if self.cell is None else self.cell.present
+        if self.cell is None or present is None or not present.goes_on:
+            return ()
+        at = len(self.steps)
+        found = [
+            self.at_pose(parts, at, variable, value, base_from_flange)
+            for variable, grip in self.cell.grips.items()
+            for value in (grip.value, grip.value + 1.0)
+        ]
+        return tuple(one for one in found if one is not None and one.moved)
+
+    def _allowed(self, coming: Sequence[Grasp]) -> list[Touch]:
+        """Return what may touch where the next line of a session may take or put down a part; it may not be put into something."""
+        touches = [touch for one in coming for touch in self._touches(one, leads_in=True)]
+        return [one for one in touches if one.other is None or one.least >= -INTO - PRESSED]
+
+    def clear_of(
+        self,
+        grasp: Grasp,
+        begins: Callable[[int], Array | None],
+        ends: Callable[[int], Array | None],
+        before: Mapping[int, Parts],
+    ) -> set[tuple[int, int]]:
+        """Return the SET and the straight motions on which its gripper isn't at its part yet, or no longer: those beyond the first place, seen from the SET, where it is clear of the part.
+
+        Args:
+            grasp: what the SET does.
+            begins: where a motion begins (n,) [rad or m], by its step.
+            ends: where it ends.
+            before: where the parts are on each motion, by its step.
+        """
+        leave = begins if grasp.closes else ends
+        return self._beyond(grasp.step, grasp.closes, grasp.moved, leave, before)
+
+    def clear_of_left(
+        self, ends: Callable[[int], Array | None], before: Mapping[int, Parts]
+    ) -> set[tuple[int, int]]:
+        """Return the same of the parts beside which the robot stands when the program starts."""
+        found = (self._beyond(BEFORE, False, one.moved, ends, before) for one in self._left if not one.closes)
+        return set().union(*found)
+
+    def _beyond(
+        self,
+        number: int,
+        closes: bool,
+        moved: tuple[str, ...],
+        leave: Callable[[int], Array | None],
+        before: Mapping[int, Parts],
+    ) -> set[tuple[int, int]]:
+        runs = self.runs.towards if closes else self.runs.away
+        found: set[tuple[int, int]] = set()
+
+        def is_clear(step: int) -> bool:
+            """Return True if the gripper is clear of the part behind a motion, seen from the SET."""
+            q = leave(step)
+            if (number, step) in found:
+                return True
+            if self.cell is None or q is None or step not in before:
+                return False
+            return hand_is_clear(self.robot, self.cell, before[step], moved, q)
+
+        for step in sorted(runs, reverse=closes):
+            lead = next((one for one in runs[step] if one.to == number), None)
+            if lead is not None and lead.between and all(map(is_clear, lead.between)):
+                found.add((number, step))
+        return found
+
+    def _touches(self, grasp: Grasp, *, leads_in: bool) -> tuple[Touch, ...]:
+        if grasp.closes == leads_in:
+            # the gripper is around a part that lies there
+            return tuple(Touch(name, None, -np.inf) for name in grasp.moved)
+        # a part that lies deep in something when it is taken isn't carried by that: it meets it
+        carry = (one for one in self.supports(grasp) if not grasp.closes or one.least >= -INTO)
+        return tuple(Touch(one.part, one.other, one.least - PRESSED) for one in carry)
+
+    def supports(self, grasp: Grasp) -> tuple[Touch, ...]:
+        """Return what is near the parts of a grasp, and how near [m]."""
+        if self.cell is None:
+            return ()
+        carried = grasp.after if grasp.closes else grasp.before
+        return supports(self.robot, self.cell, carried, grasp.variable, grasp.base_from_flange.tobytes())
+
+    def foreseen(self, parts: Parts, step: int, base_from_flange: Array) -> tuple[Touch, ...]:
+        """Return which bodies may touch at the end of a motion that leads the flange to a pose (4, 4), if a gripper closes or opens there."""
+
+        def of_set(at: int) -> tuple[Touch, ...]:
+            if at == len(self.steps):
+                return tuple(self._allowed(self.coming(parts, base_from_flange)))
+            one = self.steps[at]
+            if self.cell is None or not isinstance(one, SetOutput):
+                return ()
+            grasp = self.at_pose(parts, at, one.output.variable, one.value, base_from_flange)
+            return () if grasp is None else self._touches(grasp, leads_in=True)
+
+        return on_all_ways(of_set(one.to) for one in self.runs.towards.get(step, ()))
+
+    def around(self, parts: Parts, touches: tuple[Touch, ...] = ()) -> Cell | None:
+        """Return the cell as it is, with what may touch."""
+        return surroundings(self.cell, parts, touches)
+
+
+@frozen(eq=False)
+class Followed:
+    """A program that was followed to its end.
+
+    Attributes:
+        before: where the parts are during each motion, by its step.
+        changes: where they are from the beginning of each step on that has changed it, in the order of the steps, and from that of each motion.
+        grasps: what grippers do, by the step of the SET.
+        removed: the names of the parts that machines remove, by the step of the SET.
+        end: where the parts are in the end.
+        cells: the cell as it is during each motion.
+    """
+
+    before: Mapping[int, Parts]
+    changes: tuple[tuple[int, Parts], ...]
+    grasps: Mapping[int, Grasp]
+    removed: Mapping[int, tuple[str, ...]]
+    end: Parts
+    cells: Mapping[int, Cell | None]
+
+
+def followed(
+    handling: Handling, start: Array, ends: Mapping[int, Array], left_out: Collection[int] = ()
+) -> Followed:
+    """Follow the parts through a whole program.
+
+    Args:
+        handling: its steps and the cell.
+        start: where the robot stands at first (n,) [rad or m].
+        ends: where each motion ends (n,), by its step; of a plan in part some are missing, and grippers do nothing after these up to the next motion that is there.
+        left_out: steps that aren't carried out. With a WHEN among them its ELSE and END must be too: what is left is then carried out one after the other.
+    """
+    stand = handling.first()
+    before: dict[int, Parts] = {}
+    changes: list[tuple[int, Parts]] = []
+    removed: dict[int, tuple[str, ...]] = {}
+    begins: dict[int, Array] = {}
+    grasps: dict[int, Grasp] = {}
+    q: Array | None = start
+    ways: list[Array | None] = []
+    for number, step in enumerate(handling.steps):
+        if number in left_out:
+            continue
+        if isinstance(step, Stop):
+            break
+        if isinstance(step, Motion):
+            if number in ends:
+                stand = handling.before_motion(stand, number)
+                before[number] = stand.parts
+                changes.append((number, stand.parts))
+                if q is not None:
+                    begins[number] = q
+            q = ends.get(number)
+            continue
+        if isinstance(step, When):
+            ways.append(q)
+        elif isinstance(step, Else):
+            q = ways[-1]
+        elif isinstance(step, EndWhen):
+            ways.pop()
+        had = stand.parts
+        stand, grasp = handling.passed(stand, number, q)
+        if grasp is not None:
+            grasps[number] = grasp
+        elif isinstance(step, SetOutput) and had != stand.parts:
+            left = set(stand.parts.items)
+            removed[number] = tuple(dict.fromkeys(one.name for one in had.items if one not in left))
+        if grasp is not None or had != stand.parts:
+            changes.append((number, stand.parts))
+    clear = handling.clear_of_left(ends.get, before)
+    coming = () if q is None else handling.coming(stand.parts, flange_pose(handling.robot, q))
+    for grasp in (*grasps.values(), *coming):
+        clear |= handling.clear_of(grasp, begins.get, ends.get, before)
+    cells = {
+        step: handling.around(parts, handling.touches(step, grasps.get, clear, coming))
+        for step, parts in before.items()
+    }
+    return Followed(before, tuple(changes), grasps, removed, stand.parts, cells)
+
+
+def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handling:
+    """Return what is needed to follow the parts of a program."""
+    has_parts = cell is not None and bool(cell.parts)
+    if cell is None or not has_parts:
+        return Handling(robot, cell, steps, NO_RUNS)
+    present = cell.present
+    leaves, goes_on = present is not None and bool(present.leaving), present is not None and present.goes_on
+    return Handling(robot, cell, steps, runs_of(steps, cell.grips, leaves=leaves, goes_on=goes_on))
+
+
+def flange_pose(robot: Robot, q: Array) -> Array:
+    """Return where the flange stands at a joint position (n,): base_from_flange (4, 4)."""
+    pose: Array = tool_poses(robot.chain, np.array(q, dtype=np.float64)[None], np.eye(4))[0]
+    return pose

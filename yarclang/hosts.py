@@ -1,0 +1,76 @@
+"""Whether a browser's request is for this server, and from its own pages.
+
+Any page that is open in the same browser can send requests to this machine, and its site can give itself this machine's address (DNS rebinding): the browser then takes both for
+one site. But the request's Host header still has the name that the browser was sent to, and the Origin of a request that of its page.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from urllib.parse import urlsplit
+
+HERE = frozenset({"localhost", "127.0.0.1", "::1"})
+"""Names of this machine for itself."""
+
+_HOST = re.compile(
+    r"(?:\[(?P<six>[0-9a-f:.]+)\]|(?P<name>[^\s:@/?#\[\]]+))(?::(?P<port>[0-9]{1,5}))?", re.ASCII
+)
+_PORTS = {"http": 80, "https": 443}
+
+
+def is_called(host: str, port: int, names: set[str] | frozenset[str], scheme: str = "http") -> bool:
+    """Return True if a Host header has one of a server's names, and its port.
+
+    Args:
+        host: the header.
+        port: that the connection has reached.
+        names: names and addresses in lower case.
+        scheme: http or https.
+    """
+    found = _HOST.fullmatch(host.lower())
+    if found is None or int(found["port"] or _PORTS[scheme]) != port:
+        return False
+    return _plain(found["six"] or found["name"].removesuffix(".")) in {_plain(name) for name in names}
+
+
+def is_own(origin: str | None, host: str | None, scheme: str = "http") -> bool:
+    """Return True if a page may connect.
+
+    Args:
+        origin: where the page comes from; None: it is no page that connects.
+        host: what it connects to.
+        scheme: http or https, of that connection.
+    """
+    if origin is None:
+        return True
+    if host is None:
+        return False
+    page, wanted = urlsplit(origin), urlsplit(f"//{host}")
+    try:
+        ports = page.port or _PORTS.get(page.scheme, 0), wanted.port or _PORTS[scheme]
+    except ValueError:
+        return False
+    names = page.hostname, wanted.hostname
+    return (
+        page.scheme == scheme
+        and ports[0] == ports[1]
+        and (names[0] == names[1] or HERE.issuperset(name or "" for name in names))
+    )
+
+
+def is_loopback(host: str) -> bool:
+    """Return True if only this machine reaches a server that listens there."""
+    try:
+        return ipaddress.ip_address(host.partition("%")[0]).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
+
+
+def _plain(name: str) -> str:
+    """Return an address in the form that is the same for all ways to write it; a name as it is."""
+    try:
+        address = ipaddress.ip_address(name.partition("%")[0])
+    except ValueError:
+        return name
+    return str(getattr(address, "ipv4_mapped", None) or address)

@@ -1,0 +1,376 @@
+"""What limits, speeds and corners ask of a law along a way: known before anything is sampled in time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.chains.flowing.turns import angle_between, matrices
+from yarclang.motion.chains.flowing.way import Marks, Numbers, Way
+from yarclang.motion.chains.links import Link
+from yarclang.motion.zones import SlowZones
+from yarclang.robot.kinematics.inverse import follow
+
+_AT_ONCE = 2048
+"""Poses that are looked at together: of all of a long chain, what is in between would take more room than all that is kept."""
+_FEWEST = 3
+_LONGEST = 4e-3
+"""Nodes of the law: so many on each motion, and no farther apart than this [m]."""
+_CLOSE, _CLOSER = 1e-3, (0.0625, 0.0625, 0.125, 0.25, 0.5)
+"""Steps longer than this [m] beside a change of speed are divided into such shares: from one node to the next the square of a speed is linear."""
+
+_AT_LEAST = 1.02
+"""Segments that a motion takes."""
+_BESIDE = 1e-3
+"""The share of a motion over which its direction at an end is taken."""
+_NOTHING = 1e-12
+WITHIN = 0.97
+"""The share of a ball that is used."""
+SHARE_OF_TOLERANCE = 0.8
+"""The share of the tolerance that is used: the proof of it comes later."""
+_CUT = 0.4
+"""A corner is rounded by about this share of the standard deviation of a mean in time, times the change of velocity there."""
+_FOR_CORNER = 0.6
+"""The share of the limits that a corner has where the law turns round, the rest is for that, ..."""
+_NEARLY = 0.9
+"""... which it does where a corner is so much slower than what is around."""
+_LOSS = 0.5
+"""The same of half the acceleration along the way and the variance."""
+_REACH = 0.35
+"""About the share of a mean's width at which what is outside of a ball still leaves its path."""
+
+
+@frozen(eq=False)
+class Smoothing:
+    """Segments of `segment` [s], and means over `widths` of them, one after the other."""
+
+    segment: float
+    widths: tuple[int, int]
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """How long the means last [s], the longer one first; none is shorter than a segment."""
+        long, short = sorted((max(width, 1) * self.segment for width in self.widths), reverse=True)
+        return long, short
+
+    @property
+    def deviation(self) -> float:
+        """The standard deviation [s] of both means together."""
+        return float(np.sqrt(sum(width**2 for width in self.widths) / 12.0)) * self.segment
+
+    @property
+    def reach(self) -> int:
+        """The segments on either side of an instant whose places count there, about."""
+        return (sum(self.widths) + 5) // 2
+
+    @property
+    def around(self) -> int:
+        """The segments on either side of a seam that are looked at from both: in them lies all that depends on what is at the seam."""
+        return 2 * (self.reach + 2)
+
+    @property
+    def kept(self) -> int:
+        """The segments on either side of a seam in which the speed is kept: what is looked at from beyond it is known there."""
+        return self.around + self.reach
+
+
+@frozen(eq=False)
+class Limits:
+    """The limits of k motions: joints (k, n) and motors (k, n), `counts` (n, n), the speeds asked for (k,) [m/s], infinite where there is none; tolerances
+    (k,) [m] and [rad], and the radii of the balls (k - 1,) [m], 0 where a corner may not be left; the slow zones of all.
+    """
+
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    motor_velocity: Array
+    counts: Array
+    speed: Array
+    position: Array
+    angle: Array
+    radius: Array
+    zones: SlowZones | None
+
+    @staticmethod
+    def of(links: Sequence[Link], way: Way) -> Limits:
+        """Return the limits of a chain."""
+        bounds = [link.own_bounds for link in links]
+        full = np.array([np.inf if link.full is None else link.full for link in links])
+        zones = None
+        for one in dict.fromkeys(bound.zones for bound in bounds):
+            zones = one if zones is None else zones.together(one)
+        return Limits(
+            np.array([one.velocity for one in bounds]),
+            np.array([one.acceleration for one in bounds]),
+            np.array([one.jerk for one in bounds]),
+            np.array([one.motor_velocity for one in bounds]),
+            bounds[0].counts,
+            np.where(np.isfinite(full), way.lengths / full, np.inf),
+            np.array([SHARE_OF_TOLERANCE * link.tolerance.position for link in links]),
+            np.array([SHARE_OF_TOLERANCE * link.tolerance.angle for link in links]),
+            np.array([link.corner.radius if link.corner is not None else 0.0 for link in links[:-1]]),
+            zones,
+        )
+
+    def part(self, first: int, last: int) -> Limits:
+        """Return the limits of the motions from `first` up to `last`."""
+        own = slice(first, last)
+        return Limits(
+            self.velocity[own], self.acceleration[own], self.jerk[own], self.motor_velocity[own], self.counts,
+            self.speed[own], self.position[own], self.angle[own], self.radius[first : last - 1], self.zones,
+        )  # fmt: skip
+
+
+@frozen(eq=False)
+class Demands:
+    """What a way asks for at nodes `s` (N,) [m], of which those at corners are `corners` (k - 1,); `own` (N - 1,) is the motion behind each, `step` (N - 1,)
+    [m] how far the next one is.
+
+    Between nodes joints and motors allow the speeds `fastest` (N - 1,) [m/s], and joints the accelerations `push` [m/s^2] and the jerks `jolt` [m/s^3] along the way.
+    At inner nodes, where the joints' slopes bend, `bent` (N - 2,) [m/s] is the fastest. At a corner their slopes jump: means over the times T and t [s] make of that
+    accelerations, which allow `kinks[:, 0]` T [m/s], and jerks, which allow `kinks[:, 1]` T t; `kinks` is (k - 1, 2) [m/s^2 and m/s^3]. The
+    direction of the frame jumps by `turn` (N - 2,), its turning by `spin` (N - 2,) [rad/m].
+    """
+
+    limits: Limits
+    s: Array
+    step: Array
+    own: Numbers
+    corners: Numbers
+    fastest: Array
+    push: Array
+    jolt: Array
+    bent: Array
+    kinks: Array
+    turn: Array
+    spin: Array
+
+    @staticmethod
+    def of(way: Way, limits: Limits) -> Demands:
+        """Look along a way."""
+        lengths = way.lengths
+        number = np.maximum(_FEWEST, np.ceil(lengths / _LONGEST)).astype(np.int64)
+        first, units = _nodes_of(number, *_closer(lengths / number, limits))
+        own = np.repeat(np.arange(len(lengths)), np.diff(first))
+        # dyadic fractions, whose sums are exact
+        gone = np.concatenate(([0.0], np.cumsum(units)))
+        inner = (gone[:-1] - gone[first[own]]) / number[own]
+        # not by places: what is found of a motion doesn't depend on how far behind it is
+        step = lengths[own] / number[own] * units
+        p, q = _looked_at(way, np.append(own, len(lengths) - 1), np.append(inner, 1.0))
+        slope, ahead = np.diff(q, axis=0) / step[:, None], np.diff(p, axis=0) / step[:, None]
+        jump = np.abs(np.diff(slope, axis=0))
+        turn, spin = np.linalg.norm(np.diff(ahead, axis=0), axis=1), np.zeros(len(step) - 1)
+        bend = np.maximum(jump / (0.5 * (step[1:] + step[:-1]))[:, None], _NOTHING)
+        acceleration = np.minimum(limits.acceleration[own[1:]], limits.acceleration[own[:-1]])
+        bent = np.sqrt((acceleration / bend).min(axis=1))
+        corners = first[1:-1]
+        at, kinks = corners - 1, np.zeros((len(corners), 2))
+        for begin in range(0, len(at), _AT_ONCE):
+            rows = at[begin : begin + _AT_ONCE]
+            jump_there, turn[rows], spin[rows] = _jumps(way, begin, begin + len(rows))
+            jump_there = np.maximum(jump_there, _NOTHING)
+            jerk = np.minimum(limits.jerk[own[rows + 1]], limits.jerk[own[rows]])
+            kinks[begin : begin + len(rows), 0] = (acceleration[rows] / jump_there).min(axis=1)
+            kinks[begin : begin + len(rows), 1] = (jerk / jump_there).min(axis=1)
+        return Demands(
+            limits, _places(step), step, own, corners, *_between(limits, own, slope), bent, kinks, turn, spin
+        )
+
+    def part(self, first: int, last: int) -> Demands:
+        """Return what the motions from `first` up to `last` ask for."""
+        edges = np.concatenate(([0], self.corners, [len(self.step)]))
+        begin, end = int(edges[first]), int(edges[last])
+        between, inner = slice(begin, end), slice(begin, end - 1)
+        return Demands(
+            self.limits.part(first, last), _places(self.step[between]), self.step[between], self.own[between] - first,
+            edges[first + 1 : last] - begin, self.fastest[between], self.push[between], self.jolt[between], self.bent[inner],
+            self.kinks[first : last - 1], self.turn[inner], self.spin[inner],
+        )  # fmt: skip
+
+    def room(self) -> Array:
+        """Return how long the way at the inner nodes (N - 2,) [m] may be that is cut off there, with the tolerance of the stricter motion beside it."""
+        limits, own = self.limits, self.own
+        position = np.minimum(limits.position[own[1:]], limits.position[own[:-1]])
+        angle = np.minimum(limits.angle[own[1:]], limits.angle[own[:-1]])
+        found: Array = np.minimum(
+            position / np.maximum(self.turn, _NOTHING), angle / np.maximum(self.spin, _NOTHING)
+        )
+        return found
+
+    def ceilings(self, smoothing: Smoothing) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return how fast the nodes may be passed (N,) [m/s], how fast that may change between them (N - 1,) [m/s^2], and which corners use their balls (k - 1,)."""
+        limits, own, corners = self.limits, self.own, self.corners - 1
+        # each motion has a segment of its own
+        lengths = np.add.reduceat(self.step, np.concatenate(([0], self.corners)))
+        between = np.minimum(
+            self.fastest, np.minimum(limits.speed, lengths / (_AT_LEAST * smoothing.segment))[own]
+        )
+        long, short = smoothing.times
+        slope = np.minimum(self.push, 0.5 * long * self.jolt)
+        # a mean in time pulls a bend inwards, by half of its variance times the acceleration there
+        curvature = self.turn / (0.5 * (self.step[1:] + self.step[:-1]))
+        pulled = 2.0 * limits.position[own[1:]] / smoothing.deviation**2
+        inner = np.minimum(self.bent, np.sqrt(pulled / np.maximum(curvature, _NOTHING)))
+        # a mean in time makes of a jump of the velocity an acceleration, and of that a jerk
+        limited = np.minimum(self.kinks[:, 0] * long, self.kinks[:, 1] * long * short)
+        # a corner is rounded by less than the tolerance, or all that leaves its path is in the ball
+        steepest = 0.9 * np.maximum(slope[corners], slope[corners + 1])
+        s = smoothing.deviation
+        on_path, gentle_path = _slow_enough(self.room()[corners], _CUT * s, 0.5 * _LOSS * s**2, steepest)
+        time = _REACH * (sum(smoothing.widths) + 2) * smoothing.segment
+        in_ball, gentle_ball = _slow_enough(WITHIN * limits.radius, time, 0.5 * time**2, steepest)
+        rounds = (in_ball > on_path) & (on_path < np.minimum(limits.speed[1:], limited))
+        # where the law turns round, its acceleration changes by twice as much, and what the corner itself asks for comes on top
+        slows = limited < _NEARLY * np.minimum(limits.speed[1:], limits.speed[:-1])
+        passed = np.minimum(
+            np.where(slows, _FOR_CORNER * limited, limited), np.where(rounds, in_ball, on_path)
+        )
+        inner[corners] = passed
+        slope = 0.9 * slope
+        gentle = np.where(rounds, gentle_ball, gentle_path)
+        left = 1.0 - passed / limited
+        for beside in (corners, corners + 1):
+            turned = 0.5 * left * long * self.jolt[beside]
+            slope[beside] = np.minimum(slope[beside], np.minimum(gentle, turned))
+        nodes = np.concatenate((between[:1], np.minimum(between[1:], between[:-1]), between[-1:]))
+        nodes[1:-1] = np.minimum(nodes[1:-1], inner)
+        self._beside_slower(nodes, smoothing)
+        return nodes, slope, rounds
+
+    def _beside_slower(self, nodes: Array, smoothing: Smoothing) -> None:
+        """Lower the speeds of nodes (N,) next to a motion that asks for less: what counts in a mean there isn't faster."""
+        speed, s = self.limits.speed, self.s
+        for place in np.flatnonzero(~np.isclose(speed[1:], speed[:-1], 1e-9, 0.0)).tolist():
+            slow, corner = float(speed[place : place + 2].min()), int(self.corners[place])
+            far = (smoothing.reach + 1) * smoothing.segment * slow
+            if speed[place] > slow:
+                beside = slice(max(int(np.searchsorted(s, s[corner] - far)) - 1, 0), corner)
+            else:
+                beside = slice(corner, int(np.searchsorted(s, s[corner] + far, side="right")) + 1)
+            nodes[beside] = np.minimum(nodes[beside], slow)
+
+
+def _slow_enough(room: Array, time: float, square: float, acceleration: Array) -> tuple[Array, Array]:
+    """Return how fast corners may be passed (K,) [m/s], and how fast that may change beside them (K,) [m/s^2].
+
+    What a mean does to a corner grows with the way that is gone in its time: where the speed changes much meanwhile, half of the room is left for that.
+
+    Args:
+        room: how far that way may be (K,) [m].
+        time: it is so many times as long as the speed [s], ...
+        square: ... and so many times as long as the acceleration [s^2].
+        acceleration: (K,) the most [m/s^2].
+    """
+    gentle = np.minimum(acceleration, 0.5 * room / square)
+    return (room - square * gentle) / time, gentle
+
+
+def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
+    """Return where nodes lie closer together, at the begins and at the ends of motions with steps (k,) [m].
+
+    That is where the speed asked for changes though the path goes straight on, and at the end of the chain next to that.
+    """
+    changes = (limits.radius == 0.0) & ~np.isclose(limits.speed[1:], limits.speed[:-1], 1e-9, 0.0)
+    changes &= np.isfinite(limits.speed[1:]) & np.isfinite(limits.speed[:-1])
+    changes &= np.minimum(step[1:], step[:-1]) > _CLOSE
+    if not len(changes):
+        return np.zeros(1, np.bool_), np.zeros(1, np.bool_)
+    return np.append(changes[:1], changes), np.append(changes, changes[-1:])
+
+
+def _nodes_of(number: Numbers, begins: Marks, ends: Marks) -> tuple[Numbers, Array]:
+    """Return the first node of each motion and the last one behind (k + 1,), and the steps from node to node (N - 1,), of which a motion has `number` (k,)
+    as long as 1: the first and the last are divided into shorter ones where nodes lie closer together.
+    """
+    extra = len(_CLOSER) - 1
+    first = np.concatenate(([0], np.cumsum(number + extra * begins.astype(np.int64) + extra * ends)))
+    units = np.ones(first[-1])
+    units[first[:-1][begins][:, None] + np.arange(extra + 1)] = _CLOSER
+    units[first[1:][ends][:, None] - 1 - np.arange(extra + 1)] = _CLOSER
+    return first, units
+
+
+def _places(step: Array) -> Array:
+    """Return where nodes are (N,) [m] that are steps (N - 1,) apart."""
+    return np.concatenate(([0.0], np.cumsum(step)))
+
+
+def _between(limits: Limits, own: Numbers, slope: Array) -> tuple[Array, Array, Array]:
+    """Return the speeds [m/s], accelerations [m/s^2] and jerks [m/s^3] along the way, (M,) each, that joints and motors of motions `own` (M,) allow where the joints have
+    slopes (M, n) over the way [rad/m or 1].
+    """
+    parts = []
+    for begin in range(0, len(own), _AT_ONCE):
+        rows = slice(begin, begin + _AT_ONCE)
+        motion, size = own[rows], np.maximum(np.abs(slope[rows]), _NOTHING)
+        motors = np.maximum(np.abs(slope[rows] @ limits.counts.T), _NOTHING)
+        fastest = np.minimum(
+            (limits.velocity[motion] / size).min(axis=1), (limits.motor_velocity[motion] / motors).min(axis=1)
+        )
+        push, jolt = (
+            (limits.acceleration[motion] / size).min(axis=1),
+            (limits.jerk[motion] / size).min(axis=1),
+        )
+        parts.append(np.stack((fastest, push, jolt)))
+    fastest, push, jolt = np.concatenate(parts, axis=1)
+    return fastest, push, jolt
+
+
+def _looked_at(way: Way, own: Numbers, share: Array) -> tuple[Array, Array]:
+    """Return positions (N, 3) [m] and joints (N, n) at shares (N,) of the ways of motions (N,)."""
+    p, q = np.empty((len(own), 3)), np.empty((len(own), way.ends.shape[1]))
+    for begin in range(0, len(own), _AT_ONCE):
+        rows = slice(begin, begin + _AT_ONCE)
+        p[rows], _, q[rows] = _poses_and_joints(way, own[rows], share[rows])
+    return p, q
+
+
+def _poses_and_joints(way: Way, own: Numbers, share: Array) -> tuple[Array, Array, Array]:
+    """Return positions (N, 3) [m], rotations (N, 3, 3) and joints (N, n), as `_looked_at`, all at once."""
+    p, turns = way.poses(own, share)
+    rotations = matrices(turns)
+    return p, rotations, joints(way, p, rotations, way.seeds(own, share), way.paths[0])[0]
+
+
+def _jumps(way: Way, first: int, last: int) -> tuple[Array, Array, Array]:
+    """Return how much the joints' slopes jump at corners (K, n), the directions of the frame (K,), and how it turns (K,) [rad/m].
+
+    Args:
+        way: of all motions.
+        first: the first corner, behind the motion of the same number.
+        last: up to this corner.
+    """
+    before, behind = np.arange(first, last), np.arange(first + 1, last + 1)
+    own = np.stack((before, before, behind, behind), axis=1).ravel()
+    share = np.tile([1.0 - _BESIDE, 1.0, 0.0, _BESIDE], last - first)
+    p, turns, q = _poses_and_joints(way, own, share)
+    step = (_BESIDE * way.lengths[own[::2]])[:, None]
+    slope, ahead = (q[1::2] - q[::2]) / step, (p[1::2] - p[::2]) / step
+    turned = _rates(turns[::2], turns[1::2], step)
+    jumps = [one[1::2] - one[::2] for one in (slope, ahead, turned)]
+    return np.abs(jumps[0]), np.linalg.norm(jumps[1], axis=1), np.linalg.norm(jumps[2], axis=1)
+
+
+def joints(way: Way, p: Array, rotations: Array, seeds: Array, path: CartesianPath) -> tuple[Array, Array]:
+    """Return joint positions (N, n) that lead the moving frame to poses, and what they miss them by (N,) [m and rad together]."""
+    poses = np.zeros((len(p), 4, 4))
+    poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = rotations, p, 1.0
+    q, position, angle = follow(path.chain, poses @ np.linalg.inv(way.flange_from_moving), seeds)
+    return q, position + angle
+
+
+def _rates(rotations: Array, others: Array, steps: Array) -> Array:
+    """Return how rotations (N, 3, 3) turn to others (N, 3), over steps (N, 1), in {B}."""
+    turn = others @ rotations.transpose(0, 2, 1)
+    vector = (turn - turn.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2.0
+    size = np.linalg.norm(vector, axis=1)
+    angle = angle_between(others, rotations)
+    scale = np.where(size > _NOTHING, angle / np.maximum(size, _NOTHING), 1.0)
+    found: Array = vector * scale[:, None] / steps
+    return found

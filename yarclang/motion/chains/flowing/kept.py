@@ -1,0 +1,111 @@
+"""The speeds that motions of a chain keep: what the judge may hold them to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.hir import Array
+from yarclang.motion.chains.flowing.demands import Limits
+from yarclang.motion.chains.flowing.means import Sampled
+from yarclang.motion.chains.flowing.trial import Trial
+from yarclang.motion.chains.flowing.way import Numbers, Way
+from yarclang.motion.curve import Curve
+from yarclang.motion.framespeed import frame_speeds
+
+_HOLDS = 0.9995
+_NEARLY = 0.99
+_ABOUT = 0.97
+_LESS = 0.01
+"""What is claimed of a share of a speed that was found: a speed that changes can't be proved so sharply as one that is kept."""
+_EDGE = 1e-6
+_PARTS = np.array([0.25, 0.5, 0.75])
+"""Where between two times it is looked at once more."""
+_STEADY = 2e-4
+"""A speed that changes by a smaller share from one time to the next doesn't change."""
+_ASIDE = 4
+"""So many half segments from a corner a speed is reached in any case."""
+
+
+def least_speeds(
+    way: Way, limits: Limits, points: Sampled, trial: Trial, segment: float, seams: tuple[bool, bool]
+) -> Array:
+    """Return the shares of the speeds asked for (k,) that each motion keeps between its blends; of one that begins or ends at rest, or beside a slower one, once it is reached.
+
+    Args:
+        way: of k motions.
+        limits: theirs.
+        points: their control points.
+        trial: what was found of these.
+        segment: the segment time [s].
+        seams: whether the first begins, and the last ends, at a seam.
+    """
+    times = np.arange(2 * (len(points.points) - 3) + 1, dtype=np.float64) * (0.5 * segment)
+    q, rate, _ = Curve(points.points, segment, points.places).sample(times)
+    speed = _least_around(way, points, segment, times, frame_speeds(way.paths[0], q, rate))
+    knots = segment * trial.ends.astype(np.float64)
+    halves = np.concatenate(([0], trial.halves, [0]))
+    edges = np.where(
+        halves > 0, knots, np.concatenate(([0.0], points.passing(way.begins[1:-1], segment), knots[-1:]))
+    )
+    # a corner is passed a little before or after the law does
+    aside = np.where(halves > 0, halves - _EDGE, -1.0) * segment
+    begin = np.searchsorted(times, edges[:-1] + aside[:-1])
+    end = np.searchsorted(times, edges[1:] - aside[1:], side="right")
+    is_asked = np.isfinite(limits.speed)
+    asked = np.where(is_asked, limits.speed, 1.0)
+    share = _least_between(speed, begin, end) / asked
+    rests = _rests(limits, halves, seams)
+    for place in np.flatnonzero(rests.any(axis=0) & is_asked).tolist():
+        own = speed[begin[place] : end[place]]
+        if rests[:, place].all():
+            own = _without_dips(own)
+        elif rests[0, place]:
+            own = np.minimum.accumulate(own[::-1])[_ASIDE:]
+        else:
+            own = np.minimum.accumulate(own)[_ASIDE:]
+        share[place] = own.max() / asked[place] if len(own) else np.inf
+    claimed = np.where(share > _NEARLY, _HOLDS * share, np.maximum(_ABOUT * share - _LESS, 0.5 * share))
+    return np.where(is_asked, np.minimum(claimed, 1.0), 1.0)
+
+
+def _least_between(values: Array, begin: Numbers, end: Numbers) -> Array:
+    """Return the least of values from places `begin` (K,) up to `end` (K,); infinite where there are none."""
+    pairs = np.stack((begin, end), axis=1).ravel()
+    least = np.minimum.reduceat(np.append(values, np.inf), pairs)[::2]
+    return np.where(end > begin, least, np.inf)
+
+
+def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray[np.bool_]:
+    """Return True (2, K) for motions that begin, and that end, at rest, or where they flow without a blend out of a slower one, or into it."""
+    slower = limits.speed[:-1] < limits.speed[1:] * (1.0 - _EDGE)
+    faster = limits.speed[1:] < limits.speed[:-1] * (1.0 - _EDGE)
+    sharp = halves[1:-1] == 0
+    return np.array([[not seams[0], *(sharp & slower)], [*(sharp & faster), not seams[1]]])
+
+
+def _without_dips(speed: Array) -> Array:
+    """Return the speeds (N,), none larger than what is kept between two places where it is reached."""
+    around = np.minimum(np.maximum.accumulate(speed), np.maximum.accumulate(speed[::-1])[::-1])
+    least, dips = np.inf, np.inf
+    top = (1.0 - _STEADY) * speed.max(initial=0.0)
+    while dips < least or least == np.inf:
+        least = min(top, dips)
+        dips = speed[(speed < around) & (around >= least)].min(initial=least)
+    return np.minimum(speed, least)
+
+
+def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed: Array) -> Array:
+    """Return the least speeds (N,) up to the next time: between two times it may be lower than at both, where it changes at all."""
+    found = speed.copy()
+    found[:-1] = np.minimum(speed[:-1], speed[1:])
+    change = np.abs(np.diff(speed)) > _STEADY * speed[1:]
+    change[1:] |= change[:-1].copy()
+    change[:-1] |= change[1:].copy()
+    (rows,) = np.nonzero(change)
+    curve = Curve(points.points, segment, points.places)
+    closer = times[rows] + 0.5 * segment * _PARTS[:, None]
+    q, rate, _ = curve.sample(closer.ravel())
+    speeds = frame_speeds(way.paths[0], q, rate).reshape(closer.shape)
+    found[rows] = np.minimum(found[rows], speeds.min(axis=0))
+    return found

@@ -1,0 +1,92 @@
+"""From a law along a way to control points: poses at equal times, and their means."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.chains.flowing.demands import Smoothing, joints
+from yarclang.motion.chains.flowing.law import Pace
+from yarclang.motion.chains.flowing.turns import matrices, steadied
+from yarclang.motion.chains.flowing.way import Way
+from yarclang.motion.curve import knot_values
+
+_STANDS = 1e-12
+_REACHED = 1e-8
+
+
+@frozen(eq=False)
+class Sampled:
+    """Control points (n + 3, d) of a chain, the shares of its way (n + 3,) [m] of which they are means, and when the knot 0 is, by the law [s]."""
+
+    points: Array
+    places: Array
+    begin: float
+
+    def passing(self, places: Array, segment: float) -> Array:
+        """Return when places (K,) [m] are passed, from knot 0 on [s]: the mean is late where the law speeds up, and early where it slows down."""
+        passed = knot_values(self.places)
+        found: Array = segment * np.interp(places, passed, np.arange(len(passed), dtype=np.float64))
+        return found
+
+
+def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
+    """Return the control points of a law along a way, or None where the arm can't get to a mean of its poses.
+
+    Beyond a seam they go on for `smoothing.around` segments.
+    """
+    h, (one, other) = smoothing.segment, smoothing.widths
+    support = one + other - 2
+    cut = (support + 1) // 2
+    beyond, pad = smoothing.around, support + 4
+    first = -beyond - 1 if pace.seams[0] else cut - pad
+    last = (
+        round(pace.duration / h) + beyond + 2
+        if pace.seams[1]
+        else int(np.ceil(pace.duration / h - 1e-9)) + 1 + pad + cut - support
+    )
+    # a mean over an even number lies in the middle between two; one more on either side is needed to sharpen
+    times = np.arange(first - cut - 1, last - cut + support + 1, dtype=np.float64) * h
+    times += 0.5 * h if support % 2 else 0.0
+    places = pace.places(times)
+    own, share = way.located(places)
+    p, turns = way.poses(own, share)
+    p, turns, mean_places = (
+        _mean(_mean(values, one), other) for values in (p, steadied(turns), places[:, None])
+    )
+    turns /= np.linalg.norm(turns, axis=1)[:, None]
+    q, miss = joints(way, p, matrices(turns), way.seeds(own, share)[cut : cut + len(p)], way.paths[0])
+    if miss.max() > _REACHED:
+        return None
+    q, s = _sharpened(q), _sharpened(mean_places)[:, 0]
+    # three equal points at an end: there it rests
+    if not pace.seams[0]:
+        lead = int(np.argmax(np.abs(q - way.ends[0]).max(axis=1) > _STANDS))
+        q, s = (
+            np.concatenate((np.tile(way.ends[0], (3, 1)), q[lead:])),
+            np.concatenate((np.zeros(3), s[lead:])),
+        )
+        first += lead - 3
+    if not pace.seams[1]:
+        tail = len(q) - int(np.argmax((np.abs(q - way.ends[-1]).max(axis=1) > _STANDS)[::-1]))
+        q = np.concatenate((q[:tail], np.tile(way.ends[-1], (3, 1))))
+        s = np.concatenate((s[:tail], np.full(3, way.begins[-1])))
+    # knot 0 belongs to the second point
+    return Sampled(q, s, (first + 1) * h)
+
+
+def _sharpened(values: Array) -> Array:
+    """Return control values (N - 2, d) of a spline that goes nearly through values (N, d): it takes a sixth of the second differences away."""
+    found: Array = values[1:-1] - (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 6.0
+    return found
+
+
+def _mean(values: Array, width: int) -> Array:
+    """Return means (N - width + 1, d) over `width` neighbours."""
+    if width <= 1:
+        return values
+    count = len(values) - width + 1
+    found: Array = sum(values[at : at + count] for at in range(1, width)) + values[:count]
+    found /= width
+    return found

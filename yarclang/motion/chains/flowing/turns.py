@@ -1,0 +1,72 @@
+"""Orientations as quaternions, scalar first, whole arrays at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.hir import Array
+
+
+def quaternions(rotations: Array) -> Array:
+    """Return quaternions (N, 4) of rotations (N, 3, 3).
+
+    All products of two components are sums of entries; those with the largest component give the others (Shepperd, 1978).
+    """
+    xx, yy, zz = (rotations[:, i, i] for i in range(3))
+    wx, wy, wz = (rotations[:, j, i] - rotations[:, i, j] for i, j in ((1, 2), (2, 0), (0, 1)))
+    xy, zx, yz = (rotations[:, j, i] + rotations[:, i, j] for i, j in ((0, 1), (2, 0), (1, 2)))
+    products = np.array(
+        [
+            [1.0 + xx + yy + zz, wx, wy, wz],
+            [wx, 1.0 + xx - yy - zz, xy, zx],
+            [wy, xy, 1.0 - xx + yy - zz, yz],
+            [wz, zx, yz, 1.0 - xx - yy + zz],
+        ]
+    )
+    largest = np.argmax([products[i, i] for i in range(4)], axis=0)
+    found: Array = products[largest, :, np.arange(len(rotations))]
+    found /= np.linalg.norm(found, axis=1)[:, None]
+    return found
+
+
+def product(one: Array, other: Array) -> Array:
+    """Return products (N, 4): first turned by `other`, then by `one`."""
+    a, b, c, d = one.T
+    e, f, g, h = other.T
+    return np.stack(
+        (
+            a * e - b * f - c * g - d * h,
+            a * f + b * e + c * h - d * g,
+            a * g - b * h + c * e + d * f,
+            a * h + b * g - c * f + d * e,
+        ),
+        axis=1,
+    )
+
+
+def matrices(turns: Array) -> Array:
+    """Return rotations (N, 3, 3) of quaternions (N, 4) of length 1."""
+    w, x, y, z = turns.T
+    found = np.empty((len(turns), 3, 3))
+    found[:, 0, 0], found[:, 1, 1], found[:, 2, 2] = (
+        1.0 - 2.0 * (y * y + z * z),
+        1.0 - 2.0 * (x * x + z * z),
+        1.0 - 2.0 * (x * x + y * y),
+    )
+    found[:, 0, 1], found[:, 1, 0] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
+    found[:, 0, 2], found[:, 2, 0] = 2.0 * (x * z + y * w), 2.0 * (x * z - y * w)
+    found[:, 1, 2], found[:, 2, 1] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
+    return found
+
+
+def steadied(turns: Array) -> Array:
+    """Return the same quaternions (N, 4) with signs such that neighbours are near to each other."""
+    flips = np.where(np.einsum("ni,ni->n", turns[1:], turns[:-1]) < 0.0, -1.0, 1.0)
+    return turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None]
+
+
+def angle_between(rotations: Array, others: Array) -> Array:
+    """Return the angles (N,) [rad] between rotations (N, 3, 3)."""
+    chord = np.linalg.norm((rotations - others).reshape(-1, 9), axis=1)
+    found: Array = 2.0 * np.arcsin(np.clip(chord / np.sqrt(8.0), 0.0, 1.0))
+    return found

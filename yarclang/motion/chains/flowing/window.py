@@ -1,0 +1,247 @@
+"""The motions between two seams: a law, its control points, and a slower law where they ask too much."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.chains.flowing.demands import Demands, Smoothing
+from yarclang.motion.chains.flowing.kept import least_speeds
+from yarclang.motion.chains.flowing.law import Law, Pace
+from yarclang.motion.chains.flowing.means import Sampled, sampled
+from yarclang.motion.chains.flowing.trial import Excess, Trial, tried
+from yarclang.motion.chains.flowing.way import Marks, Numbers, Way
+from yarclang.progress import go_on
+
+_ROUNDS = 16
+_SLOWER = 0.7
+"""The exponent with which an excess slows a law down, ..."""
+_MORE = 0.3
+"""... and that by which it grows each time, ..."""
+_LEAST = 0.5
+"""... by no more than this at once, ..."""
+_BEYOND = 0.99
+"""... and a little more than it asks for."""
+_SLOWEST = 2e-5
+"""A law that gets as slow as this on the way [m/s] is no good."""
+_MOST = 0.5
+"""A corner with such a share of all turns near to a place is what is wrong there."""
+_SAME = 1e-9
+_NOTHING = 1e-15
+_LITTLE = 1e-7
+"""Places that are nearer than this [m] are one."""
+
+
+@frozen
+class Window:
+    """The motions from `first` up to `last` of a chain, and the speeds [m/s] at which they begin and end: 0 at rest, else at a seam.
+
+    What is made of them depends on them and on a few around them alone.
+    """
+
+    first: int
+    last: int
+    speeds: tuple[float, float]
+
+    @property
+    def seams(self) -> tuple[bool, bool]:
+        """Which ends are seams."""
+        return self.speeds[0] > 0.0, self.speeds[1] > 0.0
+
+    def around(self, way: Way, smoothing: Smoothing) -> tuple[int, int]:
+        """Return the motions, from the first up to the last, that have to be known: what is looked at from both sides of a seam lies in them."""
+        begins, time = way.begins, (smoothing.around + smoothing.reach) * smoothing.segment
+        back, ahead = (speed * time * (1.0 + _SAME) + _LITTLE for speed in self.speeds)
+        begin, end = begins[self.first] - back, begins[self.last] + ahead
+        first, last = self.first, self.last
+        if self.seams[0]:
+            first = max(0, int(np.searchsorted(begins, begin, side="right")) - 1)
+        if self.seams[1]:
+            last = min(len(begins) - 1, int(np.searchsorted(begins, end)))
+        return first, last
+
+
+@frozen(eq=False)
+class Made:
+    """What was made of a window: control points (n + 3, d), of each of its k motions the shares of its way over its blends and itself, the knots at which they end
+    (k + 1,), half the widths of the overlaps at all corners with the seams (k + 1,), and the shares of the speeds asked for that are kept (k,).
+    """
+
+    points: Array
+    shares: tuple[Array, ...]
+    ends: Numbers
+    halves: Numbers
+    least: Array
+
+
+@frozen(eq=False)
+class Failed:
+    """Nothing was made of a window; `seams` says that it might be without the seams at its ends."""
+
+    seams: tuple[bool, bool]
+
+
+def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Made | Failed:
+    """Make the control points of a window of a chain.
+
+    Args:
+        way: of the whole chain.
+        demands: its own.
+        window: the motions.
+        smoothing: the segment time, and the means.
+    """
+    first, last = window.around(way, smoothing)
+    begin, end = window.first - first, window.last - first
+    return _Maker(
+        way.part(first, last), demands.part(first, last), window.speeds, slice(begin, end), smoothing
+    ).made()
+
+
+@frozen(eq=False)
+class _Maker:
+    """`own` are the motions of the window among those of the way, `speeds` those at its ends."""
+
+    way: Way
+    demands: Demands
+    speeds: tuple[float, float]
+    own: slice
+    smoothing: Smoothing
+
+    @property
+    def seams(self) -> tuple[bool, bool]:
+        return self.speeds[0] > 0.0, self.speeds[1] > 0.0
+
+    @property
+    def failed(self) -> Failed:
+        return Failed(self.seams)
+
+    def made(self) -> Made | Failed:
+        """Return what was made."""
+        demands, smoothing = self.demands, self.smoothing
+        ceiling, slope, rounds = demands.ceilings(smoothing)
+        edges = np.concatenate(([0], demands.corners, [len(demands.step)]))
+        nodes = slice(int(edges[self.own.start]), int(edges[self.own.stop]) + 1)
+        s, ceiling, slope = demands.s[nodes], ceiling[nodes], slope[nodes.start : nodes.stop - 1]
+        kept = self._kept(s, ceiling)
+        if kept is None:
+            return self.failed
+        wanted = ceiling[kept]
+        for turn in range(_ROUNDS):
+            go_on()
+            law = Law.fastest(s, ceiling, slope, self.speeds)
+            if (np.abs(law.v[kept] - wanted) > _SAME * wanted).any():
+                return self.failed
+            around = tuple(smoothing.kept * smoothing.segment if seam else 0.0 for seam in self.seams)
+            pace = Pace.of(law, self.seams, (around[0], around[1]), smoothing.segment)
+            if 2.0 * sum(around) > pace.duration:
+                return self.failed
+            points = sampled(self.way, pace, smoothing)
+            if points is None:
+                return Failed((False, False))
+            trial = tried(self.way, demands, points, smoothing.segment, rounds, self.own, self._time(pace))
+            if trial is None:
+                return Failed((False, False))
+            if trial.is_good:
+                return self._whole(points, trial)
+            # what is slowed down here comes later there, with other knots: the more rounds, the more is left
+            steeper = _SLOWER + _MORE * turn
+            corner, elsewhere = self._blamed(pace, trial.way, nodes, steeper)
+            softer = np.minimum(
+                corner,
+                np.minimum(self._slower(pace, trial.limits, steeper), self._slower(pace, elsewhere, steeper)),
+            )
+            ceiling = np.minimum(ceiling * softer, self._allowed(pace, trial.zones))
+            slope = slope * np.minimum(softer[1:], softer[:-1])
+            if (ceiling[kept] < wanted).any() or ceiling[1:-1].min() < _SLOWEST:
+                return self.failed
+        return self.failed
+
+    def _kept(self, s: Array, ceiling: Array) -> Marks | None:
+        """Return the nodes (N,) at which the speed is that of a seam, and let `ceiling` say so; None where it can't be."""
+        kept = np.zeros(len(s), dtype=np.bool_)
+        for speed, away in zip(self.speeds, (s - s[0], s[-1] - s), strict=True):
+            if speed == 0.0:
+                continue
+            near = away <= speed * self.smoothing.kept * self.smoothing.segment
+            # between two nodes the speed changes
+            near[1:] |= near[:-1].copy()
+            near[:-1] |= near[1:].copy()
+            if (kept & near).any() or (ceiling[near] < speed * (1.0 - _SAME)).any():
+                return None
+            ceiling[near] = speed
+            kept |= near
+        return kept
+
+    def _time(self, pace: Pace) -> tuple[float, float]:
+        """From when up to when [s] it counts what is too much."""
+        h = self.smoothing.segment
+        return -h if self.seams[0] else -np.inf, pace.duration + h if self.seams[1] else np.inf
+
+    def _whole(self, points: Sampled, trial: Trial) -> Made | Failed:
+        """Return what was made, without what was looked at around it."""
+        own, h, beyond = self.own, self.smoothing.segment, self.smoothing.around
+        begin, end = (beyond if seam else 0 for seam in self.seams)
+        ends = trial.ends[own.start : own.stop + 1] - begin
+        count = len(points.points) - 3 - begin - end
+        if ends[0] != 0 or ends[-1] != count:
+            return self.failed
+        halves = np.concatenate(([0], trial.halves, [0]))[own.start : own.stop + 1]
+        first, last = begin + ends[:-1] - halves[:-1], begin + ends[1:] + halves[1:] + 3
+        edges = np.cumsum(last - first)
+        rows = np.repeat(np.arange(own.start, own.stop), last - first)
+        knots = np.arange(edges[-1]) + np.repeat(first - np.concatenate(([0], edges[:-1])), last - first)
+        gone = (points.places[knots] - self.way.begins[rows]) / self.way.lengths[rows]
+        shares = np.split(np.clip(gone, 0.0, 1.0), edges[:-1])
+        least = least_speeds(self.way, self.demands.limits, points, trial, h, self.seams)[own]
+        return Made(points.points[begin : begin + count + 3], tuple(shares), ends, halves, least)
+
+    def _allowed(self, pace: Pace, excess: Excess) -> Array:
+        """Return the speeds (N,) that nodes may have beside places that are passed too fast: by how much is known there."""
+        law, times = pace.law, pace.by_law(excess.times)
+        allowed = np.full(len(law.s), np.inf)
+        begin, end = _nodes(law, times, self.smoothing.segment)
+        speeds = np.maximum(_BEYOND * law.speeds(times) / excess.shares, _SLOWEST)
+        for at in np.argsort(-speeds).tolist():
+            allowed[begin[at] : end[at]] = np.minimum(allowed[begin[at] : end[at]], speeds[at])
+        return allowed
+
+    def _blamed(self, pace: Pace, excess: Excess, nodes: slice, steeper: float) -> tuple[Array, Excess]:
+        """Return factors (N,) for the ceilings of corners that are the reason for most of an excess, and the excess that has other reasons."""
+        law, demands = pace.law, self.demands
+        factors = np.ones(len(law.s))
+        own = demands.corners[(demands.corners > nodes.start) & (demands.corners < nodes.stop - 1)]
+        if not len(own) or not len(excess.times):
+            return factors, excess
+        weight = 1.0 / np.maximum(demands.room()[own - 1], _NOTHING)
+        reach, times = (self.smoothing.reach + 1) * self.smoothing.segment, pace.by_law(excess.times)
+        passed = law.t[own - nodes.start]
+        begin, end = np.searchsorted(passed, times - reach), np.searchsorted(passed, times + reach)
+        total = np.concatenate(([0.0], np.cumsum(weight)))
+        # the worst corner near to each time
+        order = np.argsort(np.argsort(weight))
+        pairs = np.stack((begin, end), axis=1).ravel()
+        worst = np.argsort(weight)[np.maximum.reduceat(np.append(order, 0), pairs)[::2]]
+        blamed = (end > begin) & (weight[worst] >= _MOST * (total[end] - total[begin]))
+        slower = _BEYOND * np.maximum(excess.shares[blamed] ** -steeper, _LEAST)
+        np.minimum.at(factors, own[worst[blamed]] - nodes.start, slower)
+        return factors, Excess(excess.times[~blamed], excess.shares[~blamed])
+
+    def _slower(self, pace: Pace, excess: Excess, steeper: float) -> Array:
+        """Return factors (N,) for the ceilings of the nodes: less than 1 where something was too much while they counted."""
+        factors = np.ones(len(pace.law.s))
+        if not len(excess.times):
+            return factors
+        reach = (self.smoothing.reach + 1) * self.smoothing.segment
+        begin, end = _nodes(pace.law, pace.by_law(excess.times), reach)
+        slower = _BEYOND * np.maximum(excess.shares**-steeper, _LEAST)
+        # the largest excess last: it counts
+        for at in np.argsort(-slower).tolist():
+            factors[begin[at] : end[at]] = slower[at]
+        return factors
+
+
+def _nodes(law: Law, times: Array, reach: float) -> tuple[Numbers, Numbers]:
+    """Return the nodes from the first (N,) up to the last (N,) that a law passes within `reach` [s] of times (N,) of its own."""
+    begin = np.maximum(np.searchsorted(law.t, times - reach) - 1, 0)
+    return begin, np.minimum(np.searchsorted(law.t, times + reach, side="right") + 1, len(law.s))

@@ -1,0 +1,168 @@
+"""Straight lines and arcs that are followed many at a time, before the robot is known to stand where each begins.
+
+Where a line or an arc with a written pose ends doesn't depend on the way there, but for the configuration. So the configuration in which the robot stands is
+assumed for the whole run, and all samples of all ways are solved at once. Only ways that keep to it without anything to decide are kept; `track` follows all
+others, and says the same of these, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from yarclang.hir import ArcMove, Array, Dwell, LineMove, PoseGoal, SetOutput, Step
+from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.paths.arc import Arc, NoArc, arc_through
+from yarclang.motion.paths.line import Line, lines_between, poses_along
+from yarclang.motion.runs import Growing
+from yarclang.robot.kinematics.closed_form import TURN, closed_form, next_to
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
+from yarclang.robot.kinematics.inverse import REACHED
+from yarclang.robot.kinematics.nearest import beyond
+from yarclang.robot.kinematics.strands import plain_strands
+from yarclang.robot.kinematics.track import EDGE, SAMPLES, Track
+from yarclang.robot.model import Robot
+
+_STANDS = 1e-6
+"""A configuration in which the robot is off by less [rad] is the one in which it stands."""
+
+_SHORT, _LITTLE = 0.01, 0.1
+"""Ways shorter than this [m], that turn by less [rad] ..."""
+_FEW = 5
+"""... are looked at in so many places if they are among many."""
+
+MOST_IN_CHAINS = 512
+"""Motions of a long chain that are followed together at most: few places of each are looked at."""
+
+
+@dataclass(slots=True)
+class WaysAhead:
+    """The paths of straight lines and arcs to written poses, where they can be followed together.
+
+    `chained` are the steps in long chains: of short ways in them, fewer places are kept.
+    """
+
+    robot: Robot
+    steps: Sequence[Step]
+    chained: frozenset[int] = frozenset()
+    _ready: dict[int, CartesianPath] = field(default_factory=dict)
+    _growing: Growing = field(default_factory=Growing)
+
+    def path(self, number: int, stands: Array) -> CartesianPath | None:
+        """Return the path of step `number` from `stands` (n,) [rad]; None where it has to be followed by itself."""
+        found = self._ready.pop(number, None)
+        if found is not None and np.array_equal(found.start, stands):
+            return found
+        self._ready.clear()
+        self._growing.most = MOST_IN_CHAINS if number in self.chained else None
+        size = self._growing.size(number)
+        arm = wristed_arm(self.robot.chain)
+        if arm is None or size == 1:
+            return None
+        numbers, steps = self._run(number, size)
+        if len(steps) < 2:
+            return None
+        followed = self._followed(arm, steps, stands, is_chain=number in self.chained)
+        self._ready.update(zip(numbers, followed, strict=False))
+        if followed:
+            self._growing.done(numbers[len(followed) - 1])
+        else:
+            self._growing = Growing(self._growing.most)
+        return self._ready.pop(number, None)
+
+    def _run(self, number: int, size: int) -> tuple[list[int], list[LineMove | ArcMove]]:
+        """Return the lines and arcs to written poses of one frame from a step on, up to `size` of them."""
+        numbers, steps = list[int](), list[LineMove | ArcMove]()
+        for here in range(number, len(self.steps)):
+            step = self.steps[here]
+            if isinstance(step, SetOutput | Dwell):
+                continue
+            if not isinstance(step, LineMove | ArcMove) or not isinstance(step.goal, PoseGoal):
+                break
+            if len(steps) == size or (here in self.chained) != (number in self.chained):
+                break
+            if steps and not _same(step.goal.flange_from_moving, steps[0].goal.flange_from_moving):
+                break
+            numbers.append(here)
+            steps.append(step)
+        return numbers, steps
+
+    def _followed(
+        self, arm: WristedArm, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
+    ) -> list[CartesianPath]:
+        """Return the paths of motions to written poses from `stands` (n,) on, up to the first one that isn't plain."""
+        goals = [step.goal for step in steps if isinstance(step.goal, PoseGoal)]
+        chain, tool = self.robot.chain, goals[0].flange_from_moving
+        flange_from_moving = np.linalg.inv(tool)
+        begin = tool_poses(chain, stands[None], tool)
+        wanted = [goal.base_from_moving for goal in goals]
+        ends = np.concatenate((begin, wanted)) @ flange_from_moving
+        corners = closed_form(arm, ends, stands[:, None])
+        branch = _standing(corners.q[:, :, 0].T, stands)
+        if branch is None or corners.singular.any():
+            return []
+        starts = _unwound(corners.q[:, branch, 1:-1].T, stands)
+        poses = np.concatenate((begin, tool_poses(chain, starts[1:], tool)))
+        ways = _ways(steps, poses, wanted)
+        if not ways:
+            return []
+        is_short = is_chain and all(way.length < _SHORT and way.angle < _LITTLE for way in ways)
+        s = np.linspace(0.0, 1.0, _FEW if is_short else SAMPLES)
+        skeleton = _poses_along(ways, s) @ flange_from_moving
+        q, is_plain = plain_strands(arm, skeleton, s, starts[: len(ways)], branch)
+        is_plain &= (np.abs(beyond(self.robot.limits, q)) <= EDGE).all(axis=(1, 2))
+        s.setflags(write=False)
+        q.setflags(write=False)
+        plain = len(ways) if is_plain.all() else int(np.argmin(is_plain))
+        return [
+            CartesianPath(chain, tool, way, start, Track(s, joints))
+            for way, start, joints in zip(ways[:plain], starts[:plain], q[:plain], strict=True)
+        ]
+
+
+def _same(one: Array, other: Array) -> bool:
+    return one is other or np.array_equal(one, other)
+
+
+def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> list[Line | Arc]:
+    """Return the ways of the moving frame from `poses` (m, 4, 4) to the goals (4, 4), up to the first motion that has none, or stands still."""
+    straight = [row for row, step in enumerate(steps) if isinstance(step, LineMove)]
+    lines = iter(lines_between(poses[straight], [goals[row] for row in straight])) if straight else iter(())
+    ways = list[Line | Arc]()
+    for step, pose, goal in zip(steps, poses, goals, strict=True):
+        way = next(lines) if isinstance(step, LineMove) else arc_through(pose, step.via, goal)
+        if way is None or isinstance(way, NoArc) or max(way.length, way.angle) < REACHED:
+            break
+        ways.append(way)
+    return ways
+
+
+def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
+    """Return base_from_moving (m * M, 4, 4) of m ways at `s` (M,)."""
+    lines = [way for way in ways if isinstance(way, Line)]
+    if len(lines) == len(ways):
+        return poses_along(lines, s).reshape(-1, 4, 4)
+    return np.concatenate([way.poses(s) for way in ways])
+
+
+def _standing(branches: Array, stands: Array) -> int | None:
+    """Return the one of the branches (8, n) in which the robot stands at `stands` (n,), if there is just one."""
+    away = np.abs(next_to(branches, stands)[1]).max(axis=1)
+    found = np.flatnonzero(away < _STANDS)
+    return int(found[0]) if len(found) == 1 else None
+
+
+def _unwound(ends: Array, stands: Array) -> Array:
+    """Return where lines begin (m + 1, n): at `stands` (n,), and at the ends (m, n) of those before, each on the turns next to the one before."""
+    starts = np.concatenate((stands[None], ends))
+    starts[1:] -= TURN * np.cumsum(np.round((ends - np.concatenate((starts[:1], ends[:-1]))) / TURN), axis=0)
+    near = next_to(ends, starts[:-1])[0]
+    off = np.flatnonzero((near != starts[1:]).any(axis=1))
+    starts[1:] = near
+    # where a joint goes half a turn, rounding decides
+    for number in range(off[0] if len(off) else len(ends), len(ends)):
+        starts[number + 1] = next_to(ends[number], starts[number])[0]
+    return starts

@@ -1,0 +1,50 @@
+"""Written poses that can be reached, looked for many at a time: after a fault nobody knows where the robot stands, and each pose is looked at by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from yarclang.hir import ArcMove, LineMove, PoseGoal, Step
+from yarclang.motion.leading.solving import flange_at
+from yarclang.motion.runs import Growing
+from yarclang.robot.kinematics.nearest import surely_reached
+from yarclang.robot.model import Robot
+
+MOST_POSES = 512
+"""Poses that are looked at together at most."""
+
+
+@dataclass(slots=True)
+class ReachedAhead:
+    """The lines and arcs whose goals are reached without a closer look."""
+
+    robot: Robot
+    steps: Sequence[Step]
+    _known: dict[int, bool] = field(default_factory=dict)
+    _growing: Growing = field(default_factory=lambda: Growing(MOST_POSES))
+
+    def is_sure(self, number: int) -> bool:
+        """Return True if the goal of step `number` can be reached; False if that takes a closer look."""
+        if number not in self._known:
+            self._known = self._looked_at(number)
+        return self._known.pop(number, False)
+
+    def _looked_at(self, number: int) -> dict[int, bool]:
+        """Return what is seen of the lines and arcs from step `number` on; nothing if it is none, or a single one is asked for."""
+        goals = dict[int, PoseGoal]()
+        size = self._growing.size(number)
+        for here in range(number, len(self.steps)):
+            step = self.steps[here]
+            if isinstance(step, LineMove | ArcMove) and isinstance(step.goal, PoseGoal):
+                goals[here] = step.goal
+            if number not in goals or len(goals) == size:
+                break
+        if len(goals) < 2:
+            return {}
+        flanges = np.array([flange_at(goal) for goal in goals.values()])
+        sure = surely_reached(self.robot.chain, self.robot.limits, flanges)
+        self._growing.done(max(goals))
+        return dict(zip(goals, sure.tolist(), strict=True))

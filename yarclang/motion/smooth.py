@@ -1,0 +1,131 @@
+"""Joint positions along a line or an arc as one polynomial: a few places are solved, and all others follow from these.
+
+The joints of an arm are analytic functions of the place on such a path, except at singularities. So their Chebyshev interpolation converges geometrically: on a short
+line, 16 places give all others to the last digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Whether that is so is looked at
+by forward kinematics, between the places; where it isn't, there is no polynomial.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.cartesian import CartesianPath, joints_of
+from yarclang.motion.paths.arc import Arc
+from yarclang.motion.paths.line import Line, poses_along
+from yarclang.robot.kinematics.fk import walk
+from yarclang.robot.kinematics.inverse import extent
+from yarclang.robot.kinematics.numeric import misses, pose_columns
+
+MANY = 64
+"""With fewer places on a path than this, each is solved."""
+
+_DEGREES = (15, 39)
+"""The degrees that are tried."""
+
+_EXACT = 1e-12
+"""The largest miss of the path between the solved places [m or rad]."""
+
+_AT_ONCE = 8_192
+"""Places at which a polynomial is evaluated at a time."""
+
+
+@frozen(eq=False)
+class Smooth:
+    """The joint positions of a path over s from 0 to 1.
+
+    `coefficients` (d + 1, n) are those of the Chebyshev polynomials of 1 - 2 s [rad or m]. `lever` [m] is longer than any joint's axis is away from the
+    moving frame's origin; `is_sliding` (n,) says which joints slide.
+    """
+
+    coefficients: Array
+    lever: float
+    is_sliding: Array
+
+    def at(self, s: Array) -> Array:
+        """Return joint positions (N, n) at `s` (N,)."""
+        parts = [
+            _chebyshev(s[begin : begin + _AT_ONCE], len(self.coefficients)).T @ self.coefficients
+            for begin in range(0, len(s), _AT_ONCE)
+        ]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def deviation(self, q: Array, s: Array) -> tuple[float, float]:
+        """Bound how far the moving frame is from the path.
+
+        Args:
+            q: (N, n) joint positions [rad or m].
+            s: (N,) the places at which these should be.
+
+        Returns:
+            The distance [m] and the angle [rad], each at least as large as it is.
+        """
+        off = np.abs(q - self.at(s))
+        turn = off @ (1.0 - self.is_sliding)
+        return float((self.lever * turn + off @ self.is_sliding).max()), float(turn.max())
+
+
+def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
+    """Return the joint positions along paths of one arm and one moving frame as polynomials; None for a path that has none."""
+    found: list[Smooth | None] = [None] * len(paths)
+    missing = [place for place, path in enumerate(paths) if isinstance(path.frame, Line | Arc)]
+    for degree in _DEGREES:
+        if not missing:
+            break
+        for place, one in zip(missing, _of_degree(degree, [paths[place] for place in missing]), strict=True):
+            found[place] = one
+        missing = [place for place in missing if found[place] is None]
+    return found
+
+
+def _of_degree(degree: int, paths: Sequence[CartesianPath]) -> list[Smooth | None]:
+    """Return the polynomials of a degree, where they lead along the path."""
+    places, between, to_coefficients, to_between = _nodes(degree)
+    chain, tool = paths[0].chain, paths[0].flange_from_moving
+    values = np.array(joints_of(paths, [places] * len(paths)))
+    looked_at = np.matmul(to_between, values)
+    poses = _poses(paths, between)
+    columns = walk(chain, np.ascontiguousarray(looked_at.reshape(-1, chain.size).T), tool)[0]
+    position, angle = misses(columns, pose_columns(poses))
+    worst = np.maximum(position, angle).reshape(len(paths), -1).max(axis=1)
+    lever = extent(chain) + float(np.linalg.norm(tool[:3, 3]))
+    sliding = chain.is_prismatic.astype(float)
+    return [
+        Smooth(coefficients, lever, sliding) if miss < _EXACT else None
+        for coefficients, miss in zip(np.matmul(to_coefficients, values), worst, strict=True)
+    ]
+
+
+def _poses(paths: Sequence[CartesianPath], s: Array) -> Array:
+    """Return base_from_moving (M * N, 4, 4) of each path at `s` (N,)."""
+    lines = [path.frame for path in paths if isinstance(path.frame, Line)]
+    if len(lines) == len(paths):
+        return poses_along(lines, s).reshape(-1, 4, 4)
+    return np.concatenate([path.frame.poses(s) for path in paths])
+
+
+@cache
+def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
+    """Return the places that are solved, those between them that are looked at, and from values at the first the coefficients and the values at the second."""
+    count = degree + 1
+    places = (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2.0
+    between = (1.0 - np.cos(np.pi * np.arange(count + 1) / count)) / 2.0
+    to_coefficients = _chebyshev(places, count) * (2.0 / count)
+    to_coefficients[0] /= 2.0
+    return places, between, to_coefficients, _chebyshev(between, count).T @ to_coefficients
+
+
+def _chebyshev(s: Array, count: int) -> Array:
+    """Return the first Chebyshev polynomials of 1 - 2 s (count, N) at `s` (N,)."""
+    x = 1.0 - 2.0 * s
+    polynomials = np.empty((count, len(s)))
+    polynomials[0], polynomials[1] = 1.0, x
+    twice = 2.0 * x
+    for number in range(2, count):
+        np.multiply(twice, polynomials[number - 1], out=polynomials[number])
+        polynomials[number] -= polynomials[number - 2]
+    return polynomials

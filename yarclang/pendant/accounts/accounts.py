@@ -1,0 +1,380 @@
+"""The accounts of a pendant: logins, sessions, PINs, users, and the audit trail, with their file."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from yarclang.pendant.accounts import people
+from yarclang.pendant.accounts.attempts import FREE_FROM_ADDRESS, Attempts
+from yarclang.pendant.accounts.database import Database
+from yarclang.pendant.accounts.passwords import check_name, check_password, check_pin, hashed, is_secret
+from yarclang.pendant.accounts.people import Deed, Kept, User, digest
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.accounts.sessions import PIN_LASTS, Session, Sessions
+from yarclang.runtime.actions import Trouble
+
+T = TypeVar("T")
+
+_AT_ONCE, _WAITING = 1, 8
+"""Passwords that are looked at at a time, and those that may wait: each takes a core and 64 MiB that a moving robot may need."""
+
+_WRITTEN_EACH = 60.0
+"""Time between two notes of when a session was last used [s]."""
+
+_MOST_PINS = 5
+"""Wrong PINs that end a session."""
+
+
+class NotAllowed(Trouble):
+    """Somebody wants what is for another role, or needs a PIN first."""
+
+
+class TooMany(Trouble):
+    """An attempt comes too soon after wrong ones; `wait` is how long it has to wait [s]."""
+
+    def __init__(self, what: str, wait: float) -> None:
+        super().__init__(what, f"try again in {max(1.0, wait):.0f} s", "")
+        self.wait = wait
+
+
+class Accounts:
+    """Everybody who may use a pendant.
+
+    Args:
+        path: of the file that keeps them.
+        ended: is told of each session that ends.
+        now: a clock that never goes back [s].
+        wall: the time of day [s].
+
+    Attributes:
+        sessions: who is logged in.
+        first: the token of the one-time link; empty if there is a user.
+        trouble: why the audit trail can't be written; None: it can.
+
+    Raises:
+        Trouble: the file can't be used.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        ended: Callable[[Session], object] = lambda _: None,
+        now: Callable[[], float] = time.monotonic,
+        wall: Callable[[], float] = time.time,
+    ) -> None:
+        self._now, self._wall = now, wall
+        self._told_end = ended
+        self.database = Database(path)
+        self.sessions = Sessions(self._ended)
+        self.trouble: Trouble | None = None
+        self._attempts = Attempts()
+        self._looking = asyncio.Semaphore(_AT_ONCE)
+        self._waiting = 0
+        self._writing: set[asyncio.Future[None]] = set()
+        self._noted: dict[str, float] = {}
+        try:
+            known = {one.name.casefold(): one.role for one in self.database.now(people.users)}
+            self.first = "" if known else secrets.token_urlsafe(24)
+            for kept in self.database.now(people.kept_sessions):
+                role = known.get(kept.user.casefold())
+                if role is None or not self.sessions.take_up(kept, role, now(), wall()):
+                    self.database.now(people.end_session, kept.id)
+        except BaseException:
+            self.database.close()
+            raise
+
+    async def close(self) -> None:
+        """Write what waits, and close the file; sessions go on after a restart."""
+        while self._writing:
+            await asyncio.gather(*self._writing, return_exceptions=True)
+        self.database.close()
+
+    # who is there
+
+    async def begin(self, token: str, name: str, password: str, pin: str, address: str) -> None:
+        """Make the first user, of the role service.
+
+        Raises:
+            Trouble: the link isn't the one of this start, or was used; or what was chosen isn't allowed.
+        """
+        if not self.first or not secrets.compare_digest(token.encode(), self.first.encode()):
+            raise NotAllowed(
+                "this link isn't valid any more", "use the one that `yarc pendant` printed last", ""
+            )
+        await self._add(name, Role.SERVICE, password, pin, first=True)
+        self.first = ""
+        self.note(Deed(name, address, "first user"))
+
+    async def login(
+        self, name: str, password: str, address: str, agent: str, device: str
+    ) -> tuple[Session, str, str]:
+        """Log somebody in.
+
+        Args:
+            name: of the user.
+            password: as it was typed.
+            address: that the request came from.
+            agent: what the browser calls itself.
+            device: token of the device, from an earlier login there; empty: none.
+
+        Returns:
+            The session, its token, and the token of the device from now on.
+
+        Raises:
+            TooMany: after five wrong passwords from there.
+            Trouble: name or password are wrong.
+        """
+        known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
+        place = (name.casefold()[:80], f"device {digest(device).hex()}" if known else address)
+        anybody = ("", address)
+        wait = self._attempts.wait(place, self._now())
+        if not known:  # a person at their own device doesn't wait for what others do from the same address
+            wait = max(wait, self._attempts.wait(anybody, self._now(), FREE_FROM_ADDRESS))
+        if wait > 0.0:
+            raise TooMany("too many wrong passwords", wait)
+        user = await self.database.call(people.user_called, name)
+        # who asks for the next attempt before this one is answered has one more wrong one
+        count = self._attempts.failed(place, self._now())
+        try:
+            right = await self._is_secret(None if user is None else user.password, password)
+        except TooMany:
+            self._attempts.forgive(place)
+            raise
+        if not right or user is None:
+            if not known:
+                self._attempts.failed(anybody, self._now())
+            self.note(Deed(name[:80], address, "login", outcome=f"refused ({count} wrong passwords)"))
+            raise Trouble("this name and password don't belong together", "try again", "")
+        self._attempts.passed(place)
+        device = device if known else secrets.token_urlsafe(32)
+        session, token = self.sessions.open(user.name, user.role, address, agent, self._now())
+        wall = self._wall()
+        try:
+            await self.database.call(people.know_device, digest(device), user.name, wall)
+            await self.database.call(people.keep_session, self._kept(session))
+            await self.did(Deed(user.name, address, "login"))
+        except Trouble:
+            self.sessions.end(session)
+            raise
+        return session, token, device
+
+    def session_of(self, token: str) -> Session | None:
+        """Return the session of a token; None if it has ended, or never was one."""
+        return self.sessions.of(token, self._now()) if token else None
+
+    def is_over(self, session: Session) -> bool:
+        """Return True if a session has ended."""
+        return self.sessions.end_if_over(session, self._now())
+
+    def used(self, session: Session) -> None:
+        """Note that the person of a session has done something."""
+        session.seen = now = self._now()
+        if now - self._noted.get(session.id, -_WRITTEN_EACH) >= _WRITTEN_EACH:
+            self._noted[session.id] = now
+            self._later(people.keep_session, self._kept(session))
+
+    async def logout(self, session: Session) -> None:
+        """End a session."""
+        self.sessions.end(session)
+        self.note(Deed(session.user, session.address, "logout"))
+
+    def _ended(self, session: Session) -> None:
+        self._noted.pop(session.id, None)
+        self._later(people.end_session, session.id)
+        self._told_end(session)
+
+    # service work
+
+    async def confirm(self, session: Session, pin: str) -> float:
+        """Allow service work for a while; return for how long [s].
+
+        Raises:
+            NotAllowed: the PIN is wrong; the fifth wrong one ends the session.
+        """
+        user = await self.database.call(people.user_called, session.user)
+        session.wrong_pins += 1
+        if user is None or not await self._is_secret(user.pin, pin):
+            self.note(Deed(session.user, session.address, "PIN", outcome="refused"))
+            if session.wrong_pins >= _MOST_PINS:
+                self.sessions.end(session)
+                raise NotAllowed("five wrong PINs have ended this session", "log in again", "")
+            raise NotAllowed("this PIN is wrong", "try again, or let another service user set a new one", "")
+        session.wrong_pins = 0
+        session.pin_until = self._now() + PIN_LASTS
+        self.note(Deed(session.user, session.address, "PIN"))
+        return PIN_LASTS
+
+    def check(self, session: Session, role: Role, *, pin: bool = False) -> None:
+        """Check that a session may do what is for a role.
+
+        Raises:
+            NotAllowed: it may not, or `pin` is true and there was none lately.
+        """
+        if not session.role.covers(role):
+            what = (
+                f"this is for {role.value}s; {session.user} is {_article(session.role)} {session.role.value}"
+            )
+            raise NotAllowed(what, f"let somebody log in who is {_article(role)} {role.value}", "")
+        if pin and self._now() > session.pin_until:
+            raise NotAllowed("service work needs your PIN again", "enter the PIN", "pin")
+
+    async def add(self, name: str, role: Role, password: str, pin: str | None) -> None:
+        """Add a user.
+
+        Raises:
+            Trouble: the name is taken, or what was chosen isn't allowed.
+        """
+        await self._add(name, role, password, pin, first=False)
+
+    async def _add(self, name: str, role: Role, password: str, pin: str | None, *, first: bool) -> None:
+        check_name(name)
+        check_password(password, name)
+        if pin is not None:
+            check_pin(pin)
+        elif role is Role.SERVICE:
+            raise Trouble("a service user needs a PIN", "choose one", "")
+        made = User(
+            name, role, await self._hashed(password), None if pin is None else await self._hashed(pin)
+        )
+        await self.database.call(people.add_user, made, first=first)
+
+    async def change(
+        self,
+        name: str,
+        *,
+        role: Role | None = None,
+        password: str | None = None,
+        pin: str | None = None,
+        but: Session | None = None,
+    ) -> None:
+        """Change a user; a new role or password ends the user's sessions, except `but`.
+
+        Raises:
+            Trouble: there is no such user, what was chosen isn't allowed, or nobody would be left for service.
+        """
+        found = await self.database.call(people.user_called, name)
+        if password is not None:
+            check_password(password, name)
+        if pin is not None:
+            check_pin(pin)
+        if role is Role.SERVICE and pin is None and (found is None or found.pin is None):
+            raise Trouble("a service user needs a PIN", "choose one", "")
+        await self.database.call(
+            people.change_user,
+            name,
+            role=role,
+            password=None if password is None else await self._hashed(password),
+            pin=None if pin is None else await self._hashed(pin),
+        )
+        if role is not None or password is not None:
+            self.sessions.end_of_user(name, but=but)
+
+    async def change_own(self, session: Session, old: str, *, password: str | None, pin: str | None) -> None:
+        """Change the password or the PIN of whoever is logged in; other sessions of the user end with the old password.
+
+        Raises:
+            TooMany: after five wrong passwords.
+            Trouble: the old password is wrong, or the new one isn't allowed.
+        """
+        place = (session.user.casefold(), f"session {session.id}")
+        if (wait := self._attempts.wait(place, self._now())) > 0.0:
+            raise TooMany("too many wrong passwords", wait)
+        self._attempts.failed(place, self._now())
+        user = await self.database.call(people.user_called, session.user)
+        if user is None or not await self._is_secret(user.password, old):
+            raise Trouble("the old password is wrong", "try again", "")
+        self._attempts.passed(place)
+        await self.change(session.user, password=password, pin=pin, but=session)
+
+    async def remove(self, name: str) -> None:
+        """Remove a user and end their sessions.
+
+        Raises:
+            Trouble: there is no such user, or nobody would be left for service.
+        """
+        await self.database.call(people.remove_user, name)
+        self.sessions.end_of_user(name)
+
+    async def all_users(self) -> tuple[User, ...]:
+        """Return all users."""
+        return await self.database.call(people.users)
+
+    # what was done
+
+    async def did(self, deed: Deed) -> None:
+        """Write an entry of the audit trail before anything else happens.
+
+        Raises:
+            Trouble: it can't be written; what was to be done isn't done then.
+        """
+        try:
+            await self.database.call(people.write_deed, deed)
+        except Trouble as trouble:
+            self.trouble = trouble
+            raise
+        self.trouble = None
+
+    def note(self, deed: Deed) -> None:
+        """Write an entry of the audit trail without waiting for it: of what mustn't wait, such as a stop."""
+        self._later(people.write_deed, deed)
+
+    async def deeds(self, before: int | None, count: int) -> tuple[tuple[int, str, Deed], ...]:
+        """Return entries of the audit trail, the newest first (`people.deeds`)."""
+        while self._writing:
+            await asyncio.gather(*self._writing, return_exceptions=True)
+        return await self.database.call(people.deeds, before, count)
+
+    async def deeds_since(self, action: str, since: str, most: int) -> tuple[tuple[str, Deed], ...]:
+        """Return entries of the audit trail from a time on, the newest first (`people.deeds_since`)."""
+        while self._writing:
+            await asyncio.gather(*self._writing, return_exceptions=True)
+        return await self.database.call(people.deeds_since, action, since, most)
+
+    def _later(self, do: Callable[..., None], *arguments: object) -> None:
+        async def written() -> None:
+            try:
+                await self.database.call(do, *arguments)
+                self.trouble = None
+            except Trouble as trouble:
+                self.trouble = trouble
+
+        task = asyncio.ensure_future(written())
+        self._writing.add(task)
+        task.add_done_callback(self._writing.discard)
+
+    def _kept(self, session: Session) -> Kept:
+        now, wall = self._now(), self._wall()
+        return Kept(
+            session.id,
+            session.token,
+            session.user,
+            wall - (now - session.opened),
+            wall - (now - session.seen),
+            session.address,
+            session.agent,
+        )
+
+    async def _is_secret(self, kept: str | None, secret: str) -> bool:
+        return await self._beside(is_secret, kept, secret[:1000])
+
+    async def _hashed(self, secret: str) -> str:
+        return await self._beside(hashed, secret)
+
+    async def _beside(self, function: Callable[..., T], *arguments: object) -> T:
+        if self._waiting >= _WAITING:
+            raise TooMany("too many passwords are looked at just now", 2.0)
+        self._waiting += 1
+        try:
+            async with self._looking:
+                return await asyncio.to_thread(function, *arguments)
+        finally:
+            self._waiting -= 1
+
+
+def _article(role: Role) -> str:
+    return "an" if role is Role.OPERATOR else "a"

@@ -1,0 +1,117 @@
+"""Roles, and the role that each order needs."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+from yarclang.coordinator.messages import orders, wants
+from yarclang.coordinator.messages.orders import Order
+
+
+class Role(Enum):
+    """What a person may do; each role may do all that those before it may."""
+
+    VIEWER = "viewer"
+    """Watch, and stop the robot."""
+    OPERATOR = "operator"
+    """Run, hold and resume the programs of the project."""
+    PROGRAMMER = "programmer"
+    """Jog, teach, edit, set outputs."""
+    SERVICE = "service"
+    """Calibrate, change limits, manage users and the system."""
+
+    def covers(self, other: Role) -> bool:
+        """Return True if this role may do what another one may."""
+        return _ORDER.index(self) >= _ORDER.index(other)
+
+
+_ORDER = tuple(Role)
+
+NEEDS: dict[type[Order[Any]], Role] = {
+    # A stop on the path harms nobody, and whoever sees something go wrong must not have to log in as somebody else first.
+    orders.Stop: Role.VIEWER,
+    orders.AskStatus: Role.VIEWER,
+    orders.AskPlace: Role.VIEWER,
+    orders.AskFrames: Role.VIEWER,
+    orders.AskHealth: Role.VIEWER,
+    orders.AskSurroundings: Role.VIEWER,
+    orders.Read: Role.VIEWER,
+    orders.AskDeclarations: Role.VIEWER,
+    orders.AskParts: Role.VIEWER,
+    orders.AskCourse: Role.VIEWER,
+    orders.Hold: Role.OPERATOR,
+    orders.Resume: Role.OPERATOR,
+    orders.Step: Role.OPERATOR,
+    orders.Abort: Role.OPERATOR,
+    orders.Override: Role.OPERATOR,
+    orders.Own: Role.OPERATOR,
+    orders.Give: Role.OPERATOR,
+    orders.Release: Role.OPERATOR,
+    orders.Clear: Role.OPERATOR,
+    orders.Look: Role.OPERATOR,
+    orders.Connect: Role.OPERATOR,
+    orders.Enable: Role.OPERATOR,
+    orders.Disable: Role.OPERATOR,
+    orders.AskHoming: Role.OPERATOR,
+    orders.AskSettings: Role.OPERATOR,
+    orders.Home: Role.SERVICE,
+    orders.SendSettings: Role.SERVICE,
+    orders.SaveSettings: Role.SERVICE,
+    orders.Load: Role.OPERATOR,
+    orders.AskWay: Role.OPERATOR,
+    orders.Run: Role.OPERATOR,
+    orders.SetOutput: Role.PROGRAMMER,
+    orders.SetInput: Role.PROGRAMMER,
+    orders.PlacePart: Role.PROGRAMMER,
+    orders.Adopt: Role.PROGRAMMER,
+    orders.Offer: Role.PROGRAMMER,
+    orders.OfferBack: Role.PROGRAMMER,
+    orders.Go: Role.PROGRAMMER,
+    orders.Keep: Role.PROGRAMMER,
+    orders.Save: Role.PROGRAMMER,
+    **dict.fromkeys(wants.KINDS, Role.PROGRAMMER),
+    orders.Steer: Role.PROGRAMMER,
+    orders.Leave: Role.PROGRAMMER,
+}
+"""Orders that the API carries out, and who may give them. What isn't here is refused: `hello` and `listen` are the server's own."""
+
+WITH_PIN: tuple[type[Order[Any]], ...] = (orders.Home, orders.SendSettings, orders.SaveSettings)
+"""Orders that need the PIN as well."""
+
+AUDITED: tuple[type[Order[Any]], ...] = (
+    orders.Stop,
+    orders.Hold,
+    orders.Resume,
+    orders.Step,
+    orders.Abort,
+    orders.Override,
+    orders.Own,
+    orders.Give,
+    orders.Release,
+    orders.Clear,
+    orders.Connect,
+    orders.Enable,
+    orders.Disable,
+    orders.Home,
+    orders.SendSettings,
+    orders.SaveSettings,
+    orders.Run,
+    orders.SetOutput,
+    orders.SetInput,
+    orders.PlacePart,
+    orders.Adopt,
+    orders.Go,
+)
+"""Orders that the audit trail has; each jog has one entry as well, when it begins."""
+
+
+_OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
+"""Fields of `load` by which a program is another one, or is proved otherwise, than the project says."""
+
+
+def needed_for(order: Order[Any]) -> Role | None:
+    """Return the role that an order needs; None if nobody may give it here."""
+    if isinstance(order, orders.Load) and order.model_fields_set & _OTHERWISE:
+        return Role.PROGRAMMER  # an operator runs what the project has, as it stands there
+    return NEEDS.get(type(order))

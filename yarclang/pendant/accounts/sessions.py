@@ -1,0 +1,127 @@
+"""Who is logged in. Times are those of a clock that never goes back; what outlasts a restart is judged by the wall clock, and ended if that was set back."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from yarclang.pendant.accounts.people import Kept, digest
+from yarclang.pendant.accounts.roles import Role
+
+IDLE = 3600.0
+"""Time without an action of the person after which a session ends [s]."""
+
+LONGEST = 12 * 3600.0
+"""Longest session [s]."""
+
+PIN_LASTS = 300.0
+"""Time after a PIN in which service work is possible [s]."""
+
+MOST = 200
+"""Sessions at a time; beyond, the one that was quiet for longest ends."""
+
+_CLOCKS_DIFFER = 60.0
+"""So far a session may begin in the future of the wall clock [s]."""
+
+
+@dataclass(slots=True, eq=False)
+class Session:
+    """Somebody who is logged in, at one browser.
+
+    Attributes:
+        id: what others may know of it; the token is a secret.
+        user: the name.
+        role: of the user.
+        address: that the login came from.
+        agent: what the browser calls itself.
+        token: digest of the token.
+        opened: when it began [s].
+        seen: when the person last did something [s].
+        pin_until: service work is possible until then [s].
+        wrong_pins: in a row.
+    """
+
+    id: str
+    user: str
+    role: Role
+    address: str
+    agent: str
+    token: bytes
+    opened: float
+    seen: float
+    pin_until: float = -1.0
+    wrong_pins: int = 0
+
+
+class Sessions:
+    """All sessions.
+
+    Args:
+        ended: is told of each session that ends.
+    """
+
+    def __init__(self, ended: Callable[[Session], object]) -> None:
+        self._by_token: dict[bytes, Session] = {}
+        self._ended = ended
+
+    def open(self, user: str, role: Role, address: str, agent: str, now: float) -> tuple[Session, str]:
+        """Begin a session; return it and its token, which is told once."""
+        token = secrets.token_urlsafe(32)
+        made = Session(
+            secrets.token_hex(8), user, role, address, agent[:200], digest(token), opened=now, seen=now
+        )
+        self._by_token[made.token] = made
+        while len(self._by_token) > MOST:
+            self.end(min(self._by_token.values(), key=lambda one: one.seen))
+        return made, token
+
+    def of(self, token: str, now: float) -> Session | None:
+        """Return the session of a token, if it hasn't ended."""
+        found = self._by_token.get(digest(token))
+        return None if found is None or self.end_if_over(found, now) else found
+
+    def called(self, id_: str) -> Session | None:
+        """Return a session by its id."""
+        return next((one for one in self._by_token.values() if one.id == id_), None)
+
+    def all(self) -> tuple[Session, ...]:
+        """Return all sessions, the oldest first."""
+        return tuple(self._by_token.values())
+
+    def end_if_over(self, session: Session, now: float) -> bool:
+        """End a session whose time is over; return True if it has ended, now or before."""
+        if session.token not in self._by_token:
+            return True
+        if now - session.seen > IDLE or now - session.opened > LONGEST:
+            self.end(session)
+            return True
+        return False
+
+    def end(self, session: Session) -> None:
+        """End a session."""
+        if self._by_token.pop(session.token, None) is not None:
+            self._ended(session)
+
+    def end_of_user(self, name: str, *, but: Session | None = None) -> None:
+        """End the sessions of a user, except one."""
+        for one in self.all():
+            if one.user.casefold() == name.casefold() and one is not but:
+                self.end(one)
+
+    def take_up(self, kept: Kept, role: Role, now: float, wall: float) -> bool:
+        """Go on with a session of before a restart; return False if it is over, or the clock was set back meanwhile."""
+        age, quiet = wall - kept.created, wall - kept.seen
+        if min(age, quiet) < -_CLOCKS_DIFFER or age > LONGEST or quiet > IDLE:
+            return False
+        self._by_token[kept.token] = Session(
+            kept.id,
+            kept.user,
+            role,
+            kept.address,
+            kept.agent,
+            kept.token,
+            now - max(age, 0.0),
+            now - max(quiet, 0.0),
+        )
+        return True

@@ -1,0 +1,55 @@
+"""Alarms as a table for other programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from datetime import UTC, datetime
+
+from yarclang.pendant.alarms.alarm import Alarm
+
+_HEAD = (
+    *("number", "time (UTC)", "last (UTC)", "count", "ended (UTC)", "acknowledged (UTC)", "by", "code"),
+    *("what", "remedy", "source", "program", "line", "command", "joints", "owner"),
+)
+_FORMULA = ("=", "+", "-", "@", "\t", "\r", "|", "%")
+"""With these, spreadsheets begin a formula: a quotation mark before them makes it a text."""
+
+
+def as_csv(alarms: Iterable[Alarm]) -> str:
+    """Return alarms as CSV: one a line, times in UTC, no cell of which is a formula."""
+    made = io.StringIO()
+    writer = csv.writer(made, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
+    writer.writerow(_HEAD)
+    for one in alarms:
+        raised, stood = one.raised, one.stood
+        row = (
+            str(one.number),
+            utc(one.time),
+            utc(one.last),
+            str(one.count),
+            "" if one.ended is None else utc(one.ended),
+            "" if one.acknowledged is None else utc(one.acknowledged),
+            one.by,
+            raised.code,
+            raised.what,
+            raised.remedy,
+            raised.source,
+            stood.file or stood.program,
+            str(stood.line or ""),
+            stood.command,
+            " ".join(f"{name} {value:.3f} {unit}" for name, value, unit in stood.joints),
+            stood.owner,
+        )
+        writer.writerow([_harmless(text) for text in row])
+    return made.getvalue()
+
+
+def _harmless(text: str) -> str:
+    return f"'{text}" if text.lstrip().startswith(_FORMULA) else text
+
+
+def utc(seconds: float) -> str:
+    """Return a time of day [s since 1970] as ISO 8601 in UTC."""
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")

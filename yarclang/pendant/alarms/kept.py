@@ -1,0 +1,79 @@
+"""What is kept of alarms, as functions of a connection: one transaction each (`Database.call`)."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable
+from typing import Any
+
+from yarclang.pendant.alarms.alarm import Alarm, Raised, Stood
+
+_COLUMNS = "number, time, last, count, ended, acknowledged, by, source, code, what, remedy, stood"
+
+
+def kept_alarms(connection: sqlite3.Connection, most: int) -> tuple[Alarm, ...]:
+    """Return the newest alarms, at most so many; rows that can't be read are left out."""
+    rows = connection.execute(
+        f"SELECT {_COLUMNS} FROM alarms ORDER BY number DESC LIMIT ?",
+        (most,),
+    )
+    found = []
+    for row in rows:
+        try:
+            found.append(_alarm(row))
+        except (ValueError, TypeError, KeyError):
+            continue
+    return tuple(found)
+
+
+def _alarm(row: tuple[Any, ...]) -> Alarm:
+    number, time, last, count, ended, acknowledged, by, source, code, what, remedy, stood = row
+    told = json.loads(stood)
+    told["joints"] = tuple((str(name), float(value), str(unit)) for name, value, unit in told["joints"])
+    told["flange"] = None if told["flange"] is None else tuple(map(float, told["flange"]))
+    return Alarm(
+        number,
+        Raised(source, what, code, remedy),
+        Stood(**told),
+        time,
+        last,
+        count,
+        ended,
+        acknowledged,
+        by,
+    )
+
+
+def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], gone: Iterable[int]) -> None:
+    """Write alarms as they are now.
+
+    Args:
+        connection: of the file.
+        alarms: that are new or have changed.
+        gone: numbers of those that aren't kept any more.
+    """
+    connection.executemany("DELETE FROM alarms WHERE number = ?", [(one,) for one in gone])
+    connection.executemany(
+        f"INSERT OR REPLACE INTO alarms ({_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        [_row(one) for one in alarms],
+    )
+
+
+def _row(alarm: Alarm) -> tuple[Any, ...]:
+    raised, stood = alarm.raised, alarm.stood
+    told = {name: getattr(stood, name) for name in Stood.__slots__}
+    return (
+        alarm.number,
+        alarm.time,
+        alarm.last,
+        alarm.count,
+        alarm.ended,
+        alarm.acknowledged,
+        alarm.by,
+        raised.source,
+        raised.code,
+        raised.what,
+        raised.remedy,
+        json.dumps(told),
+    )

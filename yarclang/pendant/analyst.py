@@ -1,0 +1,194 @@
+"""Analysts: language servers for pages that edit, each a process of its own that can't disturb the one that streams."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from asyncio.subprocess import Process
+from collections.abc import AsyncIterator, Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+from yarclang.pendant.apart import begun, command_of
+from yarclang.pendant.messages.reading import denied
+from yarclang.pendant.passing import Passing, written
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+
+MOST = 4
+"""Analysts at once."""
+
+MOST_MEMORY = 4 << 30
+"""Address space of one [bytes]; a compiler with its libraries takes 1 GiB of it."""
+
+_LARGEST = 16 << 20
+"""Longest message of an analyst [bytes]."""
+
+_LARGEST_TOLD = 4 << 20
+"""Longest message that a page is sent [characters]."""
+
+_LAST = 2.0
+"""Time for an analyst to end by itself once its input has ended [s]."""
+
+Say = Callable[[str], Awaitable[None]]
+
+
+class Analysts:
+    """The analysts of a pendant.
+
+    Args:
+        robot: of programs that name none.
+        folder: of the project.
+        inside: returns the path of a file of the project, or raises `Trouble`.
+    """
+
+    def __init__(self, robot: Robot, folder: Path, inside: Callable[[str], Path]) -> None:
+        described = robot.folder / "robot.toml"
+        self._robot = str(described) if described.is_file() else robot.name
+        self._folder = folder
+        self._inside = inside
+        self._serving = 0
+
+    @contextlib.asynccontextmanager
+    async def one(self, say: Say) -> AsyncIterator[Analyst]:
+        """Serve a page as long as the context lasts.
+
+        Args:
+            say: tells the page something.
+
+        Raises:
+            Trouble: there are as many as may be.
+        """
+        if self._serving >= MOST:
+            raise Trouble(
+                f"{MOST} pages have an analyst already: findings aren't shown here", "close another one", ""
+            )
+        self._serving += 1
+        analyst = Analyst(self._command(), self._folder, self._inside, say)
+        try:
+            yield analyst
+        finally:
+            try:
+                await analyst.close()
+            finally:
+                self._serving -= 1
+
+    def _command(self) -> tuple[str, ...]:
+        return command_of("yarclang.cli.yarc", ("lsp", "--robot", self._robot), MOST_MEMORY)
+
+
+class Analyst:
+    """The analyst of one page: begun once, and once more if it dies.
+
+    Args:
+        command: that starts it.
+        folder: of the project.
+        inside: returns the path of a file of the project, or raises `Trouble`.
+        say: tells the page something.
+    """
+
+    def __init__(
+        self, command: tuple[str, ...], folder: Path, inside: Callable[[str], Path], say: Say
+    ) -> None:
+        self._command = command
+        self._folder = folder
+        self._say = say
+        self._passing = Passing(folder, inside)
+        self._process: Process | None = None
+        self._sending = asyncio.Lock()
+
+    @property
+    def pid(self) -> int | None:
+        """The number of its process."""
+        return self._process.pid if self._process else None
+
+    async def run(self) -> None:
+        """Start it, and tell the page what it says; return once it can't be used any more."""
+        for last in (False, True):
+            try:
+                self._process = await begun(self._command, folder=self._folder)
+                await self._tell("yarc/begun", "again" if last else "")
+                await self._listen(self._process)
+            except (OSError, ValueError, KeyError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
+                pass
+            await self._end()
+            async with self._sending:
+                self._passing.again()
+        await self._tell(
+            "yarc/ended",
+            "the analyst has ended twice: findings aren't shown; open the program again to start it",
+        )
+
+    async def take(self, text: str) -> None:
+        """Take a message of the page.
+
+        Args:
+            text: as it came.
+        """
+        async with self._sending:
+            process = self._process
+            if process is None or process.stdin is None or process.returncode is not None:
+                return
+            try:
+                message = await asyncio.to_thread(self._passing.to_analyst, text)
+            except Trouble as trouble:
+                refused = {"jsonrpc": "2.0", "method": "yarc/refused", "params": denied(trouble).to_json()}
+                await self._say(json.dumps(refused))
+                return
+            await _write(process, message)
+
+    async def close(self) -> None:
+        """End it."""
+        await self._end()
+
+    async def _listen(self, process: Process) -> None:
+        """Tell the page what the analyst says until that one's output ends."""
+        assert process.stdout is not None
+        while True:
+            head = await process.stdout.readuntil(b"\r\n\r\n")
+            size = _size(head)
+            content = json.loads(await process.stdout.readexactly(size))
+            if (answer := self._passing.reply(content)) is not None:
+                await _write(process, answer)
+            elif (told := self._passing.to_page(content)) is not None:
+                text = json.dumps(told)
+                if len(text) > _LARGEST_TOLD:
+                    told = {key: told[key] for key in ("jsonrpc", "id") if key in told}
+                    text = json.dumps(told | {"error": {"message": "the answer is too long for a page"}})
+                await self._say(text)
+
+    async def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is None or process.returncode is not None:
+            return
+        if process.stdin is not None:
+            process.stdin.close()
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(process.wait(), _LAST)
+
+    async def _tell(self, method: str, text: str) -> None:
+        await self._say(json.dumps({"jsonrpc": "2.0", "method": method, "params": {"text": text}}))
+
+
+async def _write(process: Process, message: dict[str, Any]) -> None:
+    """Send a message; one that comes too late for an analyst that has died is lost with it."""
+    assert process.stdin is not None
+    with contextlib.suppress(ConnectionError):
+        process.stdin.write(written(message))
+        await process.stdin.drain()
+
+
+def _size(head: bytes) -> int:
+    """Return the length of a message by its head.
+
+    Raises:
+        ValueError: it has none, or more than a message may.
+    """
+    for line in head.split(b"\r\n"):
+        name, _, value = line.partition(b":")
+        if name.lower() == b"content-length" and 0 <= (size := int(value)) <= _LARGEST:
+            return size
+    raise ValueError("no length")

@@ -1,0 +1,70 @@
+"""Processes for work that mustn't disturb the one that streams: of low priority, with bounded memory, on one core each."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from asyncio.subprocess import DEVNULL, PIPE, Process
+from collections.abc import Sequence
+from pathlib import Path
+
+_BEGINS = """
+import importlib, os, resource, sys
+if hasattr(os, "SCHED_OTHER"):
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+os.nice(int(sys.argv.pop(1)))
+most = int(sys.argv.pop(1))
+resource.setrlimit(resource.RLIMIT_AS, (most, most))
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+importlib.import_module(sys.argv.pop(1)).main()
+"""
+"""What such a process does first: it is an ordinary one, whatever the one that started it is."""
+
+
+def command_of(module: str, arguments: Sequence[str], most_memory: int, nice: int = 10) -> tuple[str, ...]:
+    """Return the command of a process.
+
+    Args:
+        module: whose `main` it calls.
+        arguments: that `main` finds in sys.argv.
+        most_memory: address space [bytes]; a compiler with its libraries takes 1 GiB of it.
+        nice: by which its priority is lower.
+    """
+    return sys.executable, "-c", _BEGINS, str(nice), str(most_memory), module, *arguments
+
+
+async def begun(
+    command: Sequence[str],
+    *,
+    talks: bool = True,
+    limit: int = 1 << 16,
+    folder: Path | None = None,
+    handles: Sequence[int] = (),
+) -> Process:
+    """Start a process; Ctrl-C in a terminal is for the pendant, not for it.
+
+    Args:
+        command: of it (`command_of`).
+        talks: whether it is told something.
+        limit: longest line of its output [bytes].
+        folder: where it works; None: here.
+        handles: numbers of open files that it gets.
+
+    Raises:
+        OSError: it can't be started.
+    """
+    environment = dict(os.environ) | dict.fromkeys(
+        ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"
+    )
+    return await asyncio.create_subprocess_exec(
+        *command,
+        stdin=PIPE if talks else DEVNULL,
+        stdout=PIPE,
+        stderr=DEVNULL,
+        limit=limit,
+        cwd=folder,
+        env=environment,
+        pass_fds=tuple(handles),
+        start_new_session=True,
+    )

@@ -1,0 +1,119 @@
+"""Restores a backup: what is replaced or removed is kept first, then each file is replaced whole."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+
+from yarclang.pendant.backup.comparing import Judged, Plan, plan_of
+from yarclang.pendant.backup.reading import content, refused
+from yarclang.pendant.backup.writing import About, Selection, zipped
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.project.names import quoted
+from yarclang.pendant.project.places import in_words, said
+from yarclang.pendant.project.room import check_room
+from yarclang.pendant.project.tree import Entry
+from yarclang.runtime.actions import Trouble
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """What a restore has done: files that were written and removed, and the number of what undoes it (empty: nothing was replaced or made)."""
+
+    written: tuple[str, ...]
+    removed: tuple[str, ...]
+    undo: str
+
+
+def apply(
+    folder: ProjectFolder, handle: int, backup: Judged, digest: str, user: str, about: About, *, remove: bool
+) -> Applied:
+    """Restore a backup.
+
+    Args:
+        folder: of the project.
+        handle: of the open zip.
+        backup: that was judged.
+        digest: of the plan that somebody has seen.
+        user: who restores it.
+        about: what the list of the kept files says.
+        remove: True if files that the backup doesn't have are removed.
+
+    Raises:
+        Trouble: the project has changed since, there is no room, or a file can't be written: what is done by then, and how it is undone.
+    """
+    with folder.unchanged():
+        plan = plan_of(folder, backup)
+        if plan.digest != digest:
+            raise Trouble(
+                "files of the project have changed meanwhile", "look at what would change", "changed"
+            )
+        if plan.conflicts:
+            first = plan.conflicts[0]
+            raise Trouble(
+                f"{quoted(first.file)} can't be restored: {first.why}", "rename or delete it first", ""
+            )
+        removed = plan.extra if remove else ()
+        _check_room(folder, plan, backup, removed)
+        undo = _kept(folder, plan, removed, user, about)
+        done: list[str] = []
+        try:
+            with in_words(folder.root.name):
+                _write(folder, handle, backup, plan, done)
+                for name in removed:
+                    _remove(folder, name)
+                    done.append(name)
+        except Trouble as trouble:
+            total = len(plan.new) + len(plan.changed) + len(removed)
+            what = f"{len(done):,} of {total:,} files are restored, and the others are as they were: {trouble.what}"
+            raise Trouble(what, f"{trouble.remedy}; then restore it again, or undo this", "half") from None
+    return Applied((*plan.new, *plan.changed), removed, undo)
+
+
+def _check_room(folder: ProjectFolder, plan: Plan, backup: Judged, removed: tuple[str, ...]) -> None:
+    wanted = sum(backup.files[one].size for one in (*plan.new, *plan.changed))
+    wanted += sum(plan.sizes[one] for one in (*plan.changed, *removed))
+    check_room(os.statvfs(folder.root), wanted, "the restored files and those that are kept for undo need")
+
+
+def _kept(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
+    """Keep what is replaced or removed with what was deleted, as a backup of its own; return its number."""
+    if not plan.new and not plan.changed and not removed:
+        return ""
+    files = tuple(Entry(name, plan.sizes[name], "", is_folder=False) for name in (*plan.changed, *removed))
+    selection = Selection(files, (), (), logs=True, absent=plan.new)
+    stamp = about.made[:19].replace("T", " ").replace(":", ".")
+    with in_words(folder.root.name), folder.trash.keeping(f"before restore {stamp}.zip", user) as keeping:
+        for piece in zipped(folder, selection, about, strict=True):
+            keeping.write(piece)
+    return keeping.number
+
+
+def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done: list[str]) -> None:
+    for name in plan.folders:
+        folder.make_folders(name)
+    for name in (*plan.new, *plan.changed):
+        entry = backup.files[name]
+        if "/" in name:
+            folder.make_folders(name.rpartition("/")[0])
+        with folder.draft(name, entry.size) as draft:
+            try:
+                for piece in content(handle, entry):
+                    draft.write(piece)
+            except OSError as error:
+                raise said(error, name) from None
+            if draft.sha256 != backup.hashes[name]:
+                raise refused(f"{quoted(name)} isn't what it was when it was judged")
+            folder.stand(draft, name, plan.known.get(name))
+        done.append(name)
+
+
+def _remove(folder: ProjectFolder, name: str) -> None:
+    """Remove a file that is kept, and folders that are empty then."""
+    folder.remove_kept(name)
+    parts = name.split("/")[:-1]
+    with suppress(Trouble):
+        while parts:
+            folder.remove_empty("/".join(parts))
+            parts.pop()

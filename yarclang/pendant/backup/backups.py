@@ -1,0 +1,338 @@
+"""Backups and restores of people: who may, what the audit trail says of it, and the one backup that waits to be restored."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import secrets
+import tempfile
+from collections.abc import AsyncIterator, Callable, Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from yarclang import __version__
+from yarclang.pendant.accounts.accounts import Accounts
+from yarclang.pendant.accounts.people import Deed
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.backup.applying import Applied, apply
+from yarclang.pendant.backup.bounds import MOST_ZIP
+from yarclang.pendant.backup.comparing import Judged, Plan, judged, plan_of
+from yarclang.pendant.backup.writing import About, Selection, selected, zipped
+from yarclang.pendant.filing import arriving
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.project.guarded import describes
+from yarclang.pendant.project.places import said
+from yarclang.pendant.project.room import check_room
+from yarclang.pendant.project.trash import Deleted
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+
+KEPT = "before restore "
+"""Beginning of the names of what restores have replaced."""
+
+_AT_ONCE = 2
+"""Backups that are made at a time."""
+_WAITS = 900.0
+"""How long an upload waits to be restored [s]."""
+_NAME = "the backup"
+
+
+@dataclass(slots=True)
+class Upload:
+    """A backup that was uploaded, in a file without a name; `handle` is closed when it isn't wanted any more."""
+
+    number: str
+    session: str
+    handle: int
+    backup: Judged
+    plan: Plan
+    size: int
+
+
+class Backups:
+    """Backups of a project.
+
+    Args:
+        accounts: who everybody is.
+        folder: of the project.
+        robot: whose project it is.
+        data: folder of the pendant, for what is uploaded.
+        doing: tells what the robot does; empty: it rests.
+    """
+
+    def __init__(
+        self, accounts: Accounts, folder: ProjectFolder, robot: Robot, data: Path, doing: Callable[[], str]
+    ) -> None:
+        self.folder = folder
+        self.robot = robot
+        self._accounts = accounts
+        self._data = data
+        self._doing = doing
+        self._making = 0
+        self._busy = False
+        self._waiting: Upload | None = None
+        self._forgets: asyncio.TimerHandle | None = None
+
+    # backups
+
+    async def begin(
+        self, session: Session, address: str, *, logs: bool
+    ) -> tuple[Generator[bytes], Callable[[str], None], str]:
+        """Begin a backup.
+
+        Args:
+            session: whose.
+            address: that it comes from.
+            logs: True if it has logs of runs.
+
+        Returns:
+            Its pieces (each takes a thread), what is called with the outcome at its end, and its name.
+
+        Raises:
+            Trouble: the project is too large, or too many backups are made just now.
+        """
+        self._accounts.check(session, Role.SERVICE)
+        self._accounts.used(session)
+        if self._making >= _AT_ONCE:
+            what = f"{self._making} backups are made just now"
+            raise Trouble(what, "wait for the end of one of them", "busy")
+        self._making += 1
+        try:
+            found = await asyncio.to_thread(lambda: selected(self.folder, logs=logs))
+            about = self.about()
+            detail = json.dumps({"files": len(found.files), "size": found.size, "logs": logs}, sort_keys=True)
+            deed = Deed(session.user, address, "backup", detail)
+            await self._accounts.did(deed)
+        except BaseException:
+            self._making -= 1
+            raise
+
+        def ended(outcome: str) -> None:
+            self._making -= 1
+            if outcome:
+                self._accounts.note(Deed(deed.user, address, deed.action, detail, outcome))
+
+        stamp = about.made[:19].replace("T", " ").replace(":", ".")
+        return zipped(self.folder, found, about), ended, f"{self.robot.name} {stamp}.zip"
+
+    def about(self) -> About:
+        """Return what the list of a backup says that is made now."""
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        return About(__version__, self.robot.name, self.robot.fingerprint, now)
+
+    def selection(self) -> Selection:
+        """Return what a backup without logs has. Takes long: call it in a thread.
+
+        Raises:
+            Trouble: the project is too large.
+        """
+        return selected(self.folder, logs=False)
+
+    def undoable(self) -> tuple[Deleted, ...]:
+        """Return what restores have replaced, the newest first. Waits for the disk."""
+        return tuple(
+            one for one in self.folder.trash.kept() if one.file.startswith(KEPT) and not one.is_folder
+        )
+
+    # restores
+
+    async def upload(
+        self, session: Session, address: str, length: int | None, stream: AsyncIterator[bytes]
+    ) -> Upload:
+        """Take a backup as it arrives, and judge it. Nothing is unpacked to the disk.
+
+        Args:
+            session: whose.
+            address: that it comes from.
+            length: that was announced [bytes]; None: none was.
+            stream: the zip.
+
+        Raises:
+            Trouble: it is too large, too slow, or refused; or another one is on its way.
+        """
+        self._accounts.check(session, Role.SERVICE)
+        self._accounts.used(session)
+        if (length or 0) > MOST_ZIP:
+            raise _too_large(length or 0)
+        with self._alone():
+            self.forget()
+            handle = await asyncio.to_thread(self._made, length or 0)
+            try:
+                size = 0
+                async for piece in arriving(_NAME, stream):
+                    size += len(piece)
+                    if size > MOST_ZIP:
+                        raise _too_large(size)
+                    await asyncio.to_thread(_write, handle, piece)
+                if length is not None and size != length:
+                    raise Trouble(f"the backup has {length:,} bytes, and {size:,} came", "try again", "")
+                return await self._take(session, address, handle, size)
+            except OSError as error:
+                raise said(error, _NAME) from None
+            finally:
+                if self._waiting is None or self._waiting.handle != handle:
+                    os.close(handle)
+
+    async def undo(self, session: Session, address: str, number: str) -> Upload:
+        """Take what a restore has replaced as if it was uploaded.
+
+        Raises:
+            Trouble: it isn't kept any more, or another backup is on its way.
+        """
+        self._accounts.check(session, Role.SERVICE)
+        self._accounts.used(session)
+        with self._alone():
+            self.forget()
+            kept, handle = await asyncio.to_thread(self.folder.trash.open_kept, number)
+            try:
+                return await self._take(session, address, handle, kept.size)
+            finally:
+                if self._waiting is None or self._waiting.handle != handle:
+                    os.close(handle)
+
+    async def _take(self, session: Session, address: str, handle: int, size: int) -> Upload:
+        try:
+            backup = await asyncio.to_thread(judged, handle)
+        except Trouble as trouble:
+            deed = Deed(
+                session.user, address, "restore", json.dumps({"size": size}), f"refused: {trouble.what}"[:500]
+            )
+            self._accounts.note(deed)
+            raise
+        plan = await asyncio.to_thread(plan_of, self.folder, backup)
+        made = Upload(secrets.token_hex(8), session.id, handle, backup, plan, size)
+        self._waiting = made
+        self._forgets = asyncio.get_running_loop().call_later(_WAITS, self._forget_late, made)
+        return made
+
+    def waits(self, session: Session) -> bool:
+        """Return True if a backup of a session waits."""
+        return self._waiting is not None and self._waiting.session == session.id
+
+    async def waiting(self, session: Session) -> Upload | None:
+        """Return the backup of a session that waits, with what it would change now; None: there is none."""
+        found = self._waiting
+        if found is None or found.session != session.id or self._busy:
+            return None
+        with self._alone():
+            found.plan = await asyncio.to_thread(plan_of, self.folder, found.backup)
+        return found
+
+    async def apply(
+        self, session: Session, address: str, number: str, digest: str, *, remove: bool
+    ) -> tuple[Applied, tuple[str, ...]]:
+        """Restore the backup that waits.
+
+        Args:
+            session: whose; of a service user who has entered the PIN lately.
+            address: that it comes from.
+            number: of the upload.
+            digest: of the plan that was seen.
+            remove: True if files that the backup doesn't have are removed.
+
+        Returns:
+            What was done, and which files count only after a restart.
+
+        Raises:
+            NotAllowed: the session may not.
+            Trouble: the robot does something, the project has changed, there is no room, or the disk fails.
+        """
+        self._accounts.check(session, Role.SERVICE, pin=True)
+        self._accounts.used(session)
+        with self._alone():
+            found = self._waiting
+            if found is None or found.number != number or found.session != session.id:
+                raise Trouble("this backup isn't there any more", "upload it again", "missing")
+            if doing := self._doing():
+                raise Trouble(f"{doing} is under way", "restore when the robot is at rest", "Y1601")
+            detail = json.dumps({"digest": digest, "remove": remove, **_counted(found)}, sort_keys=True)
+            deed = Deed(session.user, address, "restore", detail)
+            await self._accounts.did(deed)
+            try:
+                done = await asyncio.to_thread(
+                    lambda: apply(
+                        self.folder, found.handle, found.backup, digest, session.user, self.about(), remove=remove
+                    )
+                )  # fmt: skip
+            except Trouble as trouble:
+                outcome = f"refused: {trouble.what}"[:500]
+                self._accounts.note(Deed(deed.user, address, deed.action, detail, outcome))
+                raise
+            self.forget()
+        return done, self.restarted((*done.written, *done.removed))
+
+    def restarted(self, files: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the files that the pendant reads only as it begins."""
+        robot = self.robot.folder.resolve()
+        return tuple(
+            one
+            for one in files
+            if one == "yarc.toml" or (describes(one) and (self.folder.root / one).is_relative_to(robot))
+        )
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Keep others from uploading and restoring meanwhile.
+
+        Raises:
+            Trouble: somebody does.
+        """
+        if self._busy:
+            raise Trouble("another backup is uploaded or restored just now", "wait for its end", "busy")
+        self._busy = True
+        try:
+            yield
+        finally:
+            self._busy = False
+
+    def forget(self) -> None:
+        """Forget the backup that waits."""
+        if self._forgets is not None:
+            self._forgets.cancel()
+        found, self._waiting, self._forgets = self._waiting, None, None
+        if found is not None:
+            os.close(found.handle)
+
+    def session_ended(self, session: str) -> None:
+        """Forget what a session has uploaded."""
+        if self._waiting is not None and self._waiting.session == session and not self._busy:
+            self.forget()
+
+    def _forget_late(self, upload: Upload) -> None:
+        if self._waiting is upload:
+            if self._busy:
+                self._forgets = asyncio.get_running_loop().call_later(_WAITS, self._forget_late, upload)
+            else:
+                self.forget()
+
+    def _made(self, size: int) -> int:
+        """Return a file without a name: nothing is left of it when its process ends."""
+        try:
+            check_room(os.statvfs(self._data), size, "the backup has")
+            with tempfile.TemporaryFile(dir=self._data, prefix="restore-") as file:
+                return os.dup(file.fileno())
+        except OSError as error:
+            raise said(error, _NAME) from None
+
+
+def _counted(upload: Upload) -> dict[str, object]:
+    plan = upload.plan
+    counts = {"new": len(plan.new), "changed": len(plan.changed), "extra": len(plan.extra)}
+    return {**counts, "size": upload.size}
+
+
+def _write(handle: int, data: bytes) -> None:
+    view = memoryview(data)
+    while view:
+        view = view[os.write(handle, view) :]
+
+
+def _too_large(size: int) -> Trouble:
+    return Trouble(
+        f"the backup has {size:,} bytes or more, and at most {MOST_ZIP:,} are taken",
+        "copy the folder on the computer itself", "large",
+    )  # fmt: skip

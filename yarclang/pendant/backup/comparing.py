@@ -1,0 +1,243 @@
+"""What a backup would change in the project."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from yarclang.pendant.backup.bounds import MANIFEST, MOST_FILES
+from yarclang.pendant.backup.manifest import LeftOut, Manifest, manifest_of
+from yarclang.pendant.backup.naming import Names
+from yarclang.pendant.backup.reading import Entry, content, entries_of, refused
+from yarclang.pendant.backup.writing import is_log
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.project.names import folded, quoted
+from yarclang.pendant.project.tree import Entry as Here
+from yarclang.runtime.actions import Trouble
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A backup that may be unpacked.
+
+    Attributes:
+        files, folders: in it, without its list.
+        hashes: SHA-256 of each file, as it was unpacked.
+        manifest: its list; None: it has none.
+        edited: files that aren't as the list says.
+    """
+
+    files: dict[str, Entry]
+    folders: tuple[str, ...]
+    hashes: dict[str, str]
+    manifest: Manifest | None
+    edited: tuple[str, ...]
+
+
+def judged(handle: int) -> Judged:
+    """Return what is in a zip that nobody trusts; all of it is unpacked once, to nowhere.
+
+    Args:
+        handle: of the open file.
+
+    Raises:
+        Trouble: it is refused: what, and of which entry.
+    """
+    files: dict[str, Entry] = {}
+    folders: list[str] = []
+    hashes: dict[str, str] = {}
+    manifest = None
+    for entry in entries_of(handle, os.fstat(handle).st_size):
+        if entry.is_folder:
+            folders.append(entry.name)
+        elif entry.name == MANIFEST:
+            manifest = manifest_of(b"".join(content(handle, entry)))
+        else:
+            found = hashlib.sha256()
+            for piece in content(handle, entry):
+                found.update(piece)
+            files[entry.name], hashes[entry.name] = entry, found.hexdigest()
+    edited: tuple[str, ...] = ()
+    if manifest is not None:
+        known = {one.file: one.sha256 for one in manifest.files}
+        edited = tuple(sorted(one for one in {*known, *hashes} if known.get(one) != hashes.get(one)))
+    if not files and not (manifest and manifest.absent):
+        raise refused("it has no files")
+    return Judged(files, tuple(folders), hashes, manifest, edited)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a restore does.
+
+    Attributes:
+        new, changed: files that are written.
+        same: how many are as they are in the backup.
+        extra: files of the project that the backup would have if they had been there.
+        folders: that are made, without those of files.
+        conflicts: what keeps the backup from being restored.
+        known: SHA-256 of what is replaced or removed, as far as it can be read.
+        sizes: of all these files [bytes].
+        digest: of all of it: another one means that the project has changed.
+    """
+
+    new: tuple[str, ...]
+    changed: tuple[str, ...]
+    same: int
+    extra: tuple[str, ...]
+    folders: tuple[str, ...]
+    conflicts: tuple[LeftOut, ...]
+    known: dict[str, str] = field(hash=False)
+    sizes: dict[str, int] = field(hash=False)
+    digest: str
+
+
+def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
+    """Return what a backup would change. Reads each file of the project that it may change.
+
+    Args:
+        folder: of the project.
+        backup: that would be restored.
+
+    Raises:
+        Trouble: the project has more files than can be looked at.
+    """
+    entries, cut = folder.entries(2 * MOST_FILES)
+    if cut:
+        raise Trouble(
+            f"the project has more than {2 * MOST_FILES:,} files, or too many in one folder",
+            "move what isn't needed out of the project", "large",
+        )  # fmt: skip
+    present = {one.file: one for one in entries}
+    project = _Project(folder, present)
+    new, changed, conflicts = [], [], []
+    known: dict[str, str] = {}
+    sizes: dict[str, int] = {}
+    for name, entry in backup.files.items():
+        here = present.get(name)
+        reason = project.conflict(name)
+        if reason:
+            conflicts.append(LeftOut(file=name, why=reason))
+            continue
+        sizes[name] = entry.size
+        if here is None:
+            new.append(name)
+            continue
+        try:
+            known[name] = folder.sha256(name)
+        except Trouble as trouble:
+            conflicts.append(LeftOut(file=name, why=trouble.what))
+            continue
+        if known[name] != backup.hashes[name]:
+            if (folder.root / name).is_symlink():  # what it leads to may be restored as well
+                conflicts.append(LeftOut(file=name, why="it is a link here"))
+                continue
+            changed.append(name)
+            sizes[name] = max(entry.size, here.size)
+    folders = []
+    for name in backup.folders:
+        reason = project.conflict(name, is_folder=True)
+        if reason:
+            conflicts.append(LeftOut(file=name, why=reason))
+        elif name not in present:
+            folders.append(name)
+    extra = _extra(entries, backup)
+    for one in extra:
+        sizes[one.file] = one.size
+    same = len(backup.files) - len(new) - len(changed) - sum(one.file in backup.files for one in conflicts)
+    return Plan(
+        tuple(new),
+        tuple(changed),
+        same,
+        tuple(one.file for one in extra),
+        tuple(folders),
+        tuple(conflicts),
+        known,
+        sizes,
+        _digest(new, {name: known[name] for name in changed}, extra, backup),
+    )
+
+
+def _digest(new: list[str], changed: dict[str, str], extra: list[Here], backup: Judged) -> str:
+    told = (sorted(new), sorted(changed.items()), sorted(one.file for one in extra))
+    return hashlib.sha256(repr((told, sorted(backup.hashes.items()))).encode()).hexdigest()
+
+
+def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
+    """Return the files that a backup would have if they had been there; one that can't be backed up stays."""
+    names = Names()
+    for name in backup.files:
+        names.add(name, folder=False)
+    manifest = backup.manifest
+    absent = frozenset(() if manifest is None else manifest.absent)
+    left_out = frozenset(() if manifest is None else (one.file for one in manifest.left_out))
+    has_logs = manifest is not None and manifest.head.logs
+    is_part = manifest is not None and manifest.head.part
+    spelled = Counter(folded(one.file) for one in entries)
+    twins = {one for one, count in spelled.items() if count > 1}
+    found = []
+    for one in entries:
+        if one.is_folder or one.file in backup.files:
+            continue
+        if not is_part and not twins.isdisjoint(map(folded, _ways(one.file))):
+            continue  # removed, it couldn't be brought back beside the one that it looks like
+        is_covered = has_logs or not is_log(one.file)
+        if one.file in absent if is_part else is_covered and one.file not in left_out:
+            with suppress(Trouble):
+                names.add(one.file, folder=False)
+                found.append(one)
+    return found
+
+
+def _ways(name: str) -> Iterator[str]:
+    """Yield the folders that a file lies in, and the file."""
+    parts = name.split("/")
+    return ("/".join(parts[: count + 1]) for count in range(len(parts)))
+
+
+class _Project:
+    """The project as a restore finds it. Each folder is looked at once: thousands of files may lie in it.
+
+    Args:
+        folder: of the project.
+        present: what is listed of it.
+    """
+
+    def __init__(self, folder: ProjectFolder, present: dict[str, Here]) -> None:
+        self._folder = folder
+        self._present = present
+        self._spelled = {folded(one): one for one in present}
+        self._known = {"": ("", True)}
+
+    def conflict(self, name: str, *, is_folder: bool = False) -> str:
+        """Return why a file or folder of a backup can't be written, in words; empty: it can."""
+        reason, there = self._way(name.rpartition("/")[0])
+        return reason or self._step(name, is_folder=is_folder, there=there)
+
+    def _way(self, name: str) -> tuple[str, bool]:
+        """Return why nothing can be written in a folder, and True if it is there."""
+        if name not in self._known:
+            reason = self.conflict(name, is_folder=True)
+            self._known[name] = reason, name in self._present
+        return self._known[name]
+
+    def _step(self, name: str, *, is_folder: bool, there: bool) -> str:
+        here = self._present.get(name)
+        if here is not None:
+            kind = "folder" if here.is_folder else "file"
+            return "" if here.is_folder == is_folder else f"{quoted(name)} is a {kind} here"
+        like = self._spelled.get(folded(name), name)
+        if like != name:
+            return f"it looks like {quoted(like)}, which is here"
+        if there:
+            try:
+                path = self._folder.path(name)
+            except Trouble as trouble:
+                return trouble.what
+            if os.path.lexists(path) or path != self._folder.root / name:
+                return "something that isn't listed has its name here"
+        return ""

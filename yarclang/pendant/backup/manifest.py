@@ -1,0 +1,125 @@
+"""The list in a backup: what was backed up, of which robot, when, and by which yarclang.
+
+A line of JSON each: the head, then files, what was left out, and what wasn't there. One JSON value of 20,000 files would keep the interpreter from
+the loop that streams while it is read.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field, ValidationError
+
+from yarclang.coordinator.messages.message import Message
+from yarclang.pendant.backup.bounds import MANIFEST, MOST_FILES
+from yarclang.pendant.backup.reading import refused
+from yarclang.runtime.actions import Trouble
+
+FORMAT = 1
+
+_LONGEST = 16_000
+"""Longest line [bytes]."""
+_BREATH = 100
+"""Lines after which the thread rests for a moment."""
+
+_Short = Annotated[str, Field(max_length=1000)]
+
+
+class Head(Message):
+    """The first line: whose the backup is. `part` is true for a backup of what a restore has changed, false for one of the whole project."""
+
+    format: int
+    yarclang: _Short
+    robot: _Short
+    fingerprint: _Short
+    made: _Short
+    """When, ISO 8601 in UTC."""
+    logs: bool
+    """True if logs of runs are in it as well."""
+    part: bool
+
+
+class ListedFile(Message):
+    """A file of a backup; `changing` is true if something wrote to it while it was read."""
+
+    file: _Short
+    size: int
+    sha256: _Short
+    changing: bool = False
+
+
+class LeftOut(Message):
+    """A file of the project that isn't in a backup, and why."""
+
+    file: _Short
+    why: _Short
+
+
+class Absent(Message):
+    """A file that wasn't there before a restore."""
+
+    absent: _Short
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """The list.
+
+    Attributes:
+        head: whose it is.
+        files: in the backup.
+        left_out: files that couldn't be in it.
+        absent: for a backup of what a restore has changed: files that weren't there before.
+    """
+
+    head: Head
+    files: tuple[ListedFile, ...]
+    left_out: tuple[LeftOut, ...]
+    absent: tuple[str, ...]
+
+    def lines(self) -> Iterator[bytes]:
+        """Yield the list as text."""
+        rows = (self.head, *self.files, *self.left_out, *(Absent(absent=one) for one in self.absent))
+        for count, one in enumerate(rows):
+            if count % _BREATH == _BREATH - 1:
+                time.sleep(0.0005)
+            yield one.model_dump_json().encode() + b"\n"
+
+
+def manifest_of(text: bytes) -> Manifest:
+    """Return the list that a text is.
+
+    Raises:
+        Trouble: it is none, or that of another version.
+    """
+    lines = text.split(b"\n")
+    if lines and not lines[-1]:
+        lines.pop()
+    if not lines or len(lines) > 3 * MOST_FILES + 1 or max(map(len, lines)) > _LONGEST:
+        raise _unknown()
+    files: list[ListedFile] = []
+    left_out: list[LeftOut] = []
+    absent: list[str] = []
+    try:
+        head = Head.model_validate_json(lines[0])
+        for count, line in enumerate(lines[1:]):
+            if count % _BREATH == _BREATH - 1:
+                time.sleep(0.0005)
+            if line.startswith(b'{"absent"'):
+                absent.append(Absent.model_validate_json(line).absent)
+            elif b'"sha256"' in line:
+                files.append(ListedFile.model_validate_json(line))
+            else:
+                left_out.append(LeftOut.model_validate_json(line))
+    except (ValidationError, RecursionError):
+        raise _unknown() from None
+    if head.format != FORMAT:
+        raise refused(f"its list {MANIFEST} has the format {head.format}, and only {FORMAT} is known here")
+    return Manifest(head, tuple(files), tuple(left_out), tuple(absent))
+
+
+def _unknown() -> Trouble:
+    return refused(f"its list {MANIFEST} can't be read, or is of another version of yarclang")

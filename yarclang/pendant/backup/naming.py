@@ -1,0 +1,54 @@
+"""Names in a backup: each one could be given to a new file of the project, and none looks like another one."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.pendant.backup.bounds import DEEPEST
+from yarclang.pendant.project.names import check_new, folded, parts_of, quoted
+from yarclang.runtime.actions import Trouble
+
+_DRIVE = re.compile("[A-Za-z]:")
+
+
+class Names:
+    """The names so far."""
+
+    def __init__(self) -> None:
+        self._spelled: dict[str, str] = {}
+        self._folders: set[str] = set()
+        self._listed: set[str] = set()
+
+    def add(self, name: str, *, folder: bool) -> None:
+        """Take one more name.
+
+        Args:
+            name: path, without a slash at its end.
+            folder: True if it is a folder's.
+
+        Raises:
+            Trouble: it isn't the name of a file in a project, or doesn't go with those before.
+        """
+        if _DRIVE.match(name):
+            raise Trouble(f"{quoted(name)} begins with the letter of a drive", "", "")
+        parts = parts_of(name)
+        known_way = "/".join(parts[:-1]) in self._folders
+        check_new(parts[-1:] if known_way else parts)
+        if len(parts) > DEEPEST:
+            raise Trouble(f"{quoted(name)} lies in more than {DEEPEST} folders", "", "")
+        if name in self._listed:
+            raise Trouble(f"{quoted(name)} is there twice", "", "")
+        first = len(parts) - 1 if known_way else 0
+        tops = {count: "/".join(parts[: count + 1]) for count in range(first, len(parts))}
+        for count, one in tops.items():
+            known = self._spelled.get(folded(one), one)
+            if known != one:
+                raise Trouble(f"{quoted(one)} looks like {quoted(known)}, which is there as well", "", "")
+            is_folder = folder or count < len(parts) - 1
+            if one in self._spelled and is_folder != (one in self._folders):
+                raise Trouble(f"{quoted(one)} is a file and a folder", "", "")
+        for count, one in tops.items():
+            self._spelled[folded(one)] = one
+            if folder or count < len(parts) - 1:
+                self._folders.add(one)
+        self._listed.add(name)

@@ -1,0 +1,320 @@
+"""Reads a zip that nobody trusts: its structure is judged before anything is unpacked, and its contents are held to what they claim.
+
+Only what `writing` and common programs make is read: files one after the other without a gap, then one directory, then its end. So
+no two entries share bytes, no bytes are hidden, and the directory says the same as what stands before each file.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import struct
+import time
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from yarclang.pendant.backup.bounds import (
+    LARGEST_FILE,
+    MANIFEST,
+    MOST_BYTES,
+    MOST_FILES,
+    MOST_MANIFEST,
+    RATIO,
+    RATIO_FREE,
+)
+from yarclang.pendant.backup.naming import Names
+from yarclang.pendant.project.names import MOST_PATH, quoted
+from yarclang.runtime.actions import Trouble
+
+STORED, DEFLATED = 0, 8
+
+_END = struct.Struct("<4s4H2LH")
+_CENTRAL = struct.Struct("<4s6H3L5H2L")
+_LOCAL = struct.Struct("<4s5H3L2H")
+_SIGNS = (b"PK\5\6", b"PK\1\2", b"PK\3\4", b"PK\7\x08")
+_MOST_EXTRA = 2000
+"""Bytes beside a name in the directory."""
+_MOST_DIRECTORY = (MOST_FILES + 1) * (_CENTRAL.size + 200)
+_ENCRYPTED = 0x0001 | 0x0040 | 0x2000
+_PATCHED = 0x0020
+_DESCRIBED, _UTF8 = 0x0008, 0x0800
+_ZIP64, _OTHER_NAME = 0x0001, 0x7075
+_PIECE = 1 << 16
+_BREATH = 100
+"""Entries after which the thread rests for a moment: it must not keep the interpreter from the loop that streams."""
+_REMEDY = "restore a zip that System > Backup has made, or one made of its files by a common program"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A file or folder in a zip.
+
+    Attributes:
+        name: path, without a slash at its end.
+        is_folder: True for a folder.
+        method: `STORED` or `DEFLATED`.
+        crc: checksum of the content.
+        packed, size: of the content as it is in the zip, and unpacked [bytes].
+        begins: where the content begins [bytes].
+    """
+
+    name: str
+    is_folder: bool
+    method: int
+    crc: int
+    packed: int
+    size: int
+    begins: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Listed:
+    """A row of the directory; `raw` is its name in bytes, `at` where its local header is claimed to be."""
+
+    entry: Entry
+    raw: bytes
+    flags: int
+    at: int
+
+
+def refused(what: str) -> Trouble:
+    """Return why a zip isn't taken."""
+    return Trouble(f"this backup is refused: {what}", _REMEDY, "hostile")
+
+
+def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
+    """Return what is in a zip, the list of a backup included.
+
+    Args:
+        handle: of the open file.
+        size: of it [bytes].
+
+    Raises:
+        Trouble: something about the zip isn't as it must be: what, and of which entry.
+    """
+    begins, rows = _directory(handle, size)
+    names, listed, at = Names(), [], 0
+    total = 0
+    for count in range(rows.count):
+        if count % _BREATH == _BREATH - 1:
+            time.sleep(0.0005)
+        row, at = _row(rows.data, at)
+        if row.entry.name != MANIFEST or row.entry.is_folder:
+            try:
+                names.add(row.entry.name, folder=row.entry.is_folder)
+            except Trouble as trouble:
+                raise refused(trouble.what) from None
+        elif row.entry.size > MOST_MANIFEST:
+            raise refused(f"its list {MANIFEST} has more than {MOST_MANIFEST:,} bytes")
+        total += row.entry.size
+        if total > MOST_BYTES + MOST_MANIFEST:
+            raise refused(f"its files have more than {MOST_BYTES:,} bytes together")
+        listed.append(row)
+    if at != len(rows.data):
+        raise refused("its directory has bytes that belong to no entry")
+    if sum(row.entry.name == MANIFEST for row in listed) > 1:
+        raise refused(f"its list {MANIFEST} is there twice")
+    if total > RATIO_FREE + RATIO * size:
+        raise refused(
+            f"its {size:,} bytes would become {total:,}, and at most {RATIO} times as many are unpacked"
+        )
+    return _placed(handle, listed, begins)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """The directory's bytes, and how many entries it claims."""
+
+    data: bytes
+    count: int
+
+
+def _directory(handle: int, size: int) -> tuple[int, _Rows]:
+    """Return where the directory begins, and its bytes."""
+    end = os.pread(handle, _END.size, max(0, size - _END.size))
+    if len(end) < _END.size or end[:4] != _SIGNS[0]:
+        raise refused("it is no zip, is cut off, or has something after its end")
+    _, disk, first, here, count, length, begins, comment = _END.unpack(end)
+    if 0xFFFF in (here, count) or 0xFFFFFFFF in (length, begins):
+        raise refused("it is a zip64, which no backup of this size needs")
+    if disk or first or here != count or comment:
+        raise refused("it is a part of several, or has a comment")
+    if count > MOST_FILES + 1:
+        raise refused(f"it has {count:,} entries, and at most {MOST_FILES:,} are unpacked")
+    if begins + length + _END.size != size:
+        raise refused("its directory isn't where its end says")
+    if length > _MOST_DIRECTORY:
+        raise refused(f"its directory has {length:,} bytes, and at most {_MOST_DIRECTORY:,} are read")
+    data = os.pread(handle, length, begins)
+    if len(data) != length:
+        raise refused("it is cut off")
+    return begins, _Rows(data, count)
+
+
+def _row(data: bytes, at: int) -> tuple[_Listed, int]:
+    """Return the row of the directory that begins there, and where the next one does."""
+    if len(data) - at < _CENTRAL.size or data[at : at + 4] != _SIGNS[1]:
+        raise refused("its directory is damaged, or has fewer entries than it says")
+    fields = _CENTRAL.unpack_from(data, at)
+    _, _, _, flags, method, _, _, crc, packed, size, named, extra, comment, disk, _, kind, place = fields
+    at += _CENTRAL.size
+    if named + extra + comment > len(data) - at:
+        raise refused("its directory is cut off")
+    raw = data[at : at + named]
+    _check_extra(data[at + named : at + named + extra], raw)
+    name = _named(raw, flags)
+    is_folder = name.endswith("/")
+    _check_kind(name, kind, flags, method, is_folder=is_folder)
+    if disk or 0xFFFFFFFF in (packed, size, place):
+        raise refused(f"{quoted(name)} is a zip64 entry, or lies in another part")
+    if size > LARGEST_FILE:
+        raise refused(f"{quoted(name)} has {size:,} bytes, and at most {LARGEST_FILE:,} are unpacked")
+    if is_folder and (size or packed > 2):
+        raise refused(f"the folder {quoted(name)} has a content")
+    if method == STORED and packed != size:
+        raise refused(f"{quoted(name)} isn't compressed, and has two sizes")
+    entry = Entry(name.removesuffix("/"), is_folder, method, crc, packed, size, 0)
+    return _Listed(entry, raw, flags, place), at + named + extra + comment
+
+
+def _named(raw: bytes, flags: int) -> str:
+    if len(raw) > MOST_PATH + 1:
+        raise refused(f"a name has {len(raw)} bytes, and at most {MOST_PATH} are allowed")
+    try:
+        return raw.decode("utf-8" if flags & _UTF8 else "ascii")
+    except UnicodeDecodeError:
+        raise refused(f"the name {raw[:60]!r} isn't UTF-8, or isn't marked so") from None
+
+
+def _check_kind(name: str, kind: int, flags: int, method: int, *, is_folder: bool) -> None:
+    if flags & _ENCRYPTED:
+        raise refused(f"{quoted(name)} is encrypted")
+    if flags & _PATCHED or method not in (STORED, DEFLATED):
+        raise refused(f"{quoted(name)} is compressed by method {method}, which isn't read here")
+    sort = stat.S_IFMT(kind >> 16)
+    if sort not in (0, stat.S_IFREG, stat.S_IFDIR):
+        what = "a link" if sort == stat.S_IFLNK else "a device, a pipe or something else"
+        raise refused(f"{quoted(name)} is {what}, not a file")
+    if (sort == stat.S_IFDIR or bool(kind & 0x10)) != is_folder and (sort or kind & 0x10):
+        raise refused(
+            f"{quoted(name)} is a file by its name and a folder by its kind, or the other way round"
+        )
+
+
+def _check_extra(extra: bytes, raw: bytes) -> None:
+    """Check that nothing beside a name says another name or other sizes."""
+    at = 0
+    if len(extra) > _MOST_EXTRA:
+        raise refused(f"{len(extra):,} bytes stand beside the name {raw[:60]!r}")
+    while at + 4 <= len(extra):
+        key, length = struct.unpack_from("<2H", extra, at)
+        if key == _ZIP64:
+            raise refused(f"{raw[:60]!r} is a zip64 entry, which no backup of this size needs")
+        if key == _OTHER_NAME:
+            raise refused(f"{raw[:60]!r} has a second name")
+        at += 4 + length
+
+
+def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
+    """Return the entries with the places of their contents: they stand one after the other, from the beginning to the directory."""
+    found, at = [], 0
+    for row in sorted(listed, key=lambda one: one.at):
+        if row.at != at:
+            what = (
+                "shares bytes with another entry"
+                if row.at < at
+                else "has bytes before it that belong to none"
+            )
+            raise refused(f"{quoted(row.entry.name)} {what}")
+        begins = _begins(handle, row)
+        at = begins + row.entry.packed
+        if at > end:
+            raise refused(f"{quoted(row.entry.name)} has more bytes than there are")
+        if row.flags & _DESCRIBED:
+            at += _described(handle, row, at)
+        found.append(
+            Entry(
+                row.entry.name, row.entry.is_folder, row.entry.method, row.entry.crc, row.entry.packed, row.entry.size, begins
+            )
+        )  # fmt: skip
+    if at != end:
+        raise refused("it has bytes before its directory that belong to no entry")
+    return tuple(found)
+
+
+def _begins(handle: int, row: _Listed) -> int:
+    """Return where the content of an entry begins."""
+    name = quoted(row.entry.name)
+    head = os.pread(handle, _LOCAL.size, row.at)
+    if len(head) != _LOCAL.size or head[:4] != _SIGNS[2]:
+        raise refused(f"{name} isn't where the directory says")
+    _, _, flags, method, _, _, crc, packed, size, named, extra = _LOCAL.unpack(head)
+    more = os.pread(handle, named + extra, row.at + _LOCAL.size)
+    if len(more) != named + extra or more[:named] != row.raw:
+        raise refused(f"{name} has another name where it stands")
+    _check_extra(more[named:], row.raw)
+    entry = row.entry
+    known = (entry.crc, entry.packed, entry.size)
+    sizes = {known, (0, 0, 0)} if flags & _DESCRIBED else {known}
+    if (flags, method) != (row.flags, entry.method) or (crc, packed, size) not in sizes:
+        raise refused(f"{name} has another size or kind where it stands than in the directory")
+    length: int = named + extra
+    return row.at + _LOCAL.size + length
+
+
+def _described(handle: int, row: _Listed, at: int) -> int:
+    """Return the length of what stands after a content: its checksum and sizes once more."""
+    entry = row.entry
+    told = struct.pack("<3L", entry.crc, entry.packed, entry.size)
+    after = os.pread(handle, 16, at)
+    for length, wanted in ((16, _SIGNS[3] + told), (12, told)):
+        if after[:length] == wanted:
+            return length
+    raise refused(f"{quoted(entry.name)} has another size after its content than in the directory")
+
+
+def content(handle: int, entry: Entry) -> Iterator[bytes]:
+    """Yield the content of a file in pieces; never more than it claims.
+
+    Args:
+        handle: of the zip.
+        entry: of it.
+
+    Raises:
+        Trouble: the content isn't what the entry claims, when that is seen.
+    """
+    unpacking = None if entry.method == STORED else zlib.decompressobj(-15)
+    at, left, size, crc = entry.begins, entry.packed, 0, 0
+    held = b""
+    while True:
+        if not held and left:
+            held = os.pread(handle, min(_PIECE, left), at)
+            if not held:
+                raise _differs(entry)
+            at, left = at + len(held), left - len(held)
+        if unpacking is None:
+            piece, held = held, b""
+        else:
+            try:
+                piece = unpacking.decompress(held, _PIECE)
+            except zlib.error:
+                raise _differs(entry) from None
+            held = unpacking.unconsumed_tail
+        size += len(piece)
+        if size > entry.size:
+            raise _differs(entry)
+        crc = zlib.crc32(piece, crc)
+        if piece:
+            yield piece
+        elif not held and not left:
+            break
+    is_whole = unpacking is None or (unpacking.eof and not unpacking.unused_data)
+    if size != entry.size or crc != entry.crc or not is_whole:
+        raise _differs(entry)
+
+
+def _differs(entry: Entry) -> Trouble:
+    return refused(
+        f"{quoted(entry.name)} isn't the {entry.size:,} bytes that the directory claims, or is damaged"
+    )

@@ -1,0 +1,232 @@
+"""Writes a backup as it is read, in pieces: neither a file nor the zip is ever whole in memory."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+import zipfile
+from collections.abc import Generator
+from dataclasses import dataclass
+from datetime import datetime
+
+from yarclang.pendant.backup.bounds import LARGEST_FILE, MANIFEST, MOST_BYTES, MOST_FILES
+from yarclang.pendant.backup.manifest import FORMAT, Head, LeftOut, ListedFile, Manifest
+from yarclang.pendant.backup.naming import Names
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.project.names import quoted
+from yarclang.pendant.project.tree import Entry, moment
+from yarclang.runtime.actions import Trouble
+
+LOGS = ".mcap"
+"""Ending of logs of runs."""
+
+_PIECE = 1 << 18
+_LARGEST_DEFLATED = 32_000_000
+"""Larger files, which are logs and meshes, are stored as they are [bytes]."""
+_MUCH, _RATIO = 50_000_000, 50
+"""What shrinks further is stored as it is, so that every backup keeps to the bounds of what is restored."""
+_EARLIEST = (1980, 1, 1, 0, 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """Whose a backup is: the version of yarclang, name and fingerprint of the robot, and when it is made (ISO 8601, UTC)."""
+
+    yarclang: str
+    robot: str
+    fingerprint: str
+    made: str
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """What a backup has.
+
+    Attributes:
+        files: of the project.
+        folders: that nothing is in.
+        left_out: files that can't be in it, and why.
+        logs: True if logs of runs are among the files.
+        skipped: logs that are left out because nobody wants them.
+        absent: for a backup of what a restore has changed: files that weren't there before; None: it is one of the whole project.
+    """
+
+    files: tuple[Entry, ...]
+    folders: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
+    logs: bool
+    skipped: tuple[Entry, ...] = ()
+    absent: tuple[str, ...] | None = None
+
+    @property
+    def size(self) -> int:
+        """Of all files [bytes]."""
+        return sum(one.size for one in self.files)
+
+
+def is_log(name: str) -> bool:
+    """Return True if a file is called as a log of a run."""
+    return name.lower().endswith(LOGS)
+
+
+def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
+    """Return what a backup of a project has.
+
+    Args:
+        folder: of the project.
+        logs: True if it has logs of runs.
+
+    Raises:
+        Trouble: the project has more than a backup can have.
+    """
+    entries, cut = folder.entries(MOST_FILES)
+    if cut:
+        raise Trouble(
+            f"the project has more than {MOST_FILES:,} files, or too many in one folder, and a backup can't have them",
+            "move what isn't needed out of the project, or copy the folder on the computer itself", "large",
+        )  # fmt: skip
+    names = Names()
+    files: list[Entry] = []
+    folders: list[Entry] = []
+    left_out: list[LeftOut] = []
+    skipped: list[Entry] = []
+    for one in entries:
+        if is_log(one.file) and not logs and not one.is_folder:
+            skipped.append(one)
+            continue
+        try:
+            if one.size > LARGEST_FILE:
+                what = f"it has {one.size:,} bytes, and at most {LARGEST_FILE:,} are backed up"
+                raise Trouble(what, "", "")
+            if (folder.root / one.file).is_symlink():
+                raise Trouble("it is a link: what it leads to is backed up under its own name", "", "")
+            names.add(one.file, folder=one.is_folder)
+        except Trouble as trouble:
+            left_out.append(LeftOut(file=one.file[:1000], why=trouble.what))
+            continue
+        (folders if one.is_folder else files).append(one)
+    used = {"/".join(one.file.split("/")[:-1]) for one in (*files, *folders, *skipped)}
+    made = Selection(
+        tuple(files),
+        tuple(one.file for one in folders if one.file not in used),
+        tuple(left_out),
+        logs,
+        tuple(skipped),
+    )
+    if made.size > MOST_BYTES:
+        raise Trouble(
+            f"the project has {made.size:,} bytes, and a backup has at most {MOST_BYTES:,}",
+            "leave the logs of runs out, or copy the folder on the computer itself", "large",
+        )  # fmt: skip
+    return made
+
+
+class _Sink:
+    """Takes what a zip is made of; it can't go back."""
+
+    def __init__(self) -> None:
+        self.size = 0
+        self._pieces: list[bytes] = []
+
+    def write(self, data: bytes) -> int:
+        self._pieces.append(bytes(data))
+        self.size += len(data)
+        return len(data)
+
+    def flush(self) -> None:
+        """Nothing waits elsewhere."""
+
+    def taken(self) -> bytes:
+        """Return what came since."""
+        found = b"".join(self._pieces)
+        self._pieces.clear()
+        return found
+
+
+def zipped(
+    folder: ProjectFolder, selection: Selection, about: About, *, strict: bool = False
+) -> Generator[bytes]:
+    """Yield a backup. Waits for the disk: take each piece in a thread.
+
+    Args:
+        folder: of the project.
+        selection: of its files; one that is gone by now, or can't be read, is left out and named in the list.
+        about: what the list says.
+        strict: True if no file may be left out or change meanwhile.
+
+    Raises:
+        Trouble: `strict` is true, and one was or did.
+    """
+    sink = _Sink()
+    listed: list[ListedFile] = []
+    left_out = [*selection.left_out]
+    read = 0
+    with zipfile.ZipFile(sink, "w") as made:  # type: ignore[call-overload]  # it needs `write` alone
+        for name in selection.folders:
+            made.writestr(_info(f"{name}/", stat.S_IFDIR | 0o755), b"")
+        for one in selection.files:
+            try:
+                row = yield from _added(folder, one.file, made, sink, MOST_BYTES - read)
+                read += row.size
+                listed.append(row)
+                if strict and row.changing:
+                    raise Trouble(f"{quoted(one.file)} changes just now, or is too large", "try again", "")
+            except Trouble as trouble:
+                if strict:
+                    raise
+                left_out.append(LeftOut(file=one.file, why=trouble.what))
+        head = Head(
+            format=FORMAT,
+            yarclang=about.yarclang,
+            robot=about.robot,
+            fingerprint=about.fingerprint,
+            made=about.made,
+            logs=selection.logs,
+            part=selection.absent is not None,
+        )
+        manifest = Manifest(head, tuple(listed), tuple(left_out[:MOST_FILES]), selection.absent or ())
+        info = _info(MANIFEST, stat.S_IFREG | 0o644, about.made)
+        info.compress_type = zipfile.ZIP_DEFLATED
+        made.writestr(info, b"".join(manifest.lines()))
+    yield sink.taken()
+
+
+def _added(
+    folder: ProjectFolder, name: str, made: zipfile.ZipFile, sink: _Sink, most: int
+) -> Generator[bytes, None, ListedFile]:
+    """Add a file to a zip; yield what the zip has more, and return its row of the list.
+
+    Args:
+        folder: of the project.
+        name: path of the file.
+        made: the zip.
+        sink: that it is written to.
+        most: size up to which the file is read [bytes].
+    """
+    with folder.opened(name) as (handle, told, _):
+        info = _info(name, stat.S_IFREG | 0o644, moment(told.st_mtime))
+        info.file_size = size = min(told.st_size, LARGEST_FILE, most)
+        if size <= _LARGEST_DEFLATED and MOST_BYTES - most <= _MUCH + _RATIO * sink.size:
+            info.compress_type = zipfile.ZIP_DEFLATED
+        digest, count = hashlib.sha256(), 0
+        with made.open(info, "w") as target:
+            while count < size and (data := os.read(handle, min(_PIECE, size - count))):
+                digest.update(data)
+                count += len(data)
+                target.write(data)
+                yield sink.taken()
+        after = os.fstat(handle)
+    before = (told.st_mtime_ns, told.st_size, told.st_size)
+    changing = (after.st_mtime_ns, after.st_size, count) != before
+    return ListedFile(file=name, size=count, sha256=digest.hexdigest(), changing=changing)
+
+
+def _info(name: str, mode: int, changed: str = "") -> zipfile.ZipInfo:
+    moment = _EARLIEST
+    if changed and (at := datetime.fromisoformat(changed).timetuple()[:6]) > _EARLIEST and at[0] < 2100:
+        moment = at
+    info = zipfile.ZipInfo(name, moment)
+    info.create_system = 3
+    info.external_attr = mode << 16 | (0x10 if stat.S_ISDIR(mode) else 0)
+    return info

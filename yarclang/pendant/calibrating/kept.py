@@ -1,0 +1,252 @@
+"""The calibrations that go on: one a session, with the touches that were taken where the robot stood."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from itertools import count
+
+import numpy as np
+
+from yarclang.calibration.touching import FrameTouching, HomeTouching, TipTouching, Touching
+from yarclang.coordinator.messages import orders
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.messages import calibration as said
+from yarclang.pendant.standing import stands
+from yarclang.pendant.watched import Watched
+from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.scope import BASE
+
+MOST_TOUCHES = 40
+"""Touches of one calibration."""
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
+
+
+@dataclass(slots=True, eq=False)
+class Calibration:
+    """A calibration of a session.
+
+    Attributes:
+        user: whose.
+        touching: what was touched.
+        tool: the frame that touches, in braces; empty: none.
+        version: another one with each change.
+    """
+
+    user: str
+    touching: Touching
+    tool: str
+    version: int
+
+    @property
+    def kind(self) -> str:
+        """What is calibrated: tip, frame or home."""
+        return KINDS[type(self.touching)]
+
+
+KINDS: dict[type[Touching], str] = {TipTouching: "tip", FrameTouching: "frame", HomeTouching: "home"}
+
+
+class Calibrations:
+    """The calibrations of all sessions.
+
+    Args:
+        robot: that touches.
+        watched: where it stands.
+    """
+
+    def __init__(self, robot: Robot, watched: Watched) -> None:
+        self._robot = robot
+        self._watched = watched
+        self._kept: dict[str, Calibration] = {}
+        self._versions = count(1)
+
+    def of(self, session: Session) -> Calibration | None:
+        """Return the calibration of a session."""
+        return self._kept.get(session.id)
+
+    def other(self) -> Calibration | None:
+        """Return the newest calibration of all."""
+        return max(self._kept.values(), key=lambda one: one.version, default=None)
+
+    def forget(self, session: str) -> None:
+        """Forget the calibration of a session, by its id."""
+        self._kept.pop(session, None)
+
+    def going_on(self, session: Session, version: int) -> Calibration:
+        """Return the calibration of a session as a page shows it.
+
+        Args:
+            session: whose.
+            version: that the page shows.
+
+        Raises:
+            Trouble: there is none, or it has changed.
+        """
+        found = self._kept.get(session.id)
+        if found is None:
+            raise Trouble("no calibration goes on", "begin one", "gone")
+        if found.version != version:
+            what = "the calibration was changed on another page"
+            raise Trouble(what, "look at its touches, and try again", "changed")
+        return found
+
+    async def begin(self, session: Session, wanted: said.BeginCalibration) -> Calibration:
+        """Begin a calibration.
+
+        Args:
+            session: whose.
+            wanted: what is calibrated.
+
+        Raises:
+            Trouble: one goes on already, or a name means nothing.
+        """
+        asked, tool = wanted.calibration, ""
+        match asked:
+            case said.TipCalibration():
+                touching: Touching = TipTouching(self._robot, tip_name(asked.name))
+            case said.FrameCalibration():
+                tool, pose = await self._tool(asked.tool)
+                touching = FrameTouching(self._robot, await self._frame_name(asked.name), pose)
+            case said.OffsetCalibration():
+                touching = HomeTouching(self._robot, self._marks(asked))
+        going = self._kept.get(session.id)
+        if going is not None and going.touching.joints and not wanted.anew:
+            what = (
+                f"a calibration of {going.touching.name} goes on, with {len(going.touching.joints)} touches"
+            )
+            raise Trouble(what, "go on with it, or forget it", "going")
+        made = Calibration(session.user, touching, tool, next(self._versions))
+        self._kept[session.id] = made
+        return made
+
+    async def touch(self, session: Session, asked: said.TakeTouch) -> Calibration:
+        """Take where the robot stands as a touch.
+
+        Raises:
+            Trouble: the robot moves or isn't referenced, there are too many touches, or the calibration was changed meanwhile.
+        """
+        found = self.going_on(session, asked.version)
+        known = len(found.touching.joints)
+        if asked.at is None and known >= MOST_TOUCHES:
+            raise Trouble(
+                f"{known} touches are there, and no more are kept", "take the worst one away", "most"
+            )
+        _check_there(asked.at, known)
+        joints = await stands(self._watched, self._motors(found.touching))
+        found = self.going_on(session, asked.version)  # while it was asked, another page may have changed it
+        self._check_new(found.touching, joints, asked.at)
+        found.touching.touch(joints, asked.at)
+        found.version = next(self._versions)
+        return found
+
+    def remove(self, session: Session, asked: said.RemoveTouch) -> Calibration:
+        """Take a touch away.
+
+        Raises:
+            Trouble: it isn't there, or has to stay, or the calibration was changed meanwhile.
+        """
+        found = self.going_on(session, asked.version)
+        _check_there(asked.at, len(found.touching.joints))
+        if not found.touching.can_go(asked.at):
+            what = f"touch {asked.at + 1} can't be taken away: the next one would take its place"
+            raise Trouble(what, "take it anew, or take away those after it first", "order")
+        found.touching.untouch(asked.at)
+        found.version = next(self._versions)
+        return found
+
+    def _motors(self, touching: Touching) -> Collection[int] | None:
+        """Return the motors that have to be referenced: of joints at marks those that these joints hang on, else all.
+
+        The offset of a motor follows from its own count and the positions of all joints that it moves; an unreferenced motor of another joint doesn't matter.
+        """
+        if not isinstance(touching, HomeTouching):
+            return None
+        linked = counts_per_joint(self._robot) != 0.0
+        joints = np.array([name in touching.marks for name in self._robot.joint_names])
+        while True:
+            motors = linked[:, joints].any(axis=1)
+            more = linked[motors].any(axis=0)
+            if (more == joints).all():
+                numbers = self._robot.controller.motors
+                return {number for number, needed in zip(numbers, motors, strict=True) if needed}
+            joints = more
+
+    def _check_new(self, touching: Touching, joints: Array, at: int | None) -> None:
+        """Check that the robot stands elsewhere than at the other touches; at a mark it may stand in the same place again."""
+        if isinstance(touching, HomeTouching):
+            return
+        for number, other in enumerate(touching.joints):
+            if number != at and np.abs(other - joints).max() < _SAME:
+                what = f"the robot stands where it stood at touch {number + 1}: this says nothing new"
+                raise Trouble(what, "move it, then touch again", "same")
+
+    def _marks(self, asked: said.OffsetCalibration) -> dict[str, float]:
+        robot, marks = self._robot, {}
+        for name, value in asked.marks.items():
+            if name.upper() not in robot.joint_names:
+                what = f"{robot.name} has no joint {name[:40]!r}"
+                raise Trouble(what, f"its joints are {', '.join(robot.joint_names)}", "joints")
+            at = robot.joint_names.index(name.upper())
+            unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
+            lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
+            if not lower <= value <= upper:
+                what = f"the mark of {name.upper()} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
+                raise Trouble(what, "give the joint position at the mark", "joints")
+            marks[name.upper()] = value * factor
+        return {name: marks[name] for name in robot.joint_names if name in marks}
+
+    async def _tool(self, wanted: str) -> tuple[str, Array]:
+        name = f"{{{wanted.strip('{} ').upper()}}}"
+        for one in (await self._watched.attached.ask(orders.AskFrames())).frames:
+            if one.name.upper() == name and one.on_flange:
+                return name, np.array(one.pose)
+        raise Trouble(
+            f"{wanted[:40]!r} isn't a frame on the flange: it can't touch", "choose one of the list", "frame"
+        )
+
+    async def _frame_name(self, wanted: str) -> str:
+        name = plain_name(wanted)
+        known = (await self._watched.attached.ask(orders.AskFrames())).frames
+        moves = any(one.on_flange and one.name.upper() == f"{{{name}}}" for one in known)
+        if moves or name in ("TCP", "FLANGE", BASE):
+            raise Trouble(f"{{{name}}} is a frame of the robot", "choose another name", "name")
+        return name
+
+
+_SAME = 1e-6
+"""Joint positions nearer to each other than this are one [rad or m]."""
+
+
+def plain_name(wanted: str) -> str:
+    """Return a frame's name in upper case, without braces.
+
+    Raises:
+        Trouble: no frame can have it.
+    """
+    name = wanted.strip("{} ")
+    if _NAME.fullmatch(name) is None:
+        what = f"{name[:60]!r} is no name"
+        raise Trouble(what, "names have up to 60 letters, digits and _, and begin with a letter", "name")
+    return name.upper()
+
+
+def tip_name(wanted: str) -> str:
+    """Return the name of a tool's frame.
+
+    Raises:
+        Trouble: no tool can have it.
+    """
+    name = plain_name(wanted)
+    if name in ("FLANGE", BASE):
+        raise Trouble(f"{{{name}}} is a frame of the robot, which has no tip", "name the tool", "name")
+    return name
+
+
+def _check_there(at: int | None, known: int) -> None:
+    if at is not None and at >= known:
+        raise Trouble(f"there is no touch {at + 1}: {known} are there", "look at the touches again", "gone")

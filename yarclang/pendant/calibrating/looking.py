@@ -1,0 +1,100 @@
+"""Where the robot goes to look at a result before it is written, as the text of an offer: it is planned and proved like any other motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.calibration.touching import FrameTouching, TipTouching
+from yarclang.calibration.writing import frame_line
+from yarclang.pendant.calibrating.kept import Calibration
+from yarclang.pendant.messages.calibration import LookCalibration, LookText
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Trouble
+from yarclang.units import DEG, MM
+
+_NAME = "CALIBRATION_LOOK"
+"""The frame of the result, declared in the offer's block alone: the session doesn't have it afterwards."""
+_SHARE = "10%"
+"""Share of the limits of these motions: slow, as the way to a start is."""
+_SHORT = 5.0 * MM
+"""A tip nearer to the flange than this doesn't tell on which side of the point the tool is."""
+
+
+def look(calibration: Calibration, asked: LookCalibration) -> LookText:
+    """Return the text of an offer that leads to a place from which the result can be looked at.
+
+    Args:
+        calibration: with a result.
+        asked: where.
+
+    Raises:
+        Trouble: there is no result, or nothing to look at.
+    """
+    touching = calibration.touching
+    if asked.at is not None and asked.at >= len(touching.joints):
+        raise Trouble(f"there is no touch {asked.at + 1}", "look at the touches again", "gone")
+    if isinstance(touching, TipTouching) and touching.value is not None:
+        return _tip(touching, asked)
+    if isinstance(touching, FrameTouching) and touching.value is not None:
+        return _frame(touching, calibration.tool, asked)
+    if touching.result_text():
+        raise Trouble(
+            "offsets can't be looked at before they are written and loaded",
+            "bring the joints to their marks afterwards",
+            "look",
+        )
+    raise Trouble("there is no result yet", touching.next_step(), "result")
+
+
+def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
+    assert touching.value is not None  # whoever calls has looked
+    flange = touching.poses()[-1 if asked.at is None else asked.at]
+    back = flange[:3, 3] - touching.value.fixed
+    length = float(np.linalg.norm(back))
+    back = back / length if length > _SHORT else np.array([0.0, 0.0, 1.0])
+    pose = np.eye(4)
+    pose[:3, 3] = touching.value.fixed + back * asked.distance * MM
+    pose[:3, :3] = flange[:3, :3] @ _about("xyz".index(asked.axis), asked.tilt * DEG)
+    tip = np.eye(4)
+    tip[:3, 3] = touching.value.flange_from_tip
+    what = f"The tip goes to {asked.distance:g} mm from the point that was touched, back towards the flange"
+    if asked.tilt:
+        what = f"The tool turns by {asked.tilt:+g} deg about {asked.axis} of the flange: from there on the tip must stay where it is, {asked.distance:g} mm from the point"
+    return LookText(text=_block(frame_line(_NAME, tip, "FLANGE"), _NAME, pose, "B"), what=what)
+
+
+def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookText:
+    assert touching.value is not None  # whoever calls has looked
+    at = asked.at or 0
+    base_from_frame = touching.value.base_from_frame
+    flange = flange_poses(touching.robot.chain, touching.joints[at][None])[0]
+    tip = flange @ touching.flange_from_tip
+    z = base_from_frame[:3, 2]
+    # the tool keeps to the side of the plane from which it touched, wherever z points
+    side = float((flange[:3, 3] - tip[:3, 3]) @ z)
+    if abs(side) < _SHORT:
+        side = float(z[2])
+    side = 1.0 if side >= 0.0 else -1.0
+    frame_from_tip = np.linalg.inv(base_from_frame) @ tip
+    frame_from_tip[2, 3] = side * asked.distance * MM
+    point = ("the origin", "the point on x")[at] if at < 2 else f"touch {at + 1}"
+    what = f"{tool} goes to {asked.distance:g} mm above {point}: it must stand right above what was touched there"
+    if side < 0.0:
+        what += ". z of the frame points into the surface, away from the tool: touch the point of the plane on the other side of x if that isn't meant"
+    text = _block(frame_line(_NAME, base_from_frame, "B"), tool.strip("{}"), frame_from_tip, _NAME)
+    return LookText(text=text, what=what)
+
+
+def _block(declaration: str, moving: str, pose: Array, base: str) -> str:
+    numbers = frame_line(moving, pose, base).removeprefix("FRAME ").partition(" (mm,deg) ")
+    return f"REPEAT 1\n{declaration}\nMOVEL {numbers[0]} [{_SHARE}] (mm,deg) {numbers[2]}\nEND\n"
+
+
+def _about(axis: int, angle: float) -> Array:
+    turn = np.eye(3)
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    turn[one, one] = turn[other, other] = np.cos(angle)
+    turn[other, one] = np.sin(angle)
+    turn[one, other] = -turn[other, one]
+    return turn

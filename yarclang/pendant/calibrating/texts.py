@@ -1,0 +1,255 @@
+"""The result of a calibration in the text of a file: a robot.toml, a cell.toml, a program. Each text is read back by its real reader."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.calibration.touching import FrameTouching, HomeTouching, TipTouching, Touching
+from yarclang.calibration.writing import with_frame, with_offsets, with_tip
+from yarclang.cell.description import Names, read_cell
+from yarclang.cell.frames import ROOTS
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.description import read_robot
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.naming import is_word
+from yarclang.source import SourceFile
+from yarclang.teaching.declaring import declare_pose
+from yarclang.teaching.edits import Program, applied
+from yarclang.teaching.holding import around
+from yarclang.toml.changes import ChangeError
+from yarclang.units import DEG, MM
+
+RESTART = "restart the pendant (System > Controller): until then it goes on with the robot as it was"
+SETTINGS = f"{RESTART}; then send the settings to the controller again"
+CELL = "the coordinator reads the cell again by itself; programs that are loaded have to be loaded again"
+PROGRAM = "load the program again"
+
+_NEAR = 5e-6
+"""Difference of what is read back that rounding explains [m, and of rotations]."""
+_OFFSET = 0.006
+"""The same of offsets [counts]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A text with the result in it.
+
+    Attributes:
+        text: the whole file.
+        what: what changes, in words.
+        then: what has to happen so that it holds.
+        findings: what the file's reader says of it.
+    """
+
+    text: str
+    what: str
+    then: str
+    findings: tuple[Diagnostic, ...]
+
+
+def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, *, replace: bool) -> Made:
+    """Return a robot.toml with a tool's tip or the motors' offsets.
+
+    Args:
+        source: its text as it is.
+        place: where it stands.
+        robot: as the pendant knows it.
+        touching: with a result.
+        replace: whether a frame of this name may be another one.
+
+    Raises:
+        Trouble: the text can't have it.
+    """
+    before = read_robot(source, place.parent)
+    if before.value is None:
+        first = before.diagnostics[0]
+        raise Trouble(f"{place.name} can't be read as it is: {first.message}", first.help, first.code)
+    if isinstance(touching, HomeTouching):
+        return _offsets(source, place, (robot, before.value), touching)
+    if not isinstance(touching, TipTouching) or touching.value is None:
+        raise Trouble(
+            "a frame isn't written into the robot's file", "write it into the cell or a program", "to"
+        )
+    name, tip = touching.name, touching.value.flange_from_tip
+    old = before.value.flange_from_frame.get(name)
+    if old is not None and not replace:
+        raise _exists(
+            f"{{{name}}} is a frame of {before.value.name} already", "its tip moves, its orientation stays"
+        )
+    key, local = name, tip
+    tables = tomllib.loads(source.text).get("frames", {})
+    if old is not None:
+        key = next((one for one in tables if one.upper() == name), name)
+        parent = before.value.flange_from_frame[str(tables.get(key, {}).get("parent", "FLANGE")).upper()]
+        local = parent[:3, :3].T @ (tip - parent[:3, 3])
+    hanging = sorted(
+        one.upper() for one, table in tables.items() if str(table.get("parent", "")).upper() == name
+    )
+    text = _changed(lambda: with_tip(source, key, local), place.name)
+    after = read_robot(SourceFile(source.name, text), place.parent)
+    wanted = np.eye(4) if old is None else old.copy()
+    wanted[:3, 3] = tip
+    _check_pose(
+        None if after.value is None else after.value.flange_from_frame.get(name), wanted, after.diagnostics
+    )
+    what = (
+        f"the tip {{{name}}} is written, in the orientation of the flange"
+        if old is None
+        else _moves(name, old, wanted)
+    )
+    if hanging:
+        what += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
+    return Made(text, what, RESTART, after.diagnostics)
+
+
+def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touching: HomeTouching) -> Made:
+    assert touching.value is not None  # whoever asks has looked
+    robot, on_disk = robots
+    known, there = robot.actuation.offset, on_disk.actuation.offset
+    if known.shape != there.shape or np.abs(known - there).max() > _OFFSET:
+        what = f"the offsets in {place.name} are others than those that the pendant has begun with"
+        raise Trouble(what, "restart the pendant (System > Controller), and touch again", "stale")
+    offsets = touching.value.offsets
+    text = _changed(lambda: with_offsets(source, offsets), place.name)
+    after = read_robot(SourceFile(source.name, text), place.parent)
+    if after.value is None or np.abs(after.value.actuation.offset - offsets).max() > _OFFSET:
+        raise _lost(after.diagnostics)
+    return Made(text, "; ".join(touching.result_text().splitlines()), SETTINGS, after.diagnostics)
+
+
+def in_cell(
+    source: SourceFile, place: Path, robot: Robot, touching: Touching, parent: str, *, replace: bool
+) -> Made:
+    """Return a cell.toml with a frame; one that is there keeps its parent.
+
+    Args:
+        source: its text as it is.
+        place: where it stands.
+        robot: whose cell it is.
+        touching: with a result.
+        parent: of a new frame: one of the cell's frames that stand still, or B.
+        replace: whether a frame of this name may be another one.
+
+    Raises:
+        Trouble: the text can't have it.
+    """
+    if not isinstance(touching, FrameTouching) or touching.value is None:
+        raise Trouble(
+            "only a frame is written into a cell", "write it into the robot's file or a program", "to"
+        )
+    names = Names(is_word, robot)
+    read = read_cell(source, place.parent, names)
+    if read.value is None:
+        first = read.diagnostics[0]
+        raise Trouble(f"{place.name} can't be read as it is: {first.message}", first.help, first.code)
+    cell, name, pose = read.value, touching.name, touching.value.base_from_frame
+    old = cell.frames.get(name)
+    if old is None and ("frames", name) in cell.places:
+        raise Trouble(f"{{{name}}} is in {place.name}, and can't be read", "correct it there first", "frame")
+    if old is not None and not replace:
+        raise _exists(
+            f"{{{name}}} is a frame of {place.name} already", "it gets another place and orientation"
+        )
+    if old is not None and old.mount.on_flange:
+        raise Trouble(f"{{{name}}} in {place.name} sits on the flange", "choose another name", "name")
+    wanted = old.parent if old is not None else parent.strip("{} ").upper()
+    local = np.linalg.inv(_standing(cell, wanted)) @ pose
+    key = _key(source.text, name)
+    text = _changed(lambda: with_frame(source, key, local, wanted), place.name)
+    after = read_cell(SourceFile(source.name, text), place.parent, names)
+    found = None if after.value is None else after.value.frames.get(name)
+    _check_pose(None if found is None else found.mount.transform, pose, after.diagnostics)
+    what = f"the frame {{{name}}} is written" if old is None else _moves(name, old.mount.transform, pose)
+    hanging = sorted(one.name for one in cell.frames.values() if one.parent == name)
+    if hanging:
+        what += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
+    return Made(text, what, CELL, after.diagnostics)
+
+
+def _key(text: str, name: str) -> str:
+    """Return a frame's name as the file writes it; a new one is in upper case."""
+    tables = tomllib.loads(text).get("frames", {})
+    return next((one for one in tables if one.upper() == name), name) if isinstance(tables, dict) else name
+
+
+def _standing(cell: Cell, name: str) -> Array:
+    mount = ROOTS.get(name) or (cell.frames[name].mount if name in cell.frames else None)
+    if mount is None or mount.on_flange:
+        raise Trouble(f"{name[:40]!r} isn't a frame of the cell that stands still", "choose B", "parent")
+    return mount.transform
+
+
+def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching, *, replace: bool) -> Made:
+    """Return a program with a FRAME line, with the other declarations.
+
+    Args:
+        source: its text as it is.
+        place: where it stands.
+        robot: that it moves.
+        touching: with a result.
+        replace: whether a FRAME line of this name may get other values.
+
+    Raises:
+        Trouble: the text can't have it.
+    """
+    pose, parent = np.eye(4), "FLANGE"
+    if isinstance(touching, TipTouching) and touching.value is not None:
+        pose[:3, 3] = touching.value.flange_from_tip
+    elif isinstance(touching, FrameTouching) and touching.value is not None:
+        pose, parent = np.array(touching.value.base_from_frame), "B"
+    else:
+        raise Trouble("offsets aren't written into a program", "write them into the robot's file", "to")
+    name = touching.name
+    named = around(Program(source), place.parent, robot)
+    declared = named.program.sketch.names.declared(name, True)
+    old = None if declared is None else named.scope.frame(name)
+    if declared is not None and not replace:
+        raise _exists(
+            f"{{{name}}} is declared in line {declared.span.line} already", "the line gets other values"
+        )
+    made = declare_pose(named, name, pose, parent, again=replace)
+    text = applied(source.text, made.edits)
+    after = around(Program(SourceFile(source.name, text)), place.parent, robot)
+    found = after.scope.frame(name)
+    _check_pose(None if found is None else np.array(found.transform), pose, ())
+    what = made.what if old is None else f"{made.what}; {_moves(name, np.array(old.transform), pose)}"
+    return Made(text, what, PROGRAM, ())
+
+
+def _changed(change: Callable[[], str], name: str) -> str:
+    try:
+        return change()
+    except ChangeError as error:
+        what = f"{name} is written in a form that can't be changed here: {error}"
+        raise Trouble(
+            what, "give the frame a table [frames.NAME] of its own, or change the file by hand", "form"
+        ) from None
+
+
+def _check_pose(found: Array | None, wanted: Array, findings: tuple[Diagnostic, ...]) -> None:
+    if found is None or np.abs(found - wanted).max() > _NEAR:
+        raise _lost(findings)
+
+
+def _lost(findings: tuple[Diagnostic, ...]) -> Trouble:
+    said = f": {findings[0].message}" if findings else ""
+    what = f"the file would not be read back as what was calibrated{said}"
+    return Trouble(what, "change the file by hand; nothing was written", "form")
+
+
+def _exists(what: str, then: str) -> Trouble:
+    return Trouble(what, f"replace it ({then}), or choose another name", "exists")
+
+
+def _moves(name: str, old: Array, new: Array) -> str:
+    shift = float(np.linalg.norm(new[:3, 3] - old[:3, 3])) / MM
+    cosine = (float(np.trace(old[:3, :3].T @ new[:3, :3])) - 1.0) / 2.0
+    turn = float(np.arccos(np.clip(cosine, -1.0, 1.0))) / DEG
+    return f"{{{name}}} moves by {shift:.3f} mm and turns by {turn:.3f} deg"

@@ -1,0 +1,171 @@
+"""The result of a calibration as a change of a file: proposed first, then written with what is kept of the file as it was."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.findings import finding_message
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.calibrating.kept import Calibration, Calibrations
+from yarclang.pendant.calibrating.texts import Made, in_cell, in_program, in_robot
+from yarclang.pendant.filing import Filing
+from yarclang.pendant.messages.calibration import (
+    CalibrationProposal,
+    CalibrationWritten,
+    ProposeCalibration,
+    WriteCalibration,
+)
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.project.git import text_of
+from yarclang.pendant.project.names import quoted
+from yarclang.pendant.watched import Watched
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+
+ROLES = {"robot": Role.SERVICE, "cell": Role.SERVICE, "program": Role.PROGRAMMER}
+"""Who may write where; robot and cell need a PIN as well."""
+
+_MOST = 2_000_000
+"""Longest file of a robot or a cell that is changed [bytes]."""
+_SUFFIX = ".yarc"
+
+
+class Writing:
+    """Writes results.
+
+    Args:
+        robot: that was calibrated.
+        watched: knows the session's cell and its frames.
+        files: of the project.
+        kept: the calibrations.
+    """
+
+    def __init__(self, robot: Robot, watched: Watched, files: Filing, kept: Calibrations) -> None:
+        self._robot = robot
+        self._watched = watched
+        self._files = files
+        self._kept = kept
+
+    async def propose(self, session: Session, asked: ProposeCalibration) -> CalibrationProposal:
+        """Return what would be written.
+
+        Raises:
+            Trouble: there is no result, or it can't be written there.
+        """
+        found = self._result(session, asked)
+        place, file = await self._place(asked)
+        await self._check_free(found, asked)
+        if file is None:
+            before = await asyncio.to_thread(_read, place)
+        else:
+            before, known = await asyncio.to_thread(_text, self._files.folder, file)
+        made = await asyncio.to_thread(self._made, before, place, found, asked)
+        obstacle = ""
+        if file is None:
+            known = ""
+            obstacle = (
+                f"{place} isn't in the project, and is never changed by the pendant: copy its folder into the project, "
+                "and start the pendant with --robot and that path"
+            )
+        return CalibrationProposal(
+            file=file or str(place),
+            before=before,
+            after=made.text,
+            known=known,
+            findings=tuple(map(finding_message, made.findings)),
+            what=made.what,
+            then=made.then,
+            obstacle=obstacle,
+        )
+
+    async def write(self, session: Session, address: str, asked: WriteCalibration) -> CalibrationWritten:
+        """Write what was proposed.
+
+        Args:
+            session: whose.
+            address: that it comes from.
+            asked: what, and the hash of the text that was shown.
+
+        Raises:
+            Trouble: the file has changed meanwhile, or it can't be written there.
+        """
+        found = self._result(session, asked)
+        place, file = await self._place(asked)
+        if file is None:
+            raise Trouble(f"{place} isn't in the project", "copy its folder into the project", "outside")
+        await self._check_free(found, asked)
+        before, known = await asyncio.to_thread(_text, self._files.folder, file)
+        if known != asked.known:
+            raise Trouble(f"{quoted(file)} has changed meanwhile", "look at the difference again", "changed")
+        made = await asyncio.to_thread(self._made, before, place, found, asked)
+        self._kept.going_on(session, asked.version)
+        if asked.to == "program":
+            written = await self._files.save(session, address, file, made.text, known)
+        else:
+            written = await self._files.change(
+                session, address, file, made.text, known, f"calibration: {made.what}"
+            )
+        return CalibrationWritten(file=written.file, sha256=written.sha256, then=made.then)
+
+    def _result(self, session: Session, asked: ProposeCalibration) -> Calibration:
+        found = self._kept.going_on(session, asked.version)
+        if not found.touching.result_text():
+            raise Trouble("there is no result yet", found.touching.next_step(), "result")
+        return found
+
+    async def _place(self, asked: ProposeCalibration) -> tuple[Path, str | None]:
+        """Return where the result is written, and the file's path in the project; None: it isn't in there."""
+        folder = self._files.folder
+        if asked.to == "program":
+            if not asked.file.lower().endswith(_SUFFIX):
+                what = f"{quoted(asked.file)} is no program"
+                raise Trouble(what, f"choose a file whose name ends with {_SUFFIX}", "file")
+            return await asyncio.to_thread(folder.path, asked.file), asked.file
+        if asked.to == "robot":
+            place = self._robot.folder / "robot.toml"
+        else:
+            cell = (await self._watched.attached.ask(orders.AskStatus())).cell
+            if cell is None:
+                what = "the robot has no cell here: yarc.toml names none"
+                raise Trouble(what, "write the frame into a program, or name a cell in yarc.toml", "cell")
+            place = Path(cell)
+        place = await asyncio.to_thread(place.resolve)
+        inside = place.relative_to(folder.root).as_posix() if place.is_relative_to(folder.root) else None
+        return place, inside
+
+    async def _check_free(self, found: Calibration, asked: ProposeCalibration) -> None:
+        """Check that the name is no other frame's: one of the cell, or of the robot."""
+        name = found.touching.name
+        if asked.to == "robot" and found.kind == "tip" and name not in self._robot.flange_from_frame:
+            frames = (await self._watched.attached.ask(orders.AskFrames())).frames
+            if any(one.name.upper() == f"{{{name}}}" for one in frames):
+                what = f"{{{name}}} is a frame of the cell or of this session already"
+                raise Trouble(what, "choose another name", "name")
+
+    def _made(self, text: str, place: Path, found: Calibration, asked: ProposeCalibration) -> Made:
+        source, touching = SourceFile(str(place), text), found.touching
+        match asked.to:
+            case "robot":
+                return in_robot(source, place, self._robot, touching, replace=asked.replace)
+            case "cell":
+                return in_cell(source, place, self._robot, touching, asked.parent, replace=asked.replace)
+            case "program":
+                return in_program(source, place, self._robot, touching, replace=asked.replace)
+
+
+def _text(folder: ProjectFolder, file: str) -> tuple[str, str]:
+    data, told = folder.read(file)
+    return text_of(file, data), told.sha256
+
+
+def _read(place: Path) -> str:
+    """Return the text of a file outside of the project: of the robot that the pendant has read itself."""
+    try:
+        with place.open("rb") as file:
+            return file.read(_MOST).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise Trouble(f"{place} can't be read: {error}", "look at the file", "") from None

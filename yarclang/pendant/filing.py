@@ -1,0 +1,361 @@
+"""What people do with the files of the project: who may, what the audit trail says of it, and uploads."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+from collections.abc import AsyncIterator, Callable
+from contextlib import ExitStack
+from dataclasses import asdict, replace
+from typing import Any, TypeVar
+
+from yarclang.pendant.accounts.accounts import Accounts, NotAllowed
+from yarclang.pendant.accounts.people import Deed
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.messages.files import ChangeShown, CommitShown, GitState
+from yarclang.pendant.project.authors import PREFIX, Authors, authors_of
+from yarclang.pendant.project.draft import Draft
+from yarclang.pendant.project.folder import MOST_TEXT, ProjectFolder, Written
+from yarclang.pendant.project.git import Git, State
+from yarclang.pendant.project.names import quoted
+from yarclang.pendant.project.places import said
+from yarclang.pendant.project.trash import Deleted
+from yarclang.runtime.actions import Trouble
+
+T = TypeVar("T")
+
+MOST_UPLOADED = 100_000_000
+"""Largest file that is uploaded [bytes]."""
+
+_AT_ONCE, _OF_ONE = 4, 2
+"""Uploads at a time, of all and of one session."""
+_PIECE = 1 << 18
+"""Bytes that are written at a time: few enough for the memory, many enough for the disk."""
+_SILENCE = 20.0
+"""Time in which something of an upload has to come [s]."""
+_START, _SLOWEST = 30.0, 10_000
+"""An upload may take this time [s], and one second more for so many bytes."""
+_MOST_DEEDS = 20_000
+_MOST_HASHED = 200
+_LARGEST_HASHED = 16_000_000
+_MOST_CHANGES = 2000
+
+
+class Filing:
+    """The files of the project for those who are logged in.
+
+    Args:
+        accounts: who they are.
+        folder: the files.
+    """
+
+    def __init__(self, accounts: Accounts, folder: ProjectFolder) -> None:
+        self.folder = folder
+        self._accounts = accounts
+        self._git = Git(folder)
+        self._asking = asyncio.Lock()
+        self._uploads: list[str] = []
+
+    async def save(self, session: Session, address: str, file: str, text: str, known: str | None) -> Written:
+        """Save a text.
+
+        Args:
+            session: whose.
+            address: that it comes from.
+            file: its path.
+            text: that it has then.
+            known: SHA-256 of what it was made from; None: there is no such file yet.
+
+        Raises:
+            Trouble: the file has changed meanwhile, or can't be written.
+        """
+        data = text.encode()
+        if len(data) > MOST_TEXT:
+            raise Trouble(
+                f"{quoted(file)} would have {len(data):,} bytes, and at most {MOST_TEXT:,} are saved here",
+                "divide it, or upload it", "large",
+            )  # fmt: skip
+
+        detail = {
+            "file": file,
+            "size": len(data),
+            "sha256": hashlib.sha256(data).hexdigest(),
+            "new": known is None,
+        }
+        return await self._done(
+            session, address, "save", detail, lambda: self.folder.write(file, data, known)
+        )
+
+    async def change(
+        self, session: Session, address: str, file: str, text: str, known: str, what: str
+    ) -> Written:
+        """Change a description of the robot or of its cell; what it was is kept with what was deleted.
+
+        Args:
+            session: whose; of a service user who has entered the PIN lately.
+            address: that it comes from.
+            file: its path.
+            text: that it has then.
+            known: SHA-256 of what it was made from.
+            what: that is changed, in words.
+
+        Raises:
+            NotAllowed: the session may not.
+            Trouble: the file has changed meanwhile, or can't be written.
+        """
+        self.check_service(session)
+        data = text.encode()
+        detail = {"file": file, "size": len(data), "sha256": hashlib.sha256(data).hexdigest(), "what": what}
+        return await self._done(
+            session, address, "change", detail, lambda: self.folder.change(file, data, known, session.user)
+        )
+
+    async def upload(
+        self, session: Session, address: str, file: str, known: str | None, length: int | None, stream: AsyncIterator[bytes]
+    ) -> Written:  # fmt: skip
+        """Write a file as it arrives; nothing is left of one that is broken off.
+
+        Args:
+            session: whose.
+            address: that it comes from.
+            file: its path.
+            known: SHA-256 of what it replaces; None: there is no such file yet.
+            length: that was announced [bytes]; None: none was.
+            stream: its content.
+
+        Raises:
+            Trouble: it is too large, too slow, one of too many, or can't be written.
+        """
+        self._accounts.check(session, Role.PROGRAMMER)
+        if (length or 0) > MOST_UPLOADED:
+            raise _too_large(file, length or 0)
+        if len(self._uploads) >= _AT_ONCE or self._uploads.count(session.id) >= _OF_ONE:
+            raise Trouble(
+                f"{len(self._uploads)} files are uploaded just now, and at most {_OF_ONE} of one person",
+                "try again when one of them is done", "busy",
+            )  # fmt: skip
+        self._uploads.append(session.id)
+        drafting = ExitStack()
+        try:
+            draft = await asyncio.to_thread(drafting.enter_context, self.folder.draft(file, length or 0))
+            async for piece in arriving(file, stream):
+                await asyncio.to_thread(draft.write, piece)
+                if draft.size > MOST_UPLOADED:
+                    raise _too_large(file, draft.size)
+            if length is not None and draft.size != length:
+                raise Trouble(
+                    f"{quoted(file)} has {length:,} bytes, and {draft.size:,} came", "try again", ""
+                )
+            detail = {"file": file, "size": draft.size, "sha256": draft.sha256, "new": known is None}
+            return await self._done(
+                session, address, "upload", detail, lambda: self.folder.stand(draft, file, known)
+            )
+        except OSError as error:
+            raise said(error, file) from None
+        finally:
+            self._uploads.remove(session.id)
+            await asyncio.to_thread(drafting.close)
+
+    async def copy(self, session: Session, address: str, file: str, to: str) -> Written:
+        """Copy a file to a path that is free (`ProjectFolder.copy`)."""
+        read = await asyncio.to_thread(self.folder.sha256, file)
+        detail = {"file": to, "from": file, "sha256": read}
+
+        def copied() -> Written:
+            def check(draft: Draft) -> None:
+                if draft.sha256 != read:
+                    raise Trouble(f"{quoted(file)} changes just now", "try again", "")
+
+            return self.folder.copy(file, to, check)
+
+        return await self._done(session, address, "copy", detail, copied)
+
+    async def rename(self, session: Session, address: str, file: str, to: str) -> None:
+        """Give a file or folder another path (`ProjectFolder.rename`)."""
+        detail = {"file": to, "from": file}
+        guarded = self.folder.guarded
+        await self._done(
+            session,
+            address,
+            "rename",
+            detail,
+            lambda: self.folder.rename(file, to),
+            lambda: guarded.objection(file, to),
+        )
+
+    async def make_folder(self, session: Session, address: str, file: str) -> None:
+        """Make a folder (`ProjectFolder.make_folder`)."""
+        await self._done(session, address, "folder", {"file": file}, lambda: self.folder.make_folder(file))
+
+    async def delete(self, session: Session, address: str, file: str) -> Deleted:
+        """Delete a file or folder, so that it can be brought back (`ProjectFolder.delete`)."""
+        return await self._done(
+            session, address, "delete", {"file": file}, lambda: self.folder.delete(file, session.user)
+        )
+
+    async def restore(self, session: Session, address: str, number: str) -> str:
+        """Bring back what was deleted (`ProjectFolder.restore`)."""
+        kept = await asyncio.to_thread(self.folder.trash.kept)
+        file = next((one.file for one in kept if one.number == number), "")
+
+        def objection() -> str:
+            content = self.folder.trash.content(number)
+            return "" if content is None else self.folder.guarded.objection_to_kept(content, file)
+
+        detail = {"file": file, "number": number}
+        return await self._done(
+            session, address, "restore", detail, lambda: self.folder.restore(number), objection
+        )
+
+    async def _done(
+        self,
+        session: Session,
+        address: str,
+        action: str,
+        detail: dict[str, Any],
+        do: Callable[[], T],
+        objection: Callable[[], str] | None = None,
+    ) -> T:
+        """Write a deed down, do it in a thread, and note if it failed.
+
+        Args:
+            session: whose.
+            address: that it comes from.
+            action: what is done, in a word.
+            detail: of it; its `file` is the path that is changed.
+            do: does it.
+            objection: returns why it is for service users alone, in words (empty: it isn't); None: by the path.
+        """
+        self._accounts.check(session, Role.PROGRAMMER)
+        self._accounts.used(session)
+        asked = objection or (lambda: self.folder.guarded.objection(detail["file"]))
+        deed = Deed(
+            session.user, address, f"{PREFIX}{action}", json.dumps(detail, ensure_ascii=False, sort_keys=True)
+        )
+
+        def check() -> None:
+            reason = asked()
+            if reason:
+                self._check_service(session, reason)
+
+        def checked() -> T:
+            # two that come together may change what a path leads to
+            with self.folder.unchanged():
+                check()
+                return do()
+
+        try:
+            await asyncio.to_thread(check)
+        except NotAllowed as refused:
+            if refused.code != "pin":
+                self._accounts.note(replace(deed, outcome=f"refused: {refused.what}"[:500]))
+            raise
+        await self._accounts.did(deed)
+        try:
+            return await asyncio.to_thread(checked)
+        except Trouble as trouble:
+            self._accounts.note(
+                Deed(deed.user, address, deed.action, deed.detail, f"refused: {trouble.what}"[:500])
+            )
+            raise
+
+    def check_service(self, session: Session) -> None:
+        """Check that a session may change what describes the robot or its cell.
+
+        Raises:
+            NotAllowed: it is no service user's, or the PIN wasn't entered lately.
+        """
+        self._accounts.check(session, Role.SERVICE, pin=True)
+
+    def _check_service(self, session: Session, reason: str) -> None:
+        try:
+            self._accounts.check(session, Role.SERVICE, pin=True)
+        except NotAllowed as refused:
+            raise NotAllowed(f"{reason}: {refused.what}", refused.remedy, refused.code) from None
+
+    # since the last commit
+
+    async def changed(self) -> GitState:
+        """Return what has changed since the last commit, and who did so."""
+        async with self._asking:
+            try:
+                state = await asyncio.to_thread(self._git.state)
+            except Trouble as trouble:
+                what = f"{trouble.what}: {trouble.remedy}"
+                return GitState(there=False, what=what, commit=None, changes=(), cut=False)
+        if state is None:
+            what = "the project's folder is in no git repository"
+            return GitState(there=False, what=what, commit=None, changes=(), cut=False)
+        since = state.commit.when if state.commit else ""
+        deeds = await self._accounts.deeds_since(PREFIX, since, _MOST_DEEDS)
+        return await asyncio.to_thread(self._shown, state, [deed for _, deed in deeds])
+
+    async def difference(self, file: str) -> tuple[str, str]:
+        """Return a file's text as of the last commit, and its present one (`Git.difference`)."""
+        async with self._asking:
+            return await asyncio.to_thread(self._git.difference, file)
+
+    def _shown(self, state: State, deeds: list[Deed]) -> GitState:
+        authors = authors_of(deeds)
+        shown = []
+        for count, (file, kind) in enumerate(list(state.changes.items())[:_MOST_CHANGES]):
+            found = authors.get(file, Authors())
+            outside = found.sha256 is None
+            if not outside and count < _MOST_HASHED and found.sha256 != "?":
+                outside = found.sha256 != self._present(file)
+            shown.append(ChangeShown(file=file, kind=kind, by=tuple(found.users), outside=outside))
+        commit = None if state.commit is None else CommitShown(**asdict(state.commit))
+        cut = state.cut or len(state.changes) > _MOST_CHANGES
+        return GitState(there=True, what="", commit=commit, changes=tuple(shown), cut=cut)
+
+    def _present(self, file: str) -> str:
+        try:
+            return self.folder.read(file, _LARGEST_HASHED)[1].sha256
+        except Trouble:
+            return ""
+
+
+async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
+    """Yield what arrives in pieces for the disk.
+
+    Args:
+        file: its name, for messages.
+        stream: what arrives.
+
+    Raises:
+        Trouble: it comes too slowly.
+    """
+    clock = asyncio.get_running_loop().time
+    begun, received = clock(), 0
+    held: list[bytes] = []
+    size = 0
+    while True:
+        try:
+            data = await asyncio.wait_for(anext(stream, None), _SILENCE)
+        except TimeoutError:
+            raise _too_slow(file) from None
+        if data is None:
+            break
+        received += len(data)
+        if clock() - begun > _START + received / _SLOWEST:
+            raise _too_slow(file)
+        held.append(data)
+        size += len(data)
+        if size >= _PIECE:
+            yield b"".join(held)
+            held, size = [], 0
+    if held:
+        yield b"".join(held)
+
+
+def _too_large(file: str, size: int) -> Trouble:
+    return Trouble(
+        f"{quoted(file)} has {size:,} bytes or more, and at most {MOST_UPLOADED:,} are uploaded",
+        "copy it on the computer itself", "large",
+    )  # fmt: skip
+
+
+def _too_slow(file: str) -> Trouble:
+    return Trouble(f"{quoted(file)} comes too slowly", "look at the network, and try again", "")

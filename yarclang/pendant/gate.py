@@ -1,0 +1,280 @@
+"""Orders of people to their robot: who may give them, which files they may name, and what the audit trail says of them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders, wants
+from yarclang.coordinator.messages.lines import name_of
+from yarclang.coordinator.messages.orders import Order
+from yarclang.coordinator.messages.replies import Ended, Loaded, Offered, Reply, Serviced, SettingsSent
+from yarclang.pendant.accounts.accounts import Accounts, NotAllowed
+from yarclang.pendant.accounts.people import Deed
+from yarclang.pendant.accounts.roles import AUDITED, WITH_PIN, Role, needed_for
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.messages.display import Notice
+from yarclang.pendant.messages.robot import Asked, ProgramFile, Programs
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.seats import Seats
+from yarclang.pendant.watched import Watched
+from yarclang.runtime.actions import Trouble
+
+R = TypeVar("R", bound=Reply)
+
+_AT_ONCE = (orders.Stop, orders.Hold, orders.Abort)
+"""Orders for everybody, which never wait for a disk or a place."""
+
+_SHARED = (
+    orders.AskStatus,
+    orders.AskPlace,
+    orders.AskFrames,
+    orders.AskHealth,
+    orders.AskSurroundings,
+    orders.AskDeclarations,
+    orders.AskParts,
+    orders.Read,
+    orders.Look,
+    orders.Connect,
+    orders.AskHoming,
+    orders.AskSettings,
+)
+"""What needs no place at the coordinator of one's own."""
+
+_MOST_FILES = 10_000
+_MOST_CALLED = 1000
+_LONGEST_DETAIL = 500
+_ABSENT = 10.0
+"""An owner without a page for so long has left the robot, if nothing is under way [s]."""
+
+
+class Gate:
+    """Carries out what people order.
+
+    Args:
+        accounts: who they are.
+        seats: their places at the coordinator.
+        watched: the robot.
+        files: of the project: those outside of it don't exist here.
+        now: a clock that never goes back [s].
+        loaded: is told which program a session has loaded, by its number and with the files' paths.
+    """
+
+    def __init__(
+        self,
+        accounts: Accounts,
+        seats: Seats,
+        watched: Watched,
+        files: ProjectFolder,
+        now: Callable[[], float],
+        loaded: Callable[[Session, int, orders.Load], object] = lambda *_: None,
+    ) -> None:
+        self._loaded = loaded
+        self.folder = files.root
+        self._files = files
+        self._accounts = accounts
+        self._seats = seats
+        self._watched = watched
+        self._now = now
+        self._gone: dict[str, float] = {}
+        self._called: OrderedDict[tuple[str, str, int], str] = OrderedDict()
+
+    async def order(self, session: Session, order: Order[R], address: str) -> R:
+        """Carry an order out.
+
+        Args:
+            session: whose.
+            order: what.
+            address: that it comes from.
+
+        Raises:
+            NotAllowed: it is for another role.
+            Trouble: it can't be carried out, and why.
+        """
+        if type(order) in _AT_ONCE:
+            return await self._at_once(session, order, address)
+        self.check(session, order, address)
+        inside = self._within(order)
+        if not isinstance(order, AUDITED):
+            answer = await (await self._client(session, order)).ask(inside)
+            self._remember(session, order, answer)
+            if isinstance(inside, orders.Load) and isinstance(answer, Loaded) and answer.program is not None:
+                self._loaded(session, answer.program.number, inside)
+            return answer
+        if isinstance(order, orders.Run):
+            self._watched.showing.runs(self._called.get((session.id, "run", order.program), ""))
+        deed = Deed(session.user, address, name_of(order), self.meant(session, order))
+        if isinstance(order, orders.Override):
+            self._accounts.note(deed)
+        else:
+            await self._accounts.did(deed)
+        try:
+            made = await (await self._client(session, order)).ask(inside)
+        except Trouble as trouble:
+            self._accounts.note(
+                Deed(session.user, address, name_of(order), deed.detail, f"refused: {trouble.what}")
+            )
+            raise
+        if outcome := _outcome(made):
+            self._accounts.note(Deed(session.user, address, name_of(order), deed.detail, outcome))
+        return made
+
+    def check(self, session: Session, order: Order[Any], address: str) -> None:
+        """Check that a session may give an order, and that what it does can be written down.
+
+        Raises:
+            NotAllowed: it may not.
+            Trouble: the audit trail can't be written.
+        """
+        if self._accounts.is_over(session):
+            raise NotAllowed("this session has ended", "log in again", "login")
+        role = needed_for(order)
+        try:
+            if role is None:
+                raise NotAllowed(
+                    f"{name_of(order)} isn't ordered by way of the pendant", "see the API's page", ""
+                )
+            self._accounts.check(session, role, pin=isinstance(order, WITH_PIN))
+        except NotAllowed as refused:
+            self._accounts.note(
+                Deed(session.user, address, name_of(order), _detail(order), f"refused: {refused.what}")
+            )
+            raise
+        if self._accounts.trouble is not None and isinstance(order, (*AUDITED, *wants.KINDS)):
+            raise self._accounts.trouble
+
+    def _remember(self, session: Session, order: Order[Any], answer: Reply) -> None:
+        """Remember what a number of an offer or a program means, for the audit trail."""
+        if isinstance(answer, Offered) and answer.offer is not None:
+            meant = answer.offer.text or answer.offer.title
+            self._called[session.id, "go", answer.offer.number] = meant
+        elif isinstance(order, orders.Load) and isinstance(answer, Loaded) and answer.program is not None:
+            self._called[session.id, "run", answer.program.number] = order.file
+        while len(self._called) > _MOST_CALLED:
+            self._called.popitem(last=False)
+
+    def meant(self, session: Session, order: Order[Any]) -> str:
+        """Return what the audit trail says of an order."""
+        number = getattr(order, "offer", None) or getattr(order, "program", None)
+        meant = self._called.get((session.id, name_of(order), number or 0), "")
+        return f"{meant} {_detail(order)}".strip()[:_LONGEST_DETAIL]
+
+    async def _at_once(self, session: Session, order: Order[R], address: str) -> R:
+        if not isinstance(order, orders.Stop):
+            self._accounts.check(session, Role.OPERATOR)
+        made = await self._watched.attached.ask(order)
+        self._accounts.note(Deed(session.user, address, name_of(order)))
+        return made
+
+    async def _client(self, session: Session, order: Order[Any]) -> Attached:
+        return self._watched.attached if isinstance(order, _SHARED) else await self._seats.of(session)
+
+    # control of the robot
+
+    async def ask_for_control(self, session: Session, address: str) -> Asked:
+        """Own the robot if nobody does, else ask its owner for it.
+
+        Raises:
+            Trouble: it is somebody's who isn't at a pendant.
+        """
+        self.check(session, orders.Own(), address)
+        seat = await self._seats.of(session)
+        owner = self._watched.showing.owner
+        other = self._seats.session_called(owner)
+        if owner and owner != seat.welcome.name and other and self._is_absent(other):
+            self._seats.leave(other)
+            await asyncio.sleep(0)
+            owner = None
+        try:
+            await self.order(session, orders.Own(), address)
+        except Trouble:
+            if not other:
+                raise
+            text = f"{session.user} asks for control of the robot"
+            self._watched.notice(Notice(text=text, ask=session.id), other)
+            return Asked(given=False, owner=owner or "", what=f"{owner} was asked, and decides")
+        return Asked(given=True, owner=seat.welcome.name, what="you control the robot")
+
+    async def give_control(self, session: Session, to: str, address: str) -> Asked:
+        """Give the robot to another session.
+
+        Args:
+            session: whose it is.
+            to: the id of the other one; empty: to nobody.
+            address: that this comes from.
+
+        Raises:
+            Trouble: it isn't this session's, or the other one has gone.
+        """
+        if not to:
+            await self.order(session, orders.Release(), address)
+            return Asked(given=True, owner="", what="nobody controls the robot")
+        other = self._accounts.sessions.called(to)
+        if other is None:
+            raise Trouble("whoever asked has gone", "ask them again", "")
+        self._accounts.check(other, Role.OPERATOR)
+        seat = await self._seats.of(other)
+        await self.order(session, orders.Give(to=seat.welcome.name), address)
+        self._watched.notice(Notice(text=f"{session.user} gave you control of the robot"), to)
+        return Asked(given=True, owner=seat.welcome.name, what=f"{seat.welcome.name} controls the robot")
+
+    def owns(self, session: Session) -> bool:
+        """Return True if a session controls the robot."""
+        name = self._seats.name(session)
+        return bool(name) and name == self._watched.showing.owner
+
+    def page_gone(self, session: str) -> None:
+        """Note that the last page of a session is gone."""
+        self._gone[session] = self._now()
+
+    def page_there(self, session: str) -> None:
+        """Note that a session has a page."""
+        self._gone.pop(session, None)
+
+    def _is_absent(self, session: str) -> bool:
+        if self._watched.pages_of(session) or self._watched.showing.under_way:
+            return False
+        return self._now() - self._gone.get(session, -_ABSENT) >= _ABSENT
+
+    # files
+
+    def programs(self) -> Programs:
+        """Return the programs of the project; those in hidden folders are left out. Takes long in a large folder: call it in a thread."""
+        found, _ = self._files.programs(_MOST_FILES)
+        shown = [ProgramFile(file=one.file, size=one.size, changed=one.changed) for one in found]
+        return Programs(folder=str(self.folder), programs=tuple(shown))
+
+    def _within(self, order: Order[R]) -> Order[R]:
+        """Return an order whose files are in the project."""
+        if isinstance(order, orders.Load):
+            named = {key: getattr(order, key) for key in ("file", "cell", "source")}
+        elif isinstance(order, orders.Save):
+            named = {"folder": order.folder}
+        else:
+            return order
+        return order.model_copy(  # type: ignore[return-value]  # a copy is of the same kind
+            update={key: str(self._files.path(value)) for key, value in named.items() if value is not None}
+        )
+
+
+def _outcome(made: Reply) -> str:
+    """Return what the audit trail says of how an order has ended; empty: nothing more than that it was given."""
+    match made:
+        case Ended(well=well, what=what):
+            return "ended" if well else f"ended: {what}"
+        case Serviced(what=what):
+            return what or "done"
+        case SettingsSent(sent=sent, of=of, what=what):
+            return f"{sent} of {of} lines: {what}" if what else f"all {of} lines"
+        case _:
+            return ""
+
+
+def _detail(order: Order[Any]) -> str:
+    """What the audit trail says of an order, without the texts of programs."""
+    content = order.model_dump(mode="json", exclude={"order", "text"}, exclude_defaults=True)
+    return json.dumps(content, sort_keys=True)[:_LONGEST_DETAIL] if content else ""

@@ -1,0 +1,147 @@
+"""Hold-to-run of what the coordinator carries out while it is held: the way to a point, planned and proved to its end, and the home search of motors."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.lines import name_of
+from yarclang.pendant.accounts.accounts import Accounts
+from yarclang.pendant.accounts.people import Deed
+from yarclang.runtime.actions import Trouble
+
+LET_GO = "it was let go before it began"
+
+
+Wanted = orders.Go | orders.Home
+
+
+class Going:
+    """One offer, or home search, that is carried out while it is held, from its first press to its end.
+
+    The coordinator has a watchdog of its own for it: without `keep` every 0.2 s the robot comes to rest on its path.
+
+    Args:
+        order: to carry it out.
+        seat: of the session that gives it.
+        accounts: for the audit trail.
+        deed: makes the entry of an order there.
+        moves: returns True if the robot is known to carry something out.
+        ended: is told why it is over; empty: the robot has reached the end.
+
+    Attributes:
+        order: likewise.
+        ends: True from when it can't go on: it is over, or about to be.
+    """
+
+    def __init__(
+        self,
+        order: Wanted,
+        seat: Attached,
+        accounts: Accounts,
+        deed: Callable[[Wanted | orders.Resume, str], Deed],
+        moves: Callable[[], bool],
+        ended: Callable[[Going, str, str], None],
+    ) -> None:
+        self.order = order
+        self.ends = False
+        self._seat = seat
+        self._accounts = accounts
+        self._deed = deed
+        self._moves = moves
+        self._ended = ended
+        self._held = True
+        self._asked = False
+        self._task: asyncio.Task[None] | None = None
+
+    def begin(self) -> None:
+        """Begin to carry it out, once it is written down."""
+        self._task = asyncio.create_task(self._carried_out())
+
+    def keep(self) -> None:
+        """Say that it is still held."""
+        if self._asked and self._held:
+            self._seat.send(orders.Keep())
+
+    async def resume(self, held: Callable[[], bool]) -> None:
+        """Go on along the same path, where it was let go before.
+
+        Args:
+            held: returns False if it was let go again meanwhile.
+
+        Raises:
+            Trouble: it can't go on.
+        """
+        order = orders.Resume()
+        await self._accounts.did(self._deed(order, ""))
+        if self.ends or not held():
+            return
+        # from here to the orders nothing else is heard: a release comes after them
+        self._held = True
+        self._seat.send(orders.Keep())
+        await self._seat.ask(order)
+
+    def rest(self) -> None:
+        """Come to rest on the path: it was let go."""
+        self._held = False
+        if self._asked and self._moves() and not self.ends:
+            self._seat.send(orders.Hold())
+        else:
+            self.stop()  # what hasn't begun yet doesn't begin then
+
+    def stop(self) -> None:
+        """End it where it is on its path."""
+        self._held = False
+        if self._asked and not self.ends:
+            self._seat.send(orders.Stop())
+        self.ends = True
+
+    async def stopped(self, within: float) -> None:
+        """End it, and wait until it is over.
+
+        Args:
+            within: how long it may take [s].
+        """
+        self.stop()
+        if self._task is not None:
+            await asyncio.wait([self._task], timeout=within)
+
+    async def _carried_out(self) -> None:
+        order = self.order
+        what, help_, outcome = "", "", "ended"
+        try:
+            await self._accounts.did(self._deed(order, ""))
+            if not self._held:
+                raise Trouble(LET_GO, "", "")
+            self._asked = True
+            ended = await self._seat.ask(order)
+            if not ended.well:
+                what, help_ = ended.what or "it was ended", ended.help or ""
+                outcome = f"ended: {what}"
+        except Trouble as trouble:
+            what, help_, outcome = trouble.what, trouble.remedy, f"refused: {trouble.what}"
+        finally:
+            self.ends = True
+        self._accounts.note(self._deed(order, outcome))
+        self._ended(self, what, help_)
+
+
+def deed_of(
+    user: str, address: str, meant: Callable[[Wanted | orders.Resume], str]
+) -> Callable[[Wanted | orders.Resume, str], Deed]:
+    """Return what makes an entry of the audit trail.
+
+    Args:
+        user: who holds the button.
+        address: that it comes from.
+        meant: says of an order what it means.
+    """
+
+    def made(order: Wanted | orders.Resume, outcome: str) -> Deed:
+        if outcome:
+            return Deed(user, address, name_of(order), meant(order), outcome)
+        return Deed(user, address, name_of(order), meant(order))
+
+    return made

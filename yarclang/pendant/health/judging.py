@@ -1,0 +1,212 @@
+"""Judges numbers: good, worth a warning, or bad; with the threshold, why it matters, and what to do. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+from yarclang.coordinator.messages.replies import Health
+from yarclang.pendant.health.measuring import Disk, Machine
+
+Level = Literal["good", "warning", "bad", "unknown", "plain"]
+
+_GIGA, _MEGA = 1e9, 1e6
+FREE_WARNING, FREE_BAD = 2e9, 0.5e9
+"""Room on a disk below which there is a warning, and below which it is bad [bytes]."""
+DAYS_WARNING, DAYS_BAD = 14.0, 2.0
+"""The same of the time until a disk is full [days]."""
+MEMORY_WARNING, MEMORY_BAD = 0.15, 0.05
+"""The same of the share of the computer's memory that is available."""
+OWN_WARNING, OWN_BAD = 1.5e9, 3e9
+"""Memory of this process above which there is a warning, and above which it is bad [bytes]."""
+LOAD_WARNING, LOAD_BAD = 0.8, 1.5
+"""The same of the load of each processor."""
+LAG_WARNING, LAG_BAD = 0.05, 0.2
+"""The same of the delay of the loop [s]."""
+SILENCE_WARNING, SILENCE_BAD = 0.25, 0.6
+"""The same of the slowest reply, as a share of the silence after which the controller holds."""
+LOGS_WARNING, LOGS_BAD = 10e9, 50e9
+"""The same of the size of all run logs [bytes]."""
+TRAIL_WARNING, TRAIL_BAD = 0.5e9, 2e9
+"""The same of the size of users, audit trail and alarms [bytes]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """One thing that is watched.
+
+    Attributes:
+        key: by which its history is found.
+        group, name: in words.
+        value: in words, with its unit.
+        level: `plain`: nothing is judged; `unknown`: this system doesn't tell.
+        limits: the thresholds, in words.
+        why: it matters.
+        remedy: what to do.
+    """
+
+    key: str
+    group: str
+    name: str
+    value: str
+    level: Level
+    limits: str = ""
+    why: str = ""
+    remedy: str = ""
+
+
+def sized(count: float) -> str:
+    """Return a number of bytes in words."""
+    for bound, unit in ((_GIGA, "GB"), (_MEGA, "MB"), (1e3, "kB")):
+        if count >= bound:
+            return f"{count / bound:.1f} {unit}"
+    return f"{count:.0f} B"
+
+
+def lasting(seconds: float) -> str:
+    """Return a time in words."""
+    for bound, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * bound:
+            return f"{seconds / bound:.0f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+def low_of(disks: Iterable[Disk]) -> str:
+    """Return how little room is left on a disk, in words; empty: there is enough on all."""
+    worst = min(disks, key=lambda one: one.free, default=None)
+    if worst is None or worst.free >= FREE_BAD:
+        return ""
+    return f"{sized(worst.free)} are free on the disk of {worst.holds}, and {sized(FREE_BAD)} are needed"
+
+
+def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
+    """Judge the disks.
+
+    Args:
+        disks: where something of the pendant lies.
+        growth: of the run logs [bytes a day].
+    """
+    found = []
+    for one in disks:
+        value = f"{sized(one.free)} of {sized(one.total)} free"
+        level = _below(one.free, FREE_WARNING, FREE_BAD)
+        if growth > 0.0 and ("logs" in one.holds or "project" in one.holds):
+            days = one.free / growth
+            value += f"; full in {days:.0f} days at {sized(growth)} of run logs a day" if days < 3650 else ""
+            level = max(level, _below(days, DAYS_WARNING, DAYS_BAD), key=_LEVELS.index)
+        found.append(
+            Judgement(
+                "disk", "Disk", f"Disk of {one.holds}", value, level,
+                f"warning below {sized(FREE_WARNING)} or {DAYS_WARNING:.0f} days, bad below {sized(FREE_BAD)} or {DAYS_BAD:.0f} days",
+                "Without room no run is logged and no audit trail is written, and then nothing that needs it is carried out.",
+                "Delete old run logs (Files, or History > Runs tells which), or give the disk more room.",
+            )
+        )  # fmt: skip
+    return tuple(found) or (Judgement("disk", "Disk", "Disk", "not known", "unknown"),)
+
+
+def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
+    """Judge the memory of this process, which had `first` at its first look [bytes], and of the computer."""
+    own: Level = "unknown" if machine.own is None else _above(machine.own, OWN_WARNING, OWN_BAD)
+    value = "not known"
+    if machine.own is not None:
+        value = f"{sized(machine.own)} now, {sized(first or machine.own)} at the start, {sized(machine.peak or machine.own)} at most"
+    whole: Level = "unknown"
+    free = "not known"
+    if machine.available is not None and machine.memory:
+        whole = _below(machine.available / machine.memory, MEMORY_WARNING, MEMORY_BAD)
+        free = f"{sized(machine.available)} of {sized(machine.memory)} available"
+    return (
+        Judgement(
+            "own", "Memory", "This process", value, own,
+            f"warning above {sized(OWN_WARNING)}, bad above {sized(OWN_BAD)}",
+            "A process that grows all the time is ended by the system one day, and the robot then holds.",
+            "Restart the pendant when the robot rests (System > Controller), and tell who maintains it.",
+        ),
+        Judgement(
+            "memory", "Memory", "This computer", free, whole,
+            f"warning below {MEMORY_WARNING:.0%}, bad below {MEMORY_BAD:.0%} of all",
+            "Without memory the system swaps or ends processes: replies come late, and the controller holds.",
+            "End what else runs on this computer, or give it more memory.",
+        ),
+    )  # fmt: skip
+
+
+def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...]:
+    """Judge how quickly this computer answers.
+
+    Args:
+        machine: the computer.
+        share: of one processor, that this process uses.
+        lag: longest delay of the loop in the last minute [s].
+    """
+    load: Level = "unknown" if machine.load is None else _above(machine.load, LOAD_WARNING, LOAD_BAD)
+    value = "not known" if machine.load is None else f"{machine.load:.0%} of each processor"
+    return (
+        Judgement(
+            "load", "Computer", "Processors", f"{value}; this process {share:.0%} of one", load,
+            f"warning above {LOAD_WARNING:.0%}, bad above {LOAD_BAD:.0%}",
+            "What waits for a processor comes late: pages, plans, and the lines that a motion needs.",
+            "End what else runs on this computer.",
+        ),
+        Judgement(
+            "lag", "Computer", "Event loop, worst of the last minute", f"{lag * 1e3:.0f} ms late", _above(lag, LAG_WARNING, LAG_BAD),
+            f"warning above {LAG_WARNING * 1e3:.0f} ms, bad above {LAG_BAD * 1e3:.0f} ms",
+            "A jog stops by itself if this computer is late; a stop that is pressed is carried out as late.",
+            "Look at the load above; a virtual machine may be given too little time.",
+        ),
+    )  # fmt: skip
+
+
+def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
+    """Judge the link to the controller."""
+    if health is None or not connected:
+        return (Judgement("reply", "Link", "Link to the controller", "not connected", "unknown"),)
+    share = health.slowest_s / health.silence_s if health.silence_s > 0.0 else 0.0
+    return (
+        Judgement(
+            "reply", "Link", "Replies of the controller",
+            f"{health.reply_s * 1e3:.1f} ms now, {health.slowest_s * 1e3:.1f} ms at most since it was connected",
+            _above(share, SILENCE_WARNING, SILENCE_BAD),
+            f"warning above {SILENCE_WARNING:.0%}, bad above {SILENCE_BAD:.0%} of the {health.silence_s:.2f} s after which the controller holds",
+            "A link that is silent for longer ends a motion with a hold.",
+            "Look at cables and switches; the controller's network must be for it alone.",
+        ),
+    )  # fmt: skip
+
+
+def of_stored(
+    logs: int, size: int, growth: float, project: int | None, data: int | None, database: int, deeds: int
+) -> tuple[Judgement, ...]:
+    """Judge what is kept: number and size of run logs and their growth a day, sizes of project, data and database [bytes], entries of the audit trail."""
+    return (
+        Judgement(
+            "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day", _above(size, LOGS_WARNING, LOGS_BAD),
+            f"warning above {sized(LOGS_WARNING)}, bad above {sized(LOGS_BAD)}",
+            "Logs are never deleted by themselves.", "Download what is needed, and delete old ones on the page Files.",
+        ),
+        Judgement(
+            "trail", "Records", "Audit trail and alarms", f"{deeds:,} entries; {sized(database)}", _above(database, TRAIL_WARNING, TRAIL_BAD),
+            f"warning above {sized(TRAIL_WARNING)}, bad above {sized(TRAIL_BAD)}",
+            "The audit trail is never deleted.", "Keep a copy of the pendant's data folder, and begin a new one with --data.",
+        ),
+        Judgement("project", "Records", "Project", "more files than are counted" if project is None else sized(project), "plain"),
+        Judgement("data", "Records", "The pendant's data, with what was deleted", "more files than are counted" if data is None else sized(data), "plain"),
+    )  # fmt: skip
+
+
+_LEVELS: tuple[Level, ...] = ("plain", "unknown", "good", "warning", "bad")
+
+
+def worst_of(found: Iterable[Judgement]) -> Level:
+    """Return the worst level."""
+    return max((one.level for one in found), key=_LEVELS.index, default="unknown")
+
+
+def _above(value: float, warning: float, bad: float) -> Level:
+    return "bad" if value > bad else "warning" if value > warning else "good"
+
+
+def _below(value: float, warning: float, bad: float) -> Level:
+    return "bad" if value < bad else "warning" if value < warning else "good"

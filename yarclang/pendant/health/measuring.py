@@ -1,0 +1,131 @@
+"""Numbers of the operating system: disks, memory, load. What a system doesn't tell is None. Waits for the disk: call it in a thread."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+_MOST_SEEN = 100_000
+"""Names that are looked at in a folder."""
+_PROC = Path("/proc")
+
+
+@dataclass(frozen=True, slots=True)
+class Disk:
+    """A disk: what of the pendant lies there, in words, and its room, free and in all [bytes]."""
+
+    holds: str
+    free: int
+    total: int
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The computer and this process at one moment.
+
+    Attributes:
+        disks: those where something of the pendant lies.
+        own: memory of this process [bytes].
+        peak: the most that it had [bytes].
+        available, memory: memory of the computer that is available, and all of it [bytes].
+        load: processes that wanted a processor in the last minute, divided by the number of processors.
+        cpu: time of the processor that this process has used [s].
+    """
+
+    disks: tuple[Disk, ...]
+    own: int | None
+    peak: int | None
+    available: int | None
+    memory: int | None
+    load: float | None
+    cpu: float
+
+
+def machine(places: Iterable[tuple[str, Path]]) -> Machine:
+    """Look at the computer.
+
+    Args:
+        places: what lies where; what isn't there is left out.
+    """
+    own = _table(_PROC / "self" / "status")
+    whole = _table(_PROC / "meminfo")
+    return Machine(
+        disks_of(places),
+        own.get("VmRSS"),
+        own.get("VmHWM"),
+        whole.get("MemAvailable"),
+        whole.get("MemTotal"),
+        _load(),
+        time.process_time(),
+    )
+
+
+def disks_of(places: Iterable[tuple[str, Path]]) -> tuple[Disk, ...]:
+    """Return the disks of some places; places of one disk are named together."""
+    found: dict[int, list[str]] = {}
+    rooms: dict[int, tuple[int, int]] = {}
+    for name, place in places:
+        try:
+            device, told = place.stat().st_dev, shutil.disk_usage(place)
+        except OSError:
+            continue
+        found.setdefault(device, []).append(name)
+        rooms[device] = (told.free, told.total)
+    return tuple(Disk(_joined(names), *rooms[device]) for device, names in found.items())
+
+
+def _joined(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def size_of(folder: Path) -> int | None:
+    """Return the size of all files in a folder [bytes]; links aren't followed. None: there are too many."""
+    total, seen = 0, 0
+    for top, _, files in os.walk(folder):
+        for name in files:
+            seen += 1
+            if seen > _MOST_SEEN:
+                return None
+            if seen % 200 == 0:
+                time.sleep(0.0005)  # the interpreter is for the loop that streams
+            try:
+                total += os.lstat(f"{top}/{name}").st_size
+            except OSError:
+                continue
+    return total
+
+
+def sizes_of(*files: Path) -> int:
+    """Return the size of some files, as far as they are there [bytes]."""
+    total = 0
+    for one in files:
+        try:
+            total += one.stat().st_size
+        except OSError:
+            continue
+    return total
+
+
+def _load() -> float | None:
+    try:
+        return os.getloadavg()[0] / (os.cpu_count() or 1)
+    except (OSError, AttributeError):
+        return None
+
+
+def _table(path: Path) -> dict[str, int]:
+    """Return the sizes that a file of /proc names [bytes]; empty where there is none."""
+    found = {}
+    try:
+        for line in path.read_text("ascii", "replace").splitlines():
+            name, _, rest = line.partition(":")
+            words = rest.split()
+            if len(words) == 2 and words[1] == "kB" and words[0].isdigit():
+                found[name] = int(words[0]) * 1024
+    except OSError:
+        return {}
+    return found

@@ -1,0 +1,218 @@
+"""Looks at the computer, the process and the data, once for all pages, and keeps what the last hour was like."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from yarclang.pendant.accounts import people
+from yarclang.pendant.accounts.accounts import Accounts
+from yarclang.pendant.health.judging import low_of
+from yarclang.pendant.health.measuring import Machine, machine, size_of, sizes_of
+from yarclang.pendant.runs.folders import LogFolders
+from yarclang.pendant.watched import Watched
+from yarclang.runtime.actions import Trouble
+
+EACH, EACH_UNWATCHED = 1.0, 5.0
+"""Time between two looks while a page is connected, and else [s]."""
+_TURN = 0.1
+"""Time between two looks at the clock of the loop [s]."""
+_SLOW_EACH = 60.0
+"""Time between two looks at the sizes of folders, and between two points of the history [s]."""
+_KEPT = 60
+"""Points of the history: an hour."""
+_MINUTE = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """What is kept on the disk.
+
+    Attributes:
+        logs, logs_size: run logs, and their size [bytes].
+        growth: what run logs have grown by in a day [bytes]: in the last one, or on the average of the last seven.
+        project: size of the project [bytes]; None: there are too many files.
+        data: size of the pendant's own folder [bytes].
+        database: size of users, audit trail and alarms [bytes].
+        deeds: entries of the audit trail.
+    """
+
+    logs: int
+    logs_size: int
+    growth: float
+    project: int | None
+    data: int | None
+    database: int
+    deeds: int
+
+
+@dataclass(slots=True)
+class Worst:
+    """The worst of each second of a minute, of the delay of the loop [s]."""
+
+    rows: deque[float] = field(default_factory=lambda: deque([0.0], _MINUTE))
+
+    def note(self, delay: float) -> None:
+        """Note a delay within this second."""
+        self.rows[-1] = max(self.rows[-1], delay)
+
+    def next(self) -> None:
+        """Begin the next second."""
+        self.rows.append(0.0)
+
+    @property
+    def all(self) -> float:
+        """The worst of the last minute."""
+        return max(self.rows)
+
+
+class Sampler:
+    """Looks again and again.
+
+    Args:
+        accounts: of the pendant.
+        watched: the robot as all pages see it.
+        project: folder of the project.
+        database: file of users, sessions and audit trail.
+        logs: where logs of runs lie.
+        now: a clock that never goes back [s].
+
+    Attributes:
+        machine: the newest look at the computer; None: there was none yet.
+        stored: the newest look at what is on the disk.
+        first: memory of this process at the first look [bytes].
+        share: share of one processor that this process has used between the last two looks.
+        history: for each name, a number a minute, the oldest first.
+    """
+
+    def __init__(
+        self,
+        accounts: Accounts,
+        watched: Watched,
+        project: Path,
+        database: Path,
+        logs: LogFolders,
+        now: Callable[[], float],
+    ) -> None:
+        self.machine: Machine | None = None
+        self.stored: Stored | None = None
+        self.first: int | None = None
+        self.share = 0.0
+        self.lag = Worst()
+        self.history: dict[str, deque[float]] = {}
+        self._accounts = accounts
+        self._watched = watched
+        self._project = project
+        self._database = database.resolve()
+        self._logs = logs
+        self._now = now
+        self._began = now()
+        self._looked = self._looked_slowly = self._noted = -1e9
+        self._looking = asyncio.Lock()
+        self._low = ""
+
+    @property
+    def uptime(self) -> float:
+        """Time since the pendant began [s]."""
+        return self._now() - self._began
+
+    @property
+    def pages(self) -> int:
+        """Pages that are connected."""
+        return self._watched.pages
+
+    def low(self) -> str:
+        """Return how little room is left on a disk, in words, as it was seen last; empty: there is enough."""
+        return self._low
+
+    async def run(self) -> None:
+        """Look until somebody cancels this."""
+        looking = asyncio.ensure_future(self._look_often())
+        clock = asyncio.get_running_loop().time
+        second = clock()
+        try:
+            while True:
+                begun = clock()
+                await asyncio.sleep(_TURN)
+                self.lag.note(clock() - begun - _TURN)
+                if clock() - second >= 1.0:
+                    second = max(second + 1.0, clock() - 1.0)
+                    self.lag.next()
+        finally:
+            looking.cancel()
+
+    async def _look_often(self) -> None:
+        while True:
+            with suppress(Trouble, OSError):  # one look fails, and the next one may not
+                await self.look()
+            await asyncio.sleep(EACH if self._watched.is_watched else EACH_UNWATCHED)
+
+    async def look(self) -> None:
+        """Look now, unless somebody has looked just before.
+
+        Raises:
+            Trouble: the audit trail can't be read.
+        """
+        async with self._looking:
+            now = self._now()
+            if now - self._looked < EACH / 2:
+                return
+            before, since = self.machine, now - self._looked
+            self.machine = found = await asyncio.to_thread(machine, self._places())
+            self._looked = now
+            if before is None:
+                self.first = found.own
+            else:
+                self.share = max(0.0, (found.cpu - before.cpu) / since)
+            if now - self._looked_slowly >= _SLOW_EACH:
+                self._looked_slowly = now
+                deeds = await self._accounts.database.call(people.last_deed)
+                self.stored = await asyncio.to_thread(self._on_disk, deeds)
+            self._low = low_of(found.disks)
+            if now - self._noted >= _SLOW_EACH:
+                self._noted = now
+                self._note(found)
+
+    def _places(self) -> tuple[tuple[str, Path], ...]:
+        places = [("the project", self._project), ("the pendant's data", self._database.parent)]
+        if self._logs.folder:
+            places.append(("the run logs", Path(self._logs.folder)))
+        return tuple(places)
+
+    def _on_disk(self, deeds: int) -> Stored:
+        files, _ = self._logs.files()
+        now = datetime.now(UTC)
+        day = (now - timedelta(days=1)).isoformat(timespec="seconds")
+        week = (now - timedelta(days=7)).isoformat(timespec="seconds")
+        in_day = sum(one.size for one in files if one.changed >= day)
+        in_week = sum(one.size for one in files if one.changed >= week)
+        path = self._database
+        return Stored(
+            logs=len(files),
+            logs_size=sum(one.size for one in files),
+            growth=max(float(in_day), in_week / 7.0),
+            project=size_of(self._project),
+            data=size_of(path.parent),
+            database=sizes_of(path, Path(f"{path}-wal"), Path(f"{path}-shm")),
+            deeds=deeds,
+        )
+
+    def _note(self, found: Machine) -> None:
+        health = self._watched.showing.heard_health
+        values = {
+            "disk": min((one.free for one in found.disks), default=None),
+            "own": found.own,
+            "memory": found.available,
+            "load": found.load,
+            "lag": self.lag.all,
+            "reply": None if health is None else health.reply_s,
+            "logs": None if self.stored is None else self.stored.logs_size,
+        }
+        for name, value in values.items():
+            if value is not None:
+                self.history.setdefault(name, deque(maxlen=_KEPT)).append(float(value))

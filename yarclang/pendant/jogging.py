@@ -1,0 +1,314 @@
+"""Hold-to-run: what is pressed in a browser, as wants of a live motion.
+
+A press moves the robot only as long as fresh messages come: 20 times a second the page says what is wanted and which heartbeat it has heard last. The coordinator's own watchdog
+ends the motion 0.2 s after the last of them. A message that was on its way for longer than `FRESH` heartbeats is what somebody wanted before, not what they want now: it ends the press.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders, replies, wants
+from yarclang.coordinator.messages.message import Message
+from yarclang.coordinator.messages.orders import Order
+from yarclang.pendant.accounts.accounts import Accounts
+from yarclang.pendant.accounts.people import Deed
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.gate import Gate
+from yarclang.pendant.going import LET_GO, Going, Wanted, deed_of
+from yarclang.pendant.messages.display import Beat
+from yarclang.pendant.messages.jog import Jogging, LetGo, Press
+from yarclang.pendant.pressed import Pressed
+from yarclang.pendant.seats import Seats
+from yarclang.pendant.showing import JOG
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.units import MM
+
+BEAT = 0.05
+"""Time between two heartbeats [s]."""
+
+FRESH = 5
+"""Heartbeats after which a message is too old."""
+
+SILENCE = 0.2
+"""A press of which nothing is heard for so long ends [s]; the coordinator's own watchdog ends its motion just then."""
+
+TURN = 30.0
+"""The largest rate of a jog about an axis [deg/s]."""
+
+_REST = 1.5
+"""Time for the jog before to come to rest [s]."""
+
+_LOOKED_EACH = 0.01
+
+_REACHED = 2e-3
+"""A step is done if all joints are nearer to its end than this [deg or mm]."""
+
+Say = Callable[[Message], Awaitable[None]]
+
+
+class JogLine:
+    """One page's connection for jogs.
+
+    Args:
+        session: whose page it is.
+        address: that it comes from.
+        robot: that is jogged.
+        accounts: for the audit trail.
+        gate: says who may jog.
+        seats: the session's place at the coordinator.
+        under_way: tells what the robot carries out; empty: nothing.
+        say: sends a message to the page.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        address: str,
+        robot: Robot,
+        accounts: Accounts,
+        gate: Gate,
+        seats: Seats,
+        under_way: Callable[[], str],
+        say: Say,
+    ) -> None:
+        self._session = session
+        self._address = address
+        self._robot = robot
+        self._pressed = Pressed(robot)
+        self._accounts = accounts
+        self._gate = gate
+        self._seats = seats
+        self._under_way = under_way
+        self._say = say
+        self._beat = 0
+        self._ended = 0
+        self._active = 0
+        self._begun = False
+        self._goal: wants.Want | None = None
+        self._seat: Attached | None = None
+        self._going: Going | None = None
+        self._newest: Press | None = None
+        self._arrived = asyncio.Event()
+        self._now = asyncio.get_running_loop().time
+        self._heard = 0.0
+
+    async def run(self) -> None:
+        """Carry out what is pressed until somebody cancels this; then the robot comes to rest."""
+        beating = asyncio.create_task(self._beats())
+        try:
+            while True:
+                await self._arrived.wait()
+                self._arrived.clear()
+                press, self._newest = self._newest, None
+                if press is not None and press.press > self._ended:
+                    await self._carry_out(press)
+        finally:
+            beating.cancel()
+            self.let_go(self._active)
+            self._end_going()
+
+    def take(self, message: Press | LetGo) -> None:
+        """Take what the page says; never waits."""
+        if isinstance(message, LetGo):
+            self.let_go(message.release)
+            if message.end:
+                self._end_going()
+        elif message.press <= self._ended:
+            pass  # it was on its way when the press ended
+        elif not self._beat - FRESH <= message.beat <= self._beat:
+            self._over(message.press, "what was pressed came too late", "the network is slow: press again")
+        elif self._active and message.press != self._active:
+            self._over(message.press, "something else is pressed already", "let all go, then press again")
+        else:
+            self._heard = self._now()
+            self._newest = message
+            self._arrived.set()
+
+    def let_go(self, press: int) -> None:
+        """End a press: the robot comes to rest on its path."""
+        if press > self._ended:
+            self._over(press, "")
+
+    async def _beats(self) -> None:
+        while True:
+            self._beat += 1
+            if self._active and self._now() - self._heard > SILENCE:
+                what = f"the page said nothing for {SILENCE:g} s"
+                self._over(self._active, what, "press again")
+            await self._say(Beat(beat=self._beat))
+            await asyncio.sleep(BEAT)
+
+    async def _carry_out(self, press: Press) -> None:
+        try:
+            if press.go is not None:
+                await self._go(press, orders.Go(offer=press.go, held=True))
+                return
+            if press.home is not None:
+                await self._go(press, orders.Home(motors=press.home))
+                return
+            if press.press == self._active:
+                assert self._seat is not None
+                reply = await self._seat.ask(self._goal or await self._pressed.of(press, self._seat))
+            else:
+                reply = await self._begin(press)
+        except Trouble as trouble:
+            self._over(press.press, trouble.what, trouble.remedy, trouble.code)
+            return
+        if press.press <= self._ended:
+            self._rest()  # it was let go while the motion began
+            return
+        if reply.behind is not None and all(abs(one) < _REACHED for one in reply.behind.values()):
+            self._active = 0
+            self._ended = press.press
+            assert self._seat is not None
+            self._seat.send(wants.Finish())  # what is in the buffer leads there
+            self._let_others()
+            await self._say(Jogging(press=press.press, state="reached", why=""))
+            return
+        await self._say(Jogging(press=press.press, state="moves", why=reply.why, lag_s=reply.lag_s))
+
+    def _admit(self, press: Press, order: Order[Any]) -> None:
+        """Let a new press begin.
+
+        Args:
+            press: which.
+            order: what its role must allow.
+
+        Raises:
+            Trouble: it may not, and why.
+        """
+        self._active, self._begun, self._goal, self._seat = press.press, False, None, None
+        self._gate.check(self._session, order, self._address)
+        if not self._gate.owns(self._session):
+            raise Trouble("you don't control the robot", "take control first", "")
+        if self._seats.jogging.setdefault(self._session.id, self) is not self:
+            raise Trouble("another page of yours jogs already", "let go there", "")
+        self._accounts.used(self._session)
+
+    async def _go(self, press: Press, order: Wanted) -> None:
+        """Carry an offer or a home search out as long as this is pressed."""
+        going = self._going
+        if press.press == self._active:
+            if going is not None:
+                going.keep()
+                await self._say(Jogging(press=press.press, state="moves", why=""))
+            return
+        self._admit(press, order)
+        goes_on = isinstance(order, orders.Go)  # a search that was let go is over
+        if going is not None and goes_on and going.order == order and not going.ends:
+            await going.resume(lambda: press.press > self._ended)
+        else:
+            await self._free(press)
+            user, gate = self._session.user, self._gate
+            deed = deed_of(user, self._address, lambda order: gate.meant(self._session, order))
+            seat = await self._seats.of(self._session)
+            if press.press <= self._ended:
+                raise Trouble(LET_GO, "", "")
+            going = Going(
+                order, seat, self._accounts, deed, lambda: bool(self._under_way()), self._going_over
+            )
+            self._going = going
+            going.begin()
+
+    def _going_over(self, going: Going, what: str, help_: str) -> None:
+        if going is not self._going:
+            return  # something else is pressed by now
+        press, self._going = self._active, None
+        if not press:
+            self._tell(Jogging(press=self._ended, state="ended", why=what, help=help_))
+        elif what:
+            self._over(press, what, help_)
+        else:
+            self._active, self._ended = 0, press
+            self._let_others()
+            self._tell(Jogging(press=press, state="reached", why=""))
+
+    def _end_going(self) -> None:
+        if self._going is not None:
+            self._going.stop()
+
+    async def _free(self, press: Press) -> None:
+        """Wait until nothing is under way any more that this page has moved.
+
+        Raises:
+            Trouble: something else is.
+        """
+        going, self._going = self._going, None
+        if going is not None:
+            await going.stopped(_REST)
+        await self._rested(press)
+        if what := self._under_way():
+            raise Trouble(f"{what} is under way", "wait for its end, or stop it", "")
+
+    async def _begin(self, press: Press) -> replies.Wanted:
+        self._admit(press, wants.MoveJoints(velocity={"J": 0.0}))
+        detail = press.model_dump_json(include={"velocity", "twist", "step", "axes", "moving", "share"})
+        self._accounts.note(Deed(self._session.user, self._address, JOG, detail))
+        seat = await self._seats.of(self._session)
+        await self._free(press)
+        if press.step is not None:
+            self._goal = await self._pressed.step(press, press.step, seat)
+        want = self._goal or await self._pressed.of(press, seat)
+        if press.press <= self._ended:
+            raise Trouble(LET_GO, "", "")
+        self._seat = seat
+        await seat.ask(
+            orders.Steer(
+                moving=press.moving,
+                speed=press.share * self._robot.jog_speed / MM,
+                share=press.share,
+                again=False,
+                title=JOG,
+            )
+        )
+        reply = await seat.ask(want)
+        self._begun = True
+        return reply
+
+    async def _rested(self, press: Press) -> None:
+        """Wait until the jog before has come to rest."""
+        until = self._now() + _REST
+        while self._under_way() == JOG and self._now() < until and press.press > self._ended:
+            await asyncio.sleep(_LOOKED_EACH)
+
+    def _over(self, press: int, why: str, help_: str = "", code: str = "") -> None:
+        """End a press, and all before it."""
+        self._ended = max(self._ended, press)
+        if self._active and self._active <= self._ended:
+            self._active = 0
+            self._rest()
+            self._let_others()
+        shown = "pin" if code == "pin" else ""
+        self._tell(Jogging(press=press, state="ended", why=why, help=help_, code=shown))
+
+    def _let_others(self) -> None:
+        if self._seats.jogging.get(self._session.id) is self:
+            del self._seats.jogging[self._session.id]
+
+    def _rest(self) -> None:
+        if self._going is not None:
+            self._going.rest()
+        if self._seat is None:
+            return
+        if self._begun:
+            self._seat.send(orders.Leave())
+        else:
+            self._seat.send(orders.Stop())  # what is about to begin doesn't begin then
+
+    def _tell(self, message: Message) -> None:
+        async def told() -> None:
+            with contextlib.suppress(Exception):  # the page may be gone
+                await self._say(message)
+
+        task = asyncio.ensure_future(told())
+        _TELLING.add(task)
+        task.add_done_callback(_TELLING.discard)
+
+
+_TELLING: set[asyncio.Future[None]] = set()

@@ -1,0 +1,116 @@
+"""The life of a pendant's process: which changed files wait for a restart, and the end that somebody wants."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+
+from yarclang.robot.description import load_robot
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+
+How = Literal["restart", "shut-down"]
+
+_LARGEST = 16_000_000
+"""What is larger isn't a description [bytes]."""
+
+
+class Life:
+    """When a pendant's process ends, and what it would begin with.
+
+    Args:
+        check: raises `Trouble` if a process that is begun now wouldn't start.
+
+    Attributes:
+        wanted: how somebody wants it to end; empty: nobody does.
+    """
+
+    def __init__(self, check: Callable[[], None] = lambda: None) -> None:
+        self.wanted: How | Literal[""] = ""
+        self._check = check
+        self._ends = asyncio.Event()
+
+    async def may(self, how: How) -> None:
+        """Check that it may end so.
+
+        Raises:
+            Trouble: it ends already, or couldn't begin anew.
+        """
+        if self.wanted:
+            raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
+        if how == "restart":
+            await asyncio.to_thread(self._check)
+            if self.wanted:
+                raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
+
+    def end(self, how: How) -> None:
+        """End the process, once its coordinator is closed and the robot rests."""
+        self.wanted = how
+        self._ends.set()
+
+    async def ended(self) -> None:
+        """Wait until somebody wants the end."""
+        await self._ends.wait()
+
+
+class Descriptions:
+    """The files that a process reads once, as it begins.
+
+    Args:
+        robot: as it was loaded.
+        folder: of the project.
+    """
+
+    def __init__(self, robot: Robot, folder: Path) -> None:
+        self._robot = robot
+        self._described = robot.folder / "robot.toml"
+        self._project = folder / "yarc.toml"
+        self._texts = {self._project: _digest(self._project)}
+        self._looked: tuple[tuple[int, int] | None, str] = (None, "")
+
+    def know(self, cell: str | None) -> None:
+        """Note the cell that all motions keep to, when it is heard of first."""
+        if cell is not None and Path(cell) not in self._texts:
+            self._texts[Path(cell)] = _digest(Path(cell))
+
+    def waiting(self) -> tuple[tuple[str, str], ...]:
+        """Return the files that were changed since, and what there is to say of each. Takes long: call it in a thread."""
+        found = [] if not (told := self._of_robot()) else [(self._described.name, told)]
+        for path, was in self._texts.items():
+            if _digest(path) != was:
+                found.append((path.name, "it was changed: a restart reads it"))
+        return tuple(found)
+
+    def _of_robot(self) -> str:
+        stands = _stands(self._described)
+        if stands is None or stands != self._looked[0]:
+            self._looked = (stands, self._compared())
+        return self._looked[1]
+
+    def _compared(self) -> str:
+        read = load_robot(str(self._robot.folder))
+        if read.value is None:
+            first = next(one for one in read.diagnostics if one.is_error)
+            return f"it can't be loaded any more: {first.message}"
+        if read.value.fingerprint != self._robot.fingerprint:
+            return "it describes another robot than the one that is loaded: a restart loads it, and the controller may need other settings"
+        return ""
+
+
+def _stands(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
+
+
+def _digest(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return hashlib.sha256(file.read(_LARGEST)).hexdigest()
+    except OSError:
+        return ""

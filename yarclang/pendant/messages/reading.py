@@ -1,0 +1,38 @@
+"""Texts that should be messages, and trouble as one."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from pydantic import ValidationError
+
+from yarclang.coordinator.messages.message import Message
+from yarclang.coordinator.messages.replies import Denied
+from yarclang.runtime.actions import Trouble
+
+M = TypeVar("M", bound=Message)
+
+
+class Malformed(Trouble):
+    """A body isn't what the API's page says."""
+
+
+def read(text: bytes | str, kind: type[M]) -> M:
+    """Return what a text says.
+
+    Raises:
+        Malformed: it isn't a message of this kind.
+    """
+    try:
+        return kind.model_validate_json(text or b"{}")
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+        place = ".".join(str(one) for one in first["loc"]) or "the body"
+        raise Malformed(f"{place[:80]}: {first['msg'].lower()}", "see the API's page", "") from None
+    except RecursionError:
+        raise Malformed("the body can't be read", "see the API's page", "") from None
+
+
+def denied(trouble: Trouble) -> Denied:
+    """Return trouble as a message."""
+    return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

@@ -1,0 +1,93 @@
+"""The robot in three dimensions: what is to be seen, and where."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from yarclang.coordinator.messages.message import Message, Number
+
+MOST_ROWS = 5000
+"""Joint positions in one question for placements."""
+MOST_JOINTS = 32
+
+Colour = tuple[int, int, int]
+
+
+class SceneItem(Message):
+    """A body, or the border of a zone. Bodies of one name are one body of the collision check."""
+
+    name: str
+    kind: Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
+    """`shape` is a collision shape of a link or a tool that is drawn by what it looks like."""
+    joint: int
+    """How many joints move it, those from the base on."""
+    pose: tuple[float, ...]
+    """(3, 4) base_from_item with all joints at zero, row by row [m]."""
+    colour: Colour
+    """Red, green, blue, from 0 to 255."""
+    opacity: float
+    mesh: str
+    """For /api/scene/mesh/{id}."""
+    named: bool
+    """True if its name is written at it."""
+    begins_s: float | None = None
+    ends_s: float | None = None
+    """It is there from `begins_s` up to, but not at, `ends_s` of the program's time [s]; null: from the beginning, to the end."""
+
+
+class SceneAxes(Message):
+    """A frame."""
+
+    name: str
+    joint: int
+    """How many joints move it."""
+    pose: tuple[float, ...]
+    """(3, 4) base_from_frame with all joints at zero, row by row [m]."""
+    program: bool
+    """True for a frame that only the program declares."""
+    matters: bool
+    """True for {B}, the followed frame and those that the program uses; without a program, for all."""
+
+
+class SceneShown(Message):
+    """What is to be seen. Placements of the joints (`Display.links`) move it."""
+
+    version: str
+    """Another one if anything of this is another one."""
+    title: str
+    notes: tuple[str, ...]
+    """What can't be shown, and why."""
+    joints: tuple[str, ...]
+    items: tuple[SceneItem, ...]
+    axes: tuple[SceneAxes, ...]
+    tool: str
+    """The frame whose path is drawn; empty: the flange's."""
+    tool_pose: tuple[float, ...]
+    """(3, 4) base_from_tool with all joints at zero, row by row [m]."""
+    tool_axis: tuple[float, ...]
+    """The last joint's axis with all joints at zero, away from the robot: a camera on the tool looks along it."""
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    """The corners of a box around the robot at HOME and all bodies [m]."""
+    robot_low: tuple[float, ...]
+    robot_high: tuple[float, ...]
+    """The same of the robot alone."""
+    eye: tuple[float, ...]
+    target: tuple[float, ...]
+    """From where it is seen at first, and at what the eye looks [m]."""
+    speeds: tuple[Colour, ...]
+    """Colours for speeds, from standing to the fastest one."""
+    ghost: Colour
+    touching: Colour
+    stale: Colour
+
+
+class Placements(Message):
+    """Joint positions [deg or mm], in the order of the robot's joints, for which placements are wanted."""
+
+    joints: Annotated[
+        tuple[Annotated[tuple[Number, ...], Field(max_length=MOST_JOINTS)], ...],
+        Field(max_length=MOST_ROWS, description=f"at most {MOST_ROWS} lists of numbers"),
+    ]

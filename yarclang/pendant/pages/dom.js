@@ -1,0 +1,50 @@
+// Elements made of data. Texts are always texts: nothing that a person or a file has named becomes markup.
+
+export function h(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
+    else if (name === "value") made.value = value;
+    else if (name === "checked") made.checked = value;
+    else made.setAttribute(name, value === true ? "" : value);
+  }
+  made.append(...children.flat().filter((one) => one !== null && one !== undefined && one !== false));
+  return made;
+}
+
+export function put(place, ...children) {
+  place.replaceChildren(...children.flat().filter((one) => one !== null && one !== undefined && one !== false));
+}
+
+// Change a text only if it is another one: screen readers and layout are left alone otherwise.
+export function text(place, value) {
+  if (place.textContent !== value) place.textContent = value;
+}
+
+export function mark(place, name, value) {
+  if (place.getAttribute(name) !== value) place.setAttribute(name, value);
+}
+
+export function button(label, act, attributes = {}) {
+  return h("button", { type: "button", onclick: act, ...attributes }, label);
+}
+
+export function seconds(value) {
+  if (value < 60) return `${value.toFixed(1)} s`;
+  return `${Math.floor(value / 60)}:${String(Math.floor(value % 60)).padStart(2, "0")} min`;
+}
+
+// Where a command stands, in words: "P0020(#2)>P0010" is P0020 (pass 3) › P0010.
+export function stands(where) {
+  return where.split(">").map((one) => one.replace(/\(#(\d+)\)/g, (_, pass) => ` (pass ${Number(pass) + 1})`)).join(" › ");
+}
+
+// A command's title in two: what it is, and where it stands, in words: "P0020(#2)>P0010 MOVEL" is P0010 MOVEL, in P0020 (pass 3).
+export function called(title) {
+  const [where, ...name] = title.split(" ");
+  const parts = where.split(">");
+  const [, own, pass = ""] = parts.pop().match(/^(.*?)((?:\(#\d+\))*)$/);
+  const words = [parts.length ? `in ${stands(parts.join(">"))}` : "", stands(pass).trim()].filter(Boolean);
+  return [[own, ...name].join(" "), words.join(" ")];
+}

@@ -1,0 +1,36 @@
+// Questions in a dialog.
+
+import { button, h } from "/dom.js";
+
+// The name that somebody types; null if they don't. `act` is tried with it, and what it refuses is shown in the dialog.
+export function askName(title, value, label, act) {
+  const input = h("input", { type: "text", name: "path", value, autocomplete: "off", spellcheck: "false", maxlength: 1000, "aria-label": title });
+  const told = h("p", { class: "told", role: "alert" });
+  const form = h("form", {
+    onsubmit: async (event) => {
+      event.preventDefault();
+      try {
+        await act(input.value.trim());
+        dialog.close();
+      } catch (refused) {
+        told.textContent = refused.message;
+      }
+    },
+  }, h("h2", {}, title), input, told, h("div", { class: "actions" }, h("button", { type: "submit", class: "main" }, label), button("Cancel", () => dialog.close())));
+  const dialog = opened(form, "asks");
+  input.focus();
+  const from = value.lastIndexOf("/") + 1;
+  const dot = value.lastIndexOf(".");
+  input.setSelectionRange(from, dot > from ? dot : value.length);
+  return dialog;
+}
+
+// Over the page alone, and not modal: STOP stays in reach.
+export function opened(content, kind, closed = () => {}) {
+  const page = document.getElementById("page");
+  for (const other of page.querySelectorAll("dialog")) other.close();
+  const dialog = h("dialog", { class: kind, onclose: () => { closed(); dialog.remove(); } }, content);
+  page.append(dialog);
+  dialog.show();
+  return dialog;
+}

@@ -1,0 +1,34 @@
+// What the pages of the history share: their style, and times in words.
+
+import { h } from "/dom.js";
+
+// The rules of these pages, once.
+export function style() {
+  if (document.querySelector("link[href='/history/history.css']")) return;
+  document.head.append(h("link", { rel: "stylesheet", href: "/history/history.css" }));
+}
+
+// A time of day (UTC, ISO 8601) as people here read it; today without its date.
+export function local(iso) {
+  const when = new Date(iso);
+  if (Number.isNaN(when.getTime())) return "unknown";
+  const time = when.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+  return when.toDateString() === new Date().toDateString() ? time : `${when.toLocaleDateString()} ${time}`;
+}
+
+export const utc = (iso) => `${iso.slice(0, 19).replace("T", " ")} UTC`;
+
+export function both(iso) {
+  return iso ? `${local(iso)} (${utc(iso)})` : "";
+}
+
+// Facts as a list of names and values; those without a value are left out.
+export function facts(pairs) {
+  return h("dl", { class: "facts" }, pairs.filter(([, value]) => value).map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]).flat());
+}
+
+// Open a program of the project at a line.
+export function goToLine(app, file, line) {
+  app.left = { file, lines: [line, line], state: app.left?.file === file ? app.left.state : { doc: null } };
+  location.hash = `#/program/${encodeURIComponent(file)}`;
+}

@@ -1,0 +1,162 @@
+// What is played: a program that was planned and proved, whole, from a command on or in steps, and what becomes of it.
+
+import { order } from "/api.js";
+import { button } from "/dom.js";
+
+// The code of a program that the coordinator doesn't have.
+const UNKNOWN = "Y1613";
+const EVENTS = ["part", "paused", "began", "finished", "wait_began", "wait_ended"];
+
+export class Player extends EventTarget {
+  // The player of a login: what was loaded stays while other pages are shown.
+  static of(app) {
+    if (app.player?.robot !== app.robot) app.player = new Player(app);
+    return app.player;
+  }
+
+  constructor(app) {
+    super();
+    this.app = app;
+    this.robot = app.robot;
+    this.asked = 0;
+    this.close();
+    for (const kind of EVENTS) this.robot.addEventListener(kind, (event) => this.hear(event.detail));
+    this.robot.addEventListener("lost", () => (this.doubtful = true));
+    this.robot.addEventListener("display", ({ detail }) => this.look(detail));
+  }
+
+  // The coordinator may be another one after it was away: it doesn't know what was loaded, nor the offer of a question.
+  look(display) {
+    if (!display.connected) this.doubtful = true;
+    else if (this.doubtful && display.mode === "idle") {
+      this.doubtful = false;
+      if (this.ask) {
+        this.ask = null;
+        this.tell();
+      }
+      this.renew();
+    }
+  }
+
+  // What was changed since it was proved, as by teaching, is planned and proved anew; nothing that is under way is touched.
+  async renew() {
+    const { program, asked } = this;
+    const idle = () => this.robot.display?.mode === "idle";
+    if (!program || !idle() || !this.app.may("operator")) return;
+    const now = await order("course", { program: program.number, samples: 2 }).catch((refused) => (refused.code === UNKNOWN ? { changed: true } : null));
+    if (!now?.changed || asked !== this.asked || !idle() || this.ask) return;
+    this.ended = null;
+    await this.load(this.file, null, this.bySteps);
+  }
+
+  close() {
+    this.asked += 1;
+    Object.assign(this, { file: "", first: null, bySteps: false, loading: false, told: null, program: null, course: null, way: null, ended: null });
+    Object.assign(this, { part: null, paused: null, waits: "", ask: null });
+    this.tell();
+  }
+
+  tell() {
+    this.dispatchEvent(new Event("changed"));
+  }
+
+  // Plan and prove a program, from a command on, or in steps. True if it can be run.
+  async load(file, first = null, bySteps = false) {
+    const mine = ++this.asked;
+    const other = file !== this.file;
+    Object.assign(this, { file, first, bySteps, loading: true, told: null, program: null, course: null, way: null, ask: null });
+    if (other) Object.assign(this, { ended: null });
+    this.tell();
+    const fields = { file, approach: true, by_steps: bySteps, ...(first ? { first } : {}) };
+    const told = await this.app.tried(() => order("load", fields));
+    const program = told?.program ?? null;
+    const course = program && (await this.app.tried(() => order("course", { program: program.number })));
+    // where the robot is under way, nobody knows the way yet
+    const way = program && first ? await order("way", { program: program.number }).catch(() => null) : null;
+    if (mine !== this.asked) return false;
+    Object.assign(this, { loading: false, told, program, course, way, at: new Date() });
+    this.tell();
+    return Boolean(program);
+  }
+
+  // Whether the person may, in words if not.
+  may(role = "operator") {
+    const { app } = this;
+    if (!app.may(role)) {
+      app.notice(`This needs the role ${role}; you are ${app.me.role}.`, true);
+      return false;
+    }
+    if (app.controls) return true;
+    const asked = app.notice("You don't control the robot.", true, button("Take control", () => (asked.remove(), app.control())));
+    return false;
+  }
+
+  // Run what was chosen: `times` passes (null: until somebody stops it), or command by command.
+  async run(times, bySteps = false) {
+    if (!this.may() || !this.file) return;
+    if (bySteps !== this.bySteps && !(await this.load(this.file, this.first, bySteps))) return;
+    if (!this.program) return;
+    const { number } = this.program;
+    // is what was proved still what stands in the file?
+    const now = await this.app.tried(() => order("course", { program: number, samples: 2 }));
+    if (!now) return;
+    if (this.course) this.course.changed = now.changed;
+    const way = await this.app.tried(() => order("way", { program: number }));
+    if (!way) return;
+    this.way = way;
+    const fields = { program: number, times };
+    if (way.findings.some((one) => one.severity === "error") || (way.text && way.duration_s === null)) {
+      this.ask = { text: `The robot can't get to its start: ${way.text}.`, findings: way.findings };
+    } else if (way.text || this.course?.changed) {
+      const changed = this.course?.changed ? "The file was changed after the proof: what was proved is what runs. " : "";
+      const text = way.text ? `The robot isn't at the start: ${way.text}. A slow, proved motion leads there in ${way.duration_s.toFixed(1)} s.` : "";
+      const label = way.text ? "Move there, then run" : "Run what was proved";
+      this.ask = { text: changed + text, label, act: () => this.carry("run", { ...fields, approach: Boolean(way.text) }), reload: this.course?.changed };
+    } else {
+      this.carry("run", fields);
+      return;
+    }
+    this.tell();
+  }
+
+  async carry(word, fields) {
+    Object.assign(this, { ask: null, ended: null, paused: null, part: null });
+    this.tell();
+    const ended = await this.app.tried(() => order(word, fields));
+    if (!ended) return;
+    this.ended = { ...ended, word };
+    Object.assign(this, { part: null, paused: null, waits: "" });
+    this.tell();
+  }
+
+  // The last motion back along its path.
+  async backwards() {
+    if (!this.may("programmer")) return;
+    const told = await this.app.tried(() => order("offer-back"));
+    if (!told) return;
+    const { offer } = told;
+    if (!offer) this.ask = { text: "There is no way back.", findings: told.findings };
+    else this.ask = { text: `${offer.title}, along its path: proved, takes ${offer.duration_s.toFixed(1)} s${nearest(offer)}.`, label: "Go back", act: () => this.carry("go", { offer: offer.number }) };
+    this.tell();
+  }
+
+  // Whether it is this program that is carried out, and not the way to its start.
+  runs(display) {
+    return display.under_way !== "" && display.under_way === this.program?.name && !this.part?.to_the_start && display.done_s > 0;
+  }
+
+  hear(told) {
+    if (told.event === "part") Object.assign(this, { part: told, paused: null });
+    else if (told.event === "paused") this.paused = told;
+    else if (told.event === "wait_began") this.waits = `waits for ${told.name || told.variable}`;
+    else if (told.event === "wait_ended") this.waits = "";
+    else Object.assign(this, { part: null, paused: null, waits: "" });
+  }
+}
+
+// The smallest clearance of an offer's motions, in words.
+export function nearest(offer) {
+  const known = offer.motions.map((one) => one.clearance).filter((one) => one?.first);
+  const [one] = known.sort((a, b) => a.distance_mm - b.distance_mm);
+  return one ? `, ${one.first} stays ${one.distance_mm.toFixed(1)} mm from ${one.second}` : "";
+}

@@ -1,0 +1,40 @@
+// The motors in a table: loop, home, following error, what keeps each from moving, and what can be done about it.
+
+import { h, mark, put, text } from "/dom.js";
+
+const HEADS = ["Motor", "Loop", "Homed", "Following error", "Trouble"];
+
+// Make the table in a place; return what shows the motors as they are told. `remedies` adds what can be done.
+export function motorTable(place, remedies = false) {
+  let rows = [];
+  return (motors) => {
+    if (rows.length !== motors.length) {
+      rows = motors.map(({ number }) => ({ number: h("th", { scope: "row" }, `#${number}`), loop: h("td", {}), home: h("td", {}), following: h("td", {}), trouble: h("td", {}), ...(remedies ? { remedy: h("td", { class: "remedy" }) } : {}) }));
+      put(place,
+        h("thead", {}, h("tr", {}, [...HEADS, ...(remedies ? ["What to do"] : [])].map((one) => h("th", { scope: "col" }, one)))),
+        h("tbody", {}, rows.map((row) => h("tr", {}, Object.values(row)))));
+    }
+    motors.forEach((motor, at) => {
+      const row = rows[at];
+      text(row.loop, motor.closed_loop ? "closed" : "open");
+      text(row.home, motor.homed ? "yes" : "no");
+      text(row.following, motor.following === null ? "unknown" : `${motor.following.toFixed(1)} counts`);
+      text(row.trouble, motor.trouble || "none");
+      mark(row.trouble, "data-bad", String(motor.trouble !== ""));
+      mark(row.loop, "data-bad", String(!motor.closed_loop));
+      mark(row.home, "data-bad", String(!motor.homed));
+      row.loop.title = motor.flags.join(", ");
+      if (row.remedy) text(row.remedy, remedy(motor));
+    });
+  };
+}
+
+function remedy(motor) {
+  const has = (flag) => motor.flags.includes(flag);
+  if (has("amplifier fault")) return "Look at its drive; reset it there, then enable.";
+  if (has("fatal following error")) return "Find out what held it up, then enable.";
+  if (has("stopped on limit")) return "Jog it off the limit.";
+  if (!has("activated")) return "Activate it on the controller (Ixx00).";
+  if (!motor.closed_loop) return "Enable.";
+  return motor.homed ? "" : "Home it.";
+}

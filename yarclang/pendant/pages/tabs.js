@@ -1,0 +1,19 @@
+// A page of several, with a row of tabs above them. The tab is the second part of the address: #/system/users.
+
+import { h, put } from "/dom.js";
+
+// Return a page of [name, title, page, role]: tabs that the person may not use aren't shown.
+export function tabbed(group, tabs) {
+  return (place, app, rest) => {
+    const [wanted, ...below] = rest.split("/");
+    const shown = tabs.filter(([, , , role]) => app.may(role));
+    const [name, title, page] = shown.find(([known]) => known === wanted) ?? shown[0];
+    const inner = h("div", { class: "tab" });
+    put(place,
+      h("nav", { class: "tabs", "aria-label": "Parts of this page" },
+        shown.map(([known, label]) => h("a", { href: `#/${group}/${known}`, class: "place", "aria-current": known === name ? "page" : null }, label))),
+      inner);
+    put(inner, h("h1", { class: "hidden" }, title));
+    return page(inner, app, below.join("/"));
+  };
+}

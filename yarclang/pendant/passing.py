@@ -1,0 +1,335 @@
+"""What a page and its analyst, a language server, may say to each other. No I/O.
+
+A page knows the files of the project as `yarc:///folder/name.yarc`. Nothing of a page's message is handed on as it came: each message is read as a type, and
+written anew with the URI of the file that the page has open.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Generic, Literal, TypeVar
+from urllib.parse import unquote, urlsplit
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from yarclang.coordinator.messages.message import Message
+from yarclang.pendant.messages.reading import Malformed, read
+
+SCHEME = "yarc"
+MOST_OPEN = 8
+"""Files that one page may have open."""
+
+MOST_ASKED = 64
+"""Requests of one page that wait for their answers."""
+
+_LARGEST = 1 << 30
+_SUFFIX = ".yarc"
+_NOT_FOUND = -32601
+
+Text = Annotated[str, Field(max_length=1 << 20)]
+Uri = Annotated[str, Field(max_length=4000)]
+Count = Annotated[int, Field(ge=0, le=_LARGEST)]
+Id = Annotated[int, Field(ge=0, le=_LARGEST)]
+
+
+class Named(Message):
+    """A file."""
+
+    uri: Uri
+
+
+class Versioned(Named):
+    """A file's version."""
+
+    version: Count
+
+
+class Opened(Versioned):
+    """A file with its text."""
+
+    text: Text
+
+
+class Position(Message):
+    """A place: line and UTF-16 unit, from 0."""
+
+    line: Count
+    character: Count
+
+
+class Range(Message):
+    """A stretch of a text."""
+
+    start: Position
+    end: Position
+
+
+class Change(Message):
+    """A stretch gets another text."""
+
+    range: Range
+    text: Text
+
+
+class Open(Message):
+    """A file is opened."""
+
+    textDocument: Opened  # noqa: N815 - the protocol's
+
+
+class Edited(Message):
+    """A text has changed; each change counts from the one before."""
+
+    textDocument: Versioned  # noqa: N815 - the protocol's
+    contentChanges: Annotated[tuple[Change, ...], Field(max_length=20_000)]  # noqa: N815 - the protocol's
+
+
+class Whole(Message):
+    """Something about a whole text."""
+
+    textDocument: Named  # noqa: N815 - the protocol's
+
+
+class Place(Whole):
+    """Something about a place."""
+
+    position: Position
+
+
+class Stretch(Whole):
+    """Something about a stretch."""
+
+    range: Range
+
+
+class Cancelled(Message):
+    """A request isn't wanted any more."""
+
+    id: Id
+
+
+class Nothing(Message):
+    """No parameters."""
+
+
+P = TypeVar("P", bound=Message)
+
+
+class _Said(Message, Generic[P]):
+    jsonrpc: Literal["2.0"] = "2.0"
+    method: str
+    params: P
+
+
+class _Asked(_Said[P]):
+    id: Id
+
+
+class _Method(BaseModel):
+    model_config = ConfigDict(extra="ignore", strict=True)
+
+    method: Annotated[str, Field(max_length=100)]
+
+
+REQUESTS: Mapping[str, type[Message]] = {
+    "initialize": Nothing,
+    "textDocument/completion": Place,
+    "textDocument/hover": Place,
+    "textDocument/signatureHelp": Place,
+    "textDocument/codeAction": Stretch,
+    "textDocument/formatting": Whole,
+    "textDocument/semanticTokens/full": Whole,
+    "textDocument/semanticTokens/range": Stretch,
+}
+"""What pages may ask, and with which parameters."""
+
+NOTIFICATIONS: Mapping[str, type[Message]] = {
+    "initialized": Nothing,
+    "textDocument/didOpen": Open,
+    "textDocument/didChange": Edited,
+    "textDocument/didClose": Whole,
+    "$/cancelRequest": Cancelled,
+}
+"""What pages may tell."""
+
+_TYPES: dict[str, type[_Said[Any]]] = {
+    **{name: _Asked[kind] for name, kind in REQUESTS.items()},  # type: ignore[valid-type]
+    **{name: _Said[kind] for name, kind in NOTIFICATIONS.items()},  # type: ignore[valid-type]
+}
+
+_PLAIN = {"documentationFormat": ["plaintext"]}
+_CAPABILITIES = {
+    "general": {"positionEncodings": ["utf-16"]},
+    "textDocument": {
+        "publishDiagnostics": {"versionSupport": True},
+        "hover": {"contentFormat": ["plaintext"]},
+        "completion": {"completionItem": {"snippetSupport": False, **_PLAIN}},
+        "signatureHelp": {"signatureInformation": _PLAIN},
+        "codeAction": {"codeActionLiteralSupport": {"codeActionKind": {"valueSet": ["quickfix"]}}},
+    },
+}
+
+
+class Passing:
+    """The messages between one page and its analyst.
+
+    Args:
+        folder: of the project.
+        inside: returns the path of a file of the project, or raises `Trouble`.
+    """
+
+    def __init__(self, folder: Path, inside: Callable[[str], Path]) -> None:
+        self._folder = folder
+        self._inside = inside
+        self._files: dict[str, str] = {}
+        self._asked: dict[int, str] = {}
+
+    def again(self) -> None:
+        """Forget all that was said: the analyst is another one."""
+        self._files.clear()
+        self._asked.clear()
+
+    # from the page
+
+    def to_analyst(self, text: str) -> dict[str, Any]:
+        """Return what a page's message is for the analyst. Looks into the folder if a file is opened.
+
+        Raises:
+            Malformed: it isn't a message that pages may send.
+            Trouble: it opens a file that isn't a program of the project.
+        """
+        name = read(text, _Method).method if text else ""  # type: ignore[type-var]  # reads any model
+        if name not in _TYPES:
+            raise Malformed(f"{name[:40]!r} isn't for pages", "see the API's page", "")
+        message = read(text, _TYPES[name])
+        made: dict[str, Any] = {
+            "jsonrpc": "2.0",
+            "method": name,
+            "params": self._params(name, message.params),
+        }
+        if isinstance(message, _Asked):
+            if len(self._asked) >= MOST_ASKED or message.id in self._asked:
+                raise Malformed("too many questions wait for their answers", "wait, or cancel some", "")
+            self._asked[message.id] = name
+            made["id"] = message.id
+        return made
+
+    def _params(self, name: str, params: Message) -> dict[str, Any]:
+        if name == "initialize":
+            return {
+                "processId": None,
+                "rootUri": self._folder.as_uri(),
+                "capabilities": _CAPABILITIES,
+                "initializationOptions": {"showDocuments": False},
+            }
+        content = params.model_dump(mode="json")
+        if isinstance(params, Open):
+            content["textDocument"] |= {"uri": self._open(params.textDocument.uri), "languageId": "yarc"}
+        elif isinstance(params, Edited | Whole):
+            content["textDocument"]["uri"] = self._known(params.textDocument.uri)
+        if name == "textDocument/didClose":
+            self._files.pop(content["textDocument"]["uri"], None)
+        elif name == "textDocument/codeAction":
+            content["context"] = {"diagnostics": [], "only": ["quickfix"]}
+        elif name == "textDocument/formatting":
+            content["options"] = {"tabSize": 2, "insertSpaces": True}
+        return content
+
+    def _open(self, uri: str) -> str:
+        try:
+            parts = urlsplit(uri)
+            path = unquote(parts.path, errors="strict")
+        except ValueError:
+            raise Malformed("the URI can't be read", "name a file as yarc:///NAME.yarc", "") from None
+        if parts.scheme != SCHEME or parts.netloc or parts.query or parts.fragment or path[:1] != "/":
+            raise Malformed(
+                f"{uri[:80]!r} isn't a file of the project", "name a file as yarc:///NAME.yarc", ""
+            )
+        if not path.lower().endswith(_SUFFIX):
+            raise Malformed(
+                f"{path[1:81]!r} is no program", f"open a file whose name ends with {_SUFFIX}", ""
+            )
+        if len(self._files) >= MOST_OPEN:
+            raise Malformed(f"{MOST_OPEN} files are open", "close one", "")
+        place = self._inside(path[1:]).as_uri()
+        if place in self._files:
+            raise Malformed(f"{path[1:81]!r} is open", "close it first", "")
+        self._files[place] = uri
+        return place
+
+    def _known(self, uri: str) -> str:
+        for place, name in self._files.items():
+            if name == uri:
+                return place
+        raise Malformed(f"{uri[:80]!r} isn't open", "open it first", "")
+
+    # from the analyst
+
+    def to_page(self, message: dict[str, Any]) -> dict[str, Any] | None:
+        """Return what an analyst's message is for the page; None: it isn't for pages."""
+        if "method" in message:
+            if message["method"] == "textDocument/publishDiagnostics" and "id" not in message:
+                return self._findings(message["params"])
+            return None
+        name = self._asked.pop(message.get("id", -1), None)
+        if name is None:
+            return None
+        made: dict[str, Any] = {"jsonrpc": "2.0", "id": message["id"]}
+        if "error" in message:
+            return made | {"error": {"message": self._short(str(message["error"].get("message", "")))}}
+        result = message.get("result")
+        if name == "initialize":
+            result = {}
+        elif name == "textDocument/codeAction":
+            result = [one for each in result or () if (one := self._action(each)) is not None]
+        elif name == "textDocument/hover" and result:
+            result["contents"]["value"] = self._short(result["contents"]["value"])
+        return made | {"result": result}
+
+    def reply(self, message: dict[str, Any]) -> dict[str, Any] | None:
+        """Return what the bridge answers to an analyst's own question: that nobody here answers it; None: it asked none."""
+        if "method" not in message or "id" not in message:
+            return None
+        return {"jsonrpc": "2.0", "id": message["id"], "error": {"code": _NOT_FOUND, "message": "not here"}}
+
+    def _findings(self, params: dict[str, Any]) -> dict[str, Any] | None:
+        uri = self._files.get(params["uri"])
+        if uri is None:
+            return None
+        shown = [
+            {key: one.get(key) for key in ("range", "severity", "code", "tags")}
+            | {"message": self._short(one["message"])}
+            for one in params["diagnostics"]
+        ]
+        told = {"uri": uri, "version": params.get("version"), "diagnostics": shown}
+        return {"jsonrpc": "2.0", "method": "textDocument/publishDiagnostics", "params": told}
+
+    def _action(self, action: dict[str, Any]) -> dict[str, Any] | None:
+        """Return an action that changes texts which the page has open, and nothing else."""
+        edit = action.get("edit") or {}
+        changes = edit.get("changes")
+        if "command" in action or edit.keys() != {"changes"} or not changes:
+            return None
+        if not all(place in self._files for place in changes):
+            return None
+        return {
+            "title": action["title"],
+            "kind": action.get("kind"),
+            "isPreferred": bool(action.get("isPreferred")),
+            "about": [
+                {"code": one.get("code"), "range": one["range"]} for one in action.get("diagnostics") or ()
+            ],
+            "edit": {"changes": {self._files[place]: edits for place, edits in changes.items()}},
+        }
+
+    def _short(self, text: str) -> str:
+        """Return a text with the paths of the project's files as the page knows them."""
+        return text.replace(f"{self._folder}/", "")
+
+
+def written(message: Mapping[str, Any]) -> bytes:
+    """Return a message as an analyst reads it."""
+    body = json.dumps(message).encode()
+    return b"Content-Length: %d\r\n\r\n%s" % (len(body), body)

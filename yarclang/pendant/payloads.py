@@ -1,0 +1,261 @@
+"""A tool's mass as a change of robot.toml, and what it does to the torques of the joints. All functions read files or compute: call them in a thread."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from yarclang.coordinator.messages.findings import finding_messages
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.hir import Gap
+from yarclang.motion.plan import MotionPlan
+from yarclang.pendant.messages import tools as said
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.project.git import text_of
+from yarclang.robot.description import read_robot
+from yarclang.robot.dynamics import holding_torques, torques
+from yarclang.robot.library import DESCRIPTION
+from yarclang.robot.model import Array, Dynamics, Robot
+from yarclang.robot.payload import Worst, worst_holding, worst_of
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+from yarclang.toml.changes import ChangeError, with_table, with_value, without
+from yarclang.toml.reading import parse_toml, read_text
+
+_EACH, _MOST_INSTANTS = 16, 40_000
+"""Instants that are looked at, of a motion and of a whole program."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFile:
+    """The robot.toml that runs, as it is on the disk now: its `text` and SHA-256, the path by which the project knows it, or the whole one; `why_not` says why it can't be changed here, and is empty if it can."""
+
+    file: str
+    folder: Path
+    text: str
+    sha256: str
+    why_not: str
+
+    @property
+    def source(self) -> SourceFile:
+        """The text under its name."""
+        return SourceFile(self.file, self.text)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What its TOML says.
+
+        Raises:
+            Trouble: it is no TOML.
+        """
+        data = parse_toml(self.source)
+        if isinstance(data, Diagnostic):
+            what = f"{self.file} can't be read: {data.message.rstrip('.')}"
+            raise Trouble(what, "correct it on the page Files", data.code)
+        return data
+
+    def read(self) -> Result[Robot]:
+        """Return the robot that it describes."""
+        return read_robot(self.source, self.folder)
+
+
+def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
+    """Read the description of a robot.
+
+    Args:
+        robot: that runs.
+        project: the files that can be changed.
+
+    Raises:
+        Trouble: it can't be read.
+    """
+    place = robot.folder.resolve() / DESCRIPTION
+    if place.is_relative_to(project.root):
+        file = place.relative_to(project.root).as_posix()
+        content, told = project.read(file)
+        return RobotFile(file, robot.folder, text_of(file, content), told.sha256, "")
+    found = read_text(place, "")
+    if isinstance(found, Diagnostic):
+        raise Trouble(found.message.rstrip("."), "look whether it was moved", found.code)
+    why = f"{robot.name} is described outside of the project, in {place.parent}: copy that folder into the project, and start the pendant with --robot and the copy"
+    sha256 = hashlib.sha256(found.text.encode()).hexdigest()
+    return RobotFile(str(place), robot.folder, found.text, sha256, why)
+
+
+def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the tables [tools.NAME] of a file, by their names as they are written."""
+    found = data.get("tools")
+    if not isinstance(found, dict):
+        return {}
+    return {name: table for name, table in found.items() if isinstance(table, dict)}
+
+
+def with_payload(file: RobotFile, payload: said.Payload) -> str:
+    """Return the text of robot.toml with what a tool weighs; numbers that stay are left as they are written.
+
+    Args:
+        file: robot.toml.
+        payload: that the tool has then.
+
+    Raises:
+        Trouble: the file has no such tool and can't get it, or isn't in a form that can be changed.
+    """
+    tables = tables_of(file.data)
+    named = {name.upper(): name for name in tables}
+    name = named.get(payload.tool.upper())
+    wanted: dict[str, object] = {"mass": payload.mass}
+    if payload.mass > 0.0:
+        wanted["center_of_mass"] = list(payload.center_mm)
+        if payload.inertia is not None:
+            wanted["inertia"] = list(payload.inertia)
+    try:
+        if name is None:
+            if payload.frame is None:
+                what = f"{file.file} has no tool {payload.tool}"
+                raise Trouble(what, "name one of it, or the frame that a new one sits in", "")
+            return with_table(
+                file.source, ("tools", payload.tool.upper()), {"frame": payload.frame.upper(), **wanted}
+            )
+        return _changed(file, name, tables[name], wanted)
+    except ChangeError as error:
+        what = f"[tools.{payload.tool}] can't be changed by the pendant: {error}"
+        raise Trouble(what, "change robot.toml by hand, on the page Files", "") from None
+
+
+def _changed(file: RobotFile, name: str, table: dict[str, Any], wanted: dict[str, object]) -> str:
+    """Return the text with another mass, centre and inertia of a tool that is there."""
+    text = file.text
+    for key in ("mass", "center_of_mass", "inertia"):
+        path, source = ("tools", name, key), SourceFile(file.file, text)
+        if key not in wanted:
+            text = without(source, path) if key in table else text
+        elif key in table and table[key] == wanted[key]:
+            continue
+        elif key not in table and key == "center_of_mass" and not any(map(bool, _numbers(wanted[key]))):
+            continue  # it is at the frame's origin anyway
+        else:
+            text = with_value(source, path, wanted[key])
+    return text
+
+
+def _numbers(value: object) -> Sequence[float]:
+    return value if isinstance(value, list) else ()
+
+
+def joints_of(robot: Robot) -> tuple[said.JointEffort, ...]:
+    """Return the joints with their efforts."""
+    efforts = np.full(robot.size, np.inf) if robot.dynamics is None else robot.dynamics.effort
+    return tuple(
+        said.JointEffort(
+            name=name,
+            unit="N" if prismatic else "N m",
+            effort=float(effort) if np.isfinite(effort) else None,
+        )
+        for name, prismatic, effort in zip(robot.joint_names, robot.chain.is_prismatic, efforts, strict=True)
+    )
+
+
+def torques_of(
+    robot: Robot, other: Robot, here: Array | None, plan: MotionPlan | None
+) -> tuple[tuple[said.Torques, ...], str]:
+    """Return what the joints have to give without and with a payload, and why that isn't known if it isn't.
+
+    Args:
+        robot: that runs.
+        other: the same one with the payload, as its changed file describes it.
+        here: (n,) where it stands [rad or m]; None: not known.
+        plan: of a program; None: none is looked at.
+    """
+    now, then = robot.dynamics, other.dynamics
+    if now is None or then is None or robot.joint_names != other.joint_names:
+        return (), "robot.toml describes another arm than the one that runs: start the pendant anew first"
+    chain, limits = other.chain, other.limits
+    found = []
+    if here is not None:
+        q = here[None]
+        before, after = holding_torques(robot.chain, now, q)[0], holding_torques(chain, then, q)[0]
+        found.append(_told(robot, "here", before, Worst(after, np.repeat(q, robot.size, axis=0))))
+    before = worst_holding(robot.chain, now, robot.limits.lower, robot.limits.upper).torque
+    found.append(_told(robot, "reach", before, worst_holding(chain, then, limits.lower, limits.upper)))
+    if plan is not None and plan.motions:
+        found.append(_of_program(robot, (now, then), plan))
+    return tuple(found), ""
+
+
+def _of_program(robot: Robot, loads: tuple[Dynamics, Dynamics], plan: MotionPlan) -> said.Torques:
+    """Return the largest torques while a program moves; all of its ways count."""
+    each = max(2, min(_EACH, _MOST_INSTANTS // len(plan.motions)))
+    rows = [one.curve.sample(np.linspace(0.0, one.curve.duration, each)) for one in plan.motions]
+    q, v, a = (np.concatenate([row[part] for row in rows]) for part in range(3))
+    before, after = (torques(robot.chain, one, q, v, a) for one in loads)
+    at = np.abs(after).argmax(axis=0)
+    titles = tuple(_title(plan, plan.motions[int(row) // each].step) for row in at)
+    return _told(robot, "program", worst_of(before, q).torque, worst_of(after, q), titles)
+
+
+def _title(plan: MotionPlan, step: int) -> str:
+    found = plan.program.steps[step]
+    return "" if isinstance(found, Gap) else found.origin.label
+
+
+def _told(robot: Robot, what: Any, now: Array, then: Worst, where: tuple[str, ...] = ()) -> said.Torques:
+    return said.Torques(
+        what=what,
+        now=tuple(now.round(6).tolist()),
+        then=tuple(then.torque.round(6).tolist()),
+        at=tuple(map(tuple, (then.q / robot.axis_units).round(3).tolist())),
+        where=where,
+    )
+
+
+def proposed(
+    robot: Robot, project: ProjectFolder, payload: said.Payload, here: Array | None, plan: MotionPlan | None
+) -> said.PayloadShown:
+    """Return what a payload would change.
+
+    Args:
+        robot: that runs.
+        project: the files that can be changed.
+        payload: that is entered.
+        here: (n,) where the robot stands [rad or m]; None: not known.
+        plan: of a program; None: none is looked at.
+
+    Raises:
+        Trouble: robot.toml can't be read, or can't be changed like this.
+    """
+    file = robot_file(robot, project)
+    after = with_payload(file, payload)
+    read = read_robot(SourceFile(file.file, after), file.folder)
+    found: tuple[said.Torques, ...] = ()
+    unknown = "the changed robot.toml has errors"
+    if read.value is not None:
+        found, unknown = torques_of(robot, read.value, here, plan)
+    return said.PayloadShown(
+        file=file.file,
+        why_not=file.why_not,
+        before=file.text,
+        after=after,
+        known=file.sha256,
+        findings=finding_messages(read.diagnostics),
+        sound=read.value is not None,
+        joints=joints_of(read.value or robot),
+        torques=found,
+        unknown=unknown,
+        restart=differs(robot, file.read()),
+    )
+
+
+def differs(robot: Robot, read: Result[Robot]) -> bool:
+    """Return True if a file describes another robot than the one that runs."""
+    if read.value is None:
+        return True
+    theirs, ours = read.value.dynamics, robot.dynamics
+    if theirs is None or ours is None:
+        return read.value.fingerprint != robot.fingerprint
+    # masses that aren't checked yet aren't in the fingerprint
+    return read.value.fingerprint != robot.fingerprint or not np.array_equal(theirs.effort, ours.effort)

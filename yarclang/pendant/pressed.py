@@ -1,0 +1,89 @@
+"""What a press wants, as a want of a live motion: velocities of joints or of a frame, and steps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders, wants
+from yarclang.pendant.messages.jog import Press, Step
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.transforms import roll_pitch_yaw
+from yarclang.units import DEG, MM
+
+AXES = "xyzabc"
+
+
+class Pressed:
+    """Reads presses for one robot.
+
+    Args:
+        robot: that is jogged.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+
+    async def of(self, press: Press, seat: Attached) -> wants.Want:
+        """Return what a press of velocities wants.
+
+        Raises:
+            Trouble: it wants nothing, or names what isn't there.
+        """
+        if press.velocity is not None:
+            return wants.MoveJoints(velocity=press.velocity)
+        if press.twist is None:
+            raise Trouble("nothing is wanted", "give velocity, twist, step or go", "")
+        if _same(press.axes, press.moving):
+            return wants.MoveTool(twist=press.twist, axes="tool")
+        turn = await self._axes(press.axes, seat)
+        along, about = np.array(press.twist[:3]), np.array(press.twist[3:])
+        return wants.MoveTool(twist=tuple(np.concatenate([turn @ along, turn @ about]).tolist()), axes="base")
+
+    async def _axes(self, name: str, seat: Attached) -> Array:
+        """Return the axes of a frame that stands still (3, 3), in {B}."""
+        if _same(name, "{B}"):
+            return np.eye(3)
+        for frame in (await seat.ask(orders.AskFrames())).frames:
+            if _same(frame.name, name):
+                if frame.on_flange:
+                    what = f"{frame.name} moves with the robot: jog along its axes by moving it"
+                    raise Trouble(what, "choose it as the moving frame as well", "")
+                return np.array(frame.pose)[:3, :3]
+        raise Trouble(f"there is no frame {name[:40]!r}", "choose one of the list", "")
+
+    async def step(self, press: Press, step: Step, seat: Attached) -> wants.Want:
+        """Return where a step leads, from where the robot stands."""
+        here = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
+        names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
+        if (number := names.get(step.axis.upper())) is not None:
+            joints = list(here.joints.values())
+            joints[number] += step.by
+            return wants.BeThere(joints=tuple(joints), rate=(0.0,) * len(joints))
+        if step.axis not in AXES or len(step.axis) != 1:
+            raise Trouble(f"there is no axis {step.axis[:40]!r}", "name a joint, or one of x y z a b c", "")
+        if here.pose is None:
+            raise Trouble(here.findings[0].message, here.findings[0].help or "", "")
+        pose = np.array(here.pose)
+        axis = AXES.index(step.axis)
+        turn = pose[:3, :3] if _same(press.axes, press.moving) else await self._axes(press.axes, seat)
+        way = turn[:, axis % 3]
+        if axis < 3:
+            pose[:3, 3] += way * step.by * MM
+        else:
+            pose[:3, :3] = _about(way, step.by * DEG) @ pose[:3, :3]
+        values = [*(pose[:3, 3] / MM).tolist(), *(roll_pitch_yaw(pose[:3, :3]) / DEG).tolist()]
+        return wants.HoldPose(pose=tuple(values))
+
+
+def _same(one: str, other: str) -> bool:
+    return one.strip("{} ").upper() == other.strip("{} ").upper()
+
+
+def _about(axis: Array, angle: float) -> Array:
+    """Return the turn (3, 3) about a unit vector (3,) by an angle [rad]."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn: Array = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    return turn

@@ -1,0 +1,150 @@
+"""Questions to git that run nothing of a repository's own: no hook, filter, monitor, pager, converter or transport."""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+from yarclang.pendant.project.names import quoted
+from yarclang.runtime.actions import Trouble
+
+_LONGEST = 10.0
+"""Time for one question [s]."""
+_MOST_ANSWER = 32 << 20
+_MOST_MEMORY = 2 << 30
+
+_SETTINGS = (
+    "core.fsmonitor=false",
+    "core.hooksPath=/dev/null",
+    "core.pager=cat",
+    "core.untrackedCache=false",
+    "core.sshCommand=false",
+    "core.askPass=false",
+    "core.gitProxy=",
+    "core.alternateRefsCommand=",
+    "diff.external=",
+    "log.showSignature=false",
+    "protocol.allow=never",
+    "credential.helper=",
+    "gc.auto=0",
+    "maintenance.auto=false",
+    "submodule.recurse=false",
+    "safe.bareRepository=explicit",
+)
+
+_ENVIRONMENT = {
+    "GIT_ALLOW_PROTOCOL": "none",
+    "GIT_ATTR_NOSYSTEM": "1",
+    "GIT_CONFIG_NOSYSTEM": "1",
+    "GIT_LITERAL_PATHSPECS": "1",
+    "GIT_NO_LAZY_FETCH": "1",
+    "GIT_NO_REPLACE_OBJECTS": "1",
+    "GIT_OPTIONAL_LOCKS": "0",
+    "GIT_PAGER": "cat",
+    "GIT_TERMINAL_PROMPT": "0",
+    "LC_ALL": "C.UTF-8",
+}
+_KEPT = ("PATH", "HOME", "XDG_CONFIG_HOME", "LD_LIBRARY_PATH")
+"""What git gets of our environment: its user's settings name the folders of other users that git may read."""
+
+
+class Missing(Exception):  # noqa: N818 - it is an answer
+    """Git has no such thing: no repository, no commit."""
+
+
+def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
+    """Ask git; only for questions that look at no file's content in the folder, since filters are for these.
+
+    Args:
+        folder: in the work tree.
+        words: of the command line.
+        most: longest answer [bytes].
+
+    Raises:
+        Missing: it has no answer.
+        Trouble: it isn't there, refuses the folder, or takes too much.
+    """
+    program = shutil.which("git")
+    if program is None:
+        raise Trouble("the program git isn't installed here", "install it to see what has changed", "git")
+    settings = [word for one in _SETTINGS for word in ("-c", one)]
+    environment = {name: os.environ[name] for name in _KEPT if name in os.environ} | _ENVIRONMENT
+    process = subprocess.Popen(
+        [program, "--no-pager", *settings, "-C", str(folder), *words],
+        env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        start_new_session=True,
+    )  # fmt: skip
+    with suppress(OSError):  # it has ended
+        resource.prlimit(process.pid, resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
+    late = threading.Event()
+
+    def end() -> None:
+        late.set()
+        _kill(process)
+
+    timer = threading.Timer(_LONGEST, end)
+    timer.start()
+    try:
+        told, refused = _read(process, most)
+    finally:
+        timer.cancel()
+        _kill(process)
+        process.wait()
+        for stream in (process.stdout, process.stderr):
+            if stream is not None:
+                stream.close()
+    if late.is_set() or len(told) > most:
+        much = (
+            f"takes more than {_LONGEST:.0f} s" if late.is_set() else f"has more than {most:,} bytes to say"
+        )
+        raise Trouble(f"git {words[0]} {much} here", "use git on the computer itself", "git")
+    if process.returncode:
+        raise _refusal(folder, refused.decode(errors="replace"))
+    return told
+
+
+def _read(process: subprocess.Popen[bytes], most: int) -> tuple[bytes, bytes]:
+    """Return what a process says, up to so many bytes, and the beginning of its complaints."""
+    assert process.stdout is not None
+    assert process.stderr is not None
+    complaints: list[bytes] = []
+    stderr = process.stderr
+
+    def listen() -> None:
+        complaints.append(stderr.read(10_000))
+        while stderr.read(1 << 16):
+            pass
+
+    listening = threading.Thread(target=listen, daemon=True)
+    listening.start()
+    told = process.stdout.read(most + 1)
+    if len(told) > most:
+        _kill(process)
+    process.wait()
+    listening.join(1.0)
+    return told, b"".join(complaints)
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    with suppress(OSError):
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+def _refusal(folder: Path, told: str) -> Exception:
+    if "dubious ownership" in told:
+        return Trouble(
+            f"{quoted(str(folder))} belongs to another user than the pendant runs as, and git refuses such folders",
+            f"if you trust it: git config --global --add safe.directory {folder}", "git",
+        )  # fmt: skip
+    if not told.strip() or "safe.bareRepository" in told or "not a git repository" in told:
+        return Missing(told)
+    first = next((line for line in told.splitlines() if line.startswith(("fatal:", "error:"))), "")
+    if "Needed a single revision" in told or "unknown revision" in told or "bad revision" in told:
+        return Missing(told)
+    return Trouble(f"git can't read this repository: {first[:200] or 'it gives no reason'}", "use git on the computer itself", "git")  # fmt: skip

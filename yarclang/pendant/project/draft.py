@@ -1,0 +1,145 @@
+"""Files that are written whole or not at all: without a name until then, so that nothing is left of one that is broken off."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import secrets
+import stat
+from contextlib import suppress
+
+from yarclang.pendant.project.places import At
+
+_PIECE = 1 << 20
+_NAMELESS = getattr(os, "O_TMPFILE", 0)
+_NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
+
+
+class Draft:
+    """A file that is being written, in the folder that it is for.
+
+    Args:
+        place: where it will stand; its folder stays open as long as the draft lasts.
+
+    Attributes:
+        size: written so far [bytes].
+
+    Raises:
+        OSError: it can't be made.
+    """
+
+    def __init__(self, place: At) -> None:
+        self._folder = os.dup(place.folder)
+        self._name = place.name
+        self._temporary = ""
+        self._hash = hashlib.sha256()
+        self.size = 0
+        try:
+            self._file = self._opened()
+        except BaseException:
+            os.close(self._folder)
+            raise
+
+    def _opened(self) -> int:
+        try:
+            return os.open(".", _NAMELESS | os.O_WRONLY | os.O_CLOEXEC, 0o666, dir_fd=self._folder)
+        except OSError as error:  # some systems have no files without a name
+            if error.errno not in (errno.EOPNOTSUPP, errno.EISDIR, errno.ENOENT, errno.EINVAL):
+                raise
+        self._temporary = f".yarc-{secrets.token_hex(8)}"
+        flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_NOFOLLOW | os.O_CLOEXEC
+        return os.open(self._temporary, flags, 0o666, dir_fd=self._folder)
+
+    @property
+    def sha256(self) -> str:
+        """Hash of what was written so far, in hexadecimal digits."""
+        return self._hash.hexdigest()
+
+    def write(self, data: bytes) -> None:
+        """Write more.
+
+        Raises:
+            OSError: there is no room, or the disk fails.
+        """
+        self._hash.update(data)
+        self.size += len(data)
+        view = memoryview(data)
+        while view:
+            view = view[os.write(self._file, view) :]
+
+    def take_from(self, handle: int) -> None:
+        """Write all that an open file has."""
+        while data := os.read(handle, _PIECE):
+            self.write(data)
+
+    def settle(self) -> None:
+        """Wait until all is on the disk."""
+        os.fsync(self._file)
+
+    def keep_mode(self, before: os.stat_result) -> None:
+        """Take the mode of the file that is replaced, and its owner if that is allowed."""
+        with suppress(OSError):  # only root may give a file to somebody
+            os.fchown(self._file, before.st_uid, before.st_gid)
+        os.fchmod(self._file, stat.S_IMODE(before.st_mode))
+
+    def stand_new(self) -> None:
+        """Give the file its name.
+
+        Raises:
+            FileExistsError: something else has the name.
+            OSError: it can't be done; the file isn't there.
+        """
+        try:
+            self._link(self._name)
+        except FileExistsError:
+            raise
+        except OSError as error:
+            if error.errno not in _NO_LINKS or not self._temporary:
+                raise
+            # without links: the name is taken first, by an empty file
+            flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
+            os.close(os.open(self._name, flags, 0o666, dir_fd=self._folder))
+            self._replace()
+            return
+        self._sync_folder()
+
+    def stand_in_place(self) -> None:
+        """Take the name from the file that has it.
+
+        Raises:
+            OSError: it can't be done; that file is as it was.
+        """
+        if not self._temporary:
+            name = f".yarc-{secrets.token_hex(8)}"
+            self._link(name)
+            self._temporary = name
+        self._replace()
+
+    def _link(self, name: str) -> None:
+        if self._temporary:
+            os.link(
+                self._temporary, name,
+                src_dir_fd=self._folder, dst_dir_fd=self._folder, follow_symlinks=False,
+            )  # fmt: skip
+        else:
+            os.link(f"/proc/self/fd/{self._file}", name, dst_dir_fd=self._folder, follow_symlinks=True)
+
+    def _replace(self) -> None:
+        os.replace(self._temporary, self._name, src_dir_fd=self._folder, dst_dir_fd=self._folder)
+        self._temporary = ""
+        self._sync_folder()
+
+    def _sync_folder(self) -> None:
+        with suppress(OSError):  # some systems can't
+            os.fsync(self._folder)
+
+    def close(self) -> None:
+        """Forget what has no name yet."""
+        if self._temporary:
+            with suppress(OSError):
+                os.unlink(self._temporary, dir_fd=self._folder)
+            self._temporary = ""
+        with suppress(OSError):
+            os.close(self._file)
+        os.close(self._folder)

@@ -1,0 +1,453 @@
+"""The project's folder: the only way from the pendant to a file of the project."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import stat
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.pendant.project.draft import Draft
+from yarclang.pendant.project.guarded import Guarded
+from yarclang.pendant.project.names import check_new, folded, parts_of, quoted
+from yarclang.pendant.project.places import At, Places, in_words
+from yarclang.pendant.project.room import check_room
+from yarclang.pendant.project.trash import Deleted, Trash
+from yarclang.pendant.project.tree import Entry, Walk, moment
+from yarclang.runtime.actions import Trouble
+
+MOST_TEXT = 1 << 20
+"""Longest text that is opened or saved [bytes in UTF-8]."""
+
+MOST_COPIED = 1 << 30
+"""Largest file that is copied [bytes]."""
+
+_PIECE = 1 << 20
+
+_PROGRAMS = (".yarc", ".pmc")
+_OWN = ("", "-wal", "-shm", "-journal")
+"""Ends of the names of SQLite's files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A file as it is on the disk: its path, size [bytes], SHA-256 in hexadecimal digits, and when it was changed (UTC)."""
+
+    file: str
+    size: int
+    sha256: str
+    changed: str
+
+
+class ProjectFolder:
+    """The files of a project. All functions wait for the disk: call them in a thread.
+
+    Args:
+        folder: of the project.
+        database: of the pendant; it and what is beside it are out of reach, and what was deleted is kept beside it.
+        robots: folders of robots.
+
+    Attributes:
+        guarded: tells which files describe the robot or its cell.
+    """
+
+    def __init__(self, folder: Path, database: Path, robots: tuple[Path, ...] = ()) -> None:
+        self.root = folder.resolve()
+        data = database.resolve().parent
+        own = [Path(f"{database.resolve()}{end}") for end in _OWN]
+        private = [*own, data / "key.pem", data / "certificate.pem", data / "trash"]
+        if not self.root.is_relative_to(data):
+            private.append(data)
+        self._places = Places(self.root, tuple(private))
+        self.guarded = Guarded(self._places, robots)
+        self._changing = threading.RLock()
+        self.trash = Trash(data / "trash", self._places)
+
+    # what is there
+
+    def path(self, name: str) -> Path:
+        """Return the path of a file or folder of the project for those who open it by its path; it need not be there.
+
+        Raises:
+            Trouble: it is outside, hidden or private.
+        """
+        with in_words(name):
+            inside = name
+            if name.startswith("/"):
+                place = Path(name)
+                inside = place.relative_to(self.root).as_posix() if place.is_relative_to(self.root) else name
+            if inside in (".", ""):
+                return self.root
+            return self.root.joinpath(*self._places.resolved(inside))
+
+    def entries(self, most: int) -> tuple[tuple[Entry, ...], bool]:
+        """Return files and folders, at most so many, and True if there are more."""
+        return self._listed(Walk(self._places), most)
+
+    def programs(self, most: int) -> tuple[tuple[Entry, ...], bool]:
+        """Return the programs, at most so many, and True if there may be more."""
+        return self.with_suffix(_PROGRAMS, most)
+
+    def with_suffix(self, suffixes: tuple[str, ...], most: int) -> tuple[tuple[Entry, ...], bool]:
+        """Return the files whose names end in one of these, at most so many, and True if there may be more."""
+        return self._listed(Walk(self._places, suffixes), most)
+
+    def _listed(self, walk: Walk, most: int) -> tuple[tuple[Entry, ...], bool]:
+        found: list[Entry] = []
+        with in_words(self.root.name):
+            for entry in walk.entries():
+                if len(found) == most:
+                    return tuple(found), True
+                found.append(entry)
+        return tuple(found), walk.cut
+
+    def read(self, name: str, most: int = MOST_TEXT) -> tuple[bytes, Written]:
+        """Return the content of a file.
+
+        Args:
+            name: its path.
+            most: size up to which it is read [bytes].
+
+        Raises:
+            Trouble: it can't be read, or is larger.
+        """
+        with self.opened(name) as (handle, told, _):
+            if told.st_size > most:
+                raise _too_large(name, told.st_size, most)
+            pieces: list[bytes] = []
+            size = 0
+            while data := os.read(handle, _PIECE):
+                pieces.append(data)
+                size += len(data)
+                if size > most:  # it grows meanwhile
+                    raise _too_large(name, size, most)
+            content = b"".join(pieces)
+            return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(told.st_mtime))
+
+    def sha256(self, name: str) -> str:
+        """Return the hash of a file that can be copied.
+
+        Raises:
+            Trouble: it can't be read, or is larger.
+        """
+        with self.opened(name) as (handle, told, _):
+            if told.st_size > MOST_COPIED:
+                raise _too_large(name, told.st_size, MOST_COPIED)
+            return _hashed(handle)
+
+    @contextmanager
+    def opened(self, name: str) -> Iterator[tuple[int, os.stat_result, str]]:
+        """Open a file for reading: its number, what the system says of it, and its own name.
+
+        Raises:
+            Trouble: it can't be opened.
+        """
+        with self._places.at(name) as place:
+            handle = place.open(os.O_RDONLY)
+            try:
+                told = os.fstat(handle)
+                if self._places.is_private(told):
+                    raise Trouble(
+                        f"{quoted(name)} belongs to the pendant itself", "name a file of the project", ""
+                    )
+                yield handle, told, place.name
+            finally:
+                os.close(handle)
+
+    # what changes something
+
+    @contextmanager
+    def unchanged(self) -> Iterator[None]:
+        """Let nobody else change a file by way of this folder meanwhile."""
+        with self._changing:
+            yield
+
+    def write(self, name: str, data: bytes, known: str | None) -> Written:
+        """Write a file whole.
+
+        Args:
+            name: its path.
+            data: what it has then.
+            known: SHA-256 of what is replaced; None: the file is new.
+
+        Raises:
+            Trouble: something else is there (code "changed"), or it can't be written; the file is as it was.
+        """
+        with self.draft(name, len(data)) as draft, in_words(name):
+            draft.write(data)
+            return self.stand(draft, name, known)
+
+    def change(self, name: str, data: bytes, known: str, user: str) -> Written:
+        """Write a file whole in the place of what is known, which is kept with what was deleted.
+
+        Args:
+            name: its path.
+            data: what it has then.
+            known: SHA-256 of what is replaced.
+            user: who changes it.
+
+        Raises:
+            Trouble: something else is there (code "changed"), or it can't be written or kept; the file is as it was.
+        """
+        with self._changing, in_words(name):
+            before, told = self.read(name)
+            if told.sha256 == known:
+                self.trash.keep(name, before, user)
+            return self.write(name, data, known)
+
+    @contextmanager
+    def draft(self, name: str, size: int) -> Iterator[Draft]:
+        """Begin a file that `stand` ends; without it nothing is left.
+
+        Args:
+            name: its path.
+            size: that is expected [bytes].
+
+        Raises:
+            Trouble: there can be no such file, or no room for it.
+        """
+        with self._places.at(name) as place:
+            if place.look() is None:
+                self._check_new(place, name)
+            self._check_room(place, name, size)
+            made = Draft(place)
+        with closing(made):
+            yield made
+
+    def stand(self, draft: Draft, name: str, known: str | None) -> Written:
+        """Give a file that was drafted its name: in the place of what is known, or as a new one.
+
+        Args:
+            draft: the file.
+            name: its path.
+            known: SHA-256 of what is replaced; None: the file is new.
+
+        Raises:
+            Trouble: something else is there (code "changed"), or it can't be written.
+        """
+        with in_words(name):
+            draft.settle()
+        with self._changing, self._places.at(name) as place:
+            before = place.look()
+            if known is None:
+                if before is None:
+                    self._check_new(place, name)
+                    with _as_taken(name):
+                        draft.stand_new()
+                else:
+                    raise self._other(place, name)
+            else:
+                if before is None:
+                    raise Trouble(f"{quoted(name)} was deleted meanwhile", "save it as a new file", "changed")
+                if self._sha256(place) != known:
+                    raise self._other(place, name)
+                if not os.access(place.name, os.W_OK, dir_fd=place.folder):
+                    raise OSError(errno.EACCES, "")
+                draft.keep_mode(before)
+                draft.stand_in_place()
+            after = place.look()
+        changed = moment(after.st_mtime if after else 0.0)
+        return Written(name, draft.size, draft.sha256, changed)
+
+    def copy(self, name: str, to: str, check: Callable[[Draft], None] = lambda _: None) -> Written:
+        """Copy a file to a name that is free.
+
+        Args:
+            name: of the file.
+            to: of the copy.
+            check: called with the copy before it gets its name.
+
+        Raises:
+            Trouble: the name is taken, or it can't be copied.
+        """
+        with self.opened(name) as (handle, told, _):
+            if told.st_size > MOST_COPIED:
+                raise _too_large(name, told.st_size, MOST_COPIED)
+            with self.draft(to, told.st_size) as draft, in_words(to):
+                draft.take_from(handle)
+                check(draft)
+                return self.stand(draft, to, None)
+
+    def rename(self, name: str, to: str) -> None:
+        """Give a file or folder another path, which must be free.
+
+        Raises:
+            Trouble: it is taken, or it can't be moved.
+        """
+        with self._changing, self._places.at(name, link=True) as old:
+            told = self._there(old, name)
+            target = parts_of(to)
+            if stat.S_ISDIR(told.st_mode) and target[: len(old.parts)] == old.parts and target != old.parts:
+                raise Trouble(f"{quoted(name)} can't be moved into itself", "choose another folder", "")
+            with self._places.at(to, link=True) as new:
+                self._check_new(new, to, but=told)
+                there = new.look()
+                if there is not None and (there.st_dev, there.st_ino) != (told.st_dev, told.st_ino):
+                    raise OSError(errno.EEXIST, "")
+                with in_words(to):
+                    _moved(old, new, told, same=there is not None)
+
+    def make_folder(self, name: str) -> None:
+        """Make a folder.
+
+        Raises:
+            Trouble: the name is taken, or it can't be made.
+        """
+        with self._changing, self._places.at(name, link=True) as place:
+            self._check_new(place, name)
+            os.mkdir(place.name, 0o777, dir_fd=place.folder)
+
+    def make_folders(self, name: str) -> None:
+        """Make a folder, and those that it lies in, as far as they are missing.
+
+        Raises:
+            Trouble: one can't be made.
+        """
+        parts = name.split("/")
+        for count in range(1, len(parts) + 1):
+            path = "/".join(parts[:count])
+            with self._changing, self._places.at(path) as place:
+                if place.look() is None:
+                    self._check_new(place, path)
+                    os.mkdir(place.name, 0o777, dir_fd=place.folder)
+
+    def remove_kept(self, name: str) -> None:
+        """Remove a file, or a link to one, whose content is kept already.
+
+        Raises:
+            Trouble: it can't be removed.
+        """
+        with self._changing, self._places.at(name, link=True) as place:
+            self._there(place, name)
+            os.unlink(place.name, dir_fd=place.folder)
+
+    def remove_empty(self, name: str) -> None:
+        """Remove a folder that nothing is in.
+
+        Raises:
+            Trouble: something is in it, or it can't be removed.
+        """
+        with self._changing, self._places.at(name, link=True) as place:
+            os.rmdir(place.name, dir_fd=place.folder)
+
+    def delete(self, name: str, user: str) -> Deleted:
+        """Move a file or folder to what was deleted.
+
+        Args:
+            name: its path.
+            user: who deletes it.
+
+        Raises:
+            Trouble: it can't be kept for undo, or can't be deleted; it is where it was.
+        """
+        with self._changing, self._places.at(name, link=True) as place:
+            self._there(place, name)
+            return self.trash.take(place, name, user)
+
+    def restore(self, number: str) -> str:
+        """Bring back what was deleted; return the path where it is now: another one if the old one is taken.
+
+        Raises:
+            Trouble: it isn't kept any more, or can't be brought back.
+        """
+        with self._changing:
+            return self.trash.give_back(number)
+
+    # what holds of all of them
+
+    def _there(self, place: At, name: str) -> os.stat_result:
+        told = place.look()
+        if told is None:
+            raise OSError(errno.ENOENT, "")
+        kind = stat.S_IFMT(told.st_mode)
+        if kind not in (stat.S_IFDIR, stat.S_IFREG, stat.S_IFLNK):
+            raise Trouble(f"{quoted(name)} is not a file", "leave it to the system", "")
+        if kind == stat.S_IFDIR and self._places.holds_private(told):
+            raise Trouble(f"{quoted(name)} holds files of the pendant itself", "leave it where it is", "")
+        return told
+
+    def _check_new(self, place: At, name: str, but: os.stat_result | None = None) -> None:
+        """Check that a name may be given, and that none that is like it is there, except for `but`."""
+        check_new(place.parts)
+        wanted = folded(place.name)
+        with os.scandir(place.folder) as listed:
+            for one in listed:
+                if one.name != place.name and folded(one.name) == wanted:
+                    if but is not None and one.inode() == but.st_ino:
+                        continue
+                    raise Trouble(
+                        f"{quoted(name)} looks like {quoted(one.name)}, which is there already",
+                        "choose another name", "",
+                    )  # fmt: skip
+
+    def _check_room(self, place: At, name: str, size: int) -> None:
+        check_room(os.fstatvfs(place.folder), size, f"{quoted(name)} has")
+
+    def _sha256(self, place: At) -> str:
+        handle = place.open(os.O_RDONLY)
+        try:
+            return _hashed(handle)
+        finally:
+            os.close(handle)
+
+    def _other(self, place: At, name: str) -> Changed:
+        present = ""
+        with suppress(OSError):
+            present = self._sha256(place)
+        return Changed(name, present)
+
+
+class Changed(Trouble):
+    """A file has another content than whoever saves it knows; `sha256` is that of its present one, empty if it is no file."""
+
+    def __init__(self, name: str, sha256: str) -> None:
+        super().__init__(
+            f"{quoted(name)} is there with another content",
+            "open it again, or save under another name",
+            "changed",
+        )
+        self.sha256 = sha256
+
+
+@contextmanager
+def _as_taken(name: str) -> Iterator[None]:
+    try:
+        yield
+    except FileExistsError:
+        raise Changed(name, "") from None
+
+
+def _moved(old: At, new: At, told: os.stat_result, *, same: bool) -> None:
+    """Move what is at a place to another one, which is free unless it is `same`."""
+    if not same and stat.S_ISREG(told.st_mode):
+        try:
+            os.link(old.name, new.name, src_dir_fd=old.folder, dst_dir_fd=new.folder, follow_symlinks=False)
+        except OSError as error:
+            if error.errno not in (errno.EPERM, errno.EOPNOTSUPP, errno.EMLINK):
+                raise
+        else:
+            try:
+                os.unlink(old.name, dir_fd=old.folder)
+            except OSError:
+                os.unlink(new.name, dir_fd=new.folder)
+                raise
+            return
+    os.rename(old.name, new.name, src_dir_fd=old.folder, dst_dir_fd=new.folder)
+
+
+def _hashed(handle: int) -> str:
+    found = hashlib.sha256()
+    while data := os.read(handle, _PIECE):
+        found.update(data)
+    return found.hexdigest()
+
+
+def _too_large(name: str, size: int, most: int) -> Trouble:
+    return Trouble(
+        f"{quoted(name)} has {size:,} bytes, and at most {most:,} are opened here", "download it", "large"
+    )

@@ -1,0 +1,223 @@
+"""What has changed in the project's folder since the last commit.
+
+Files are compared by ourselves with the hashes that git keeps: `git status` would run the filters that a repository asks for.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections import OrderedDict
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Literal
+
+from yarclang.pendant.project.asking_git import Missing, ask
+from yarclang.pendant.project.folder import MOST_TEXT, ProjectFolder
+from yarclang.pendant.project.names import quoted
+from yarclang.runtime.actions import Trouble
+
+Kind = Literal["new", "changed", "deleted"]
+
+_MOST_FILES = 20_000
+_MOST_COMPARED = 100_000_000
+"""Largest file that is compared by its content [bytes]."""
+_MOST_REMEMBERED = 40_000
+_Key = tuple[str, int, int, int, int]
+_FILES = ("100644", "100755", "100664")
+
+
+@dataclass(frozen=True, slots=True)
+class Commit:
+    """A commit: its hash, author, time (UTC) and first line."""
+
+    hash: str
+    who: str
+    when: str
+    subject: str
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A work tree: its last commit (None: there is none yet), changed files by their paths, and True if there is more than was looked at."""
+
+    commit: Commit | None
+    changes: dict[str, Kind]
+    cut: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Blob:
+    """A file of a commit: its hash and size [bytes]."""
+
+    hash: str
+    size: int
+
+
+class Git:
+    """The repository of a project's folder. One thread at a time asks.
+
+    Args:
+        folder: of the project.
+    """
+
+    def __init__(self, folder: ProjectFolder) -> None:
+        self._folder = folder
+        self._known: OrderedDict[_Key, str] = OrderedDict()
+
+    def state(self) -> State | None:
+        """Return what has changed since the last commit; None if the folder is in no work tree.
+
+        Raises:
+            Trouble: git isn't there, refuses the folder, or it takes too long.
+        """
+        commit = self._head()
+        if commit is None:
+            return None
+        blobs = self._blobs() if commit else {}
+        others = {one for one in self._listed("-c", "-o", "--exclude-standard") if one not in blobs}
+        entries, cut = self._folder.entries(_MOST_FILES)
+        changes: dict[str, Kind] = {}
+        present = {one.file for one in entries if not one.is_folder}
+        for file in sorted(present):
+            if file in blobs:
+                if self._is_changed(file, blobs[file]):
+                    changes[file] = "changed"
+            elif file in others:
+                changes[file] = "new"
+        if not cut:
+            changes |= dict.fromkeys(
+                sorted(file for file in blobs if file not in present and not _is_hidden(file)), "deleted"
+            )
+        return State(commit or None, changes, cut)
+
+    def difference(self, file: str) -> tuple[str, str]:
+        """Return a file's text as of the last commit and its present one; empty where there is none.
+
+        Raises:
+            Trouble: it is no text, too large, or there is no commit.
+        """
+        commit = self._head()
+        if not commit:
+            raise Trouble("there is no commit to compare with", "commit on the computer itself", "git")
+        blob = self._blobs().get(file)
+        if blob is not None and blob.size > MOST_TEXT:
+            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, and at most {MOST_TEXT:,} are compared", "use git on the computer itself", "large")  # fmt: skip
+        base = b"" if blob is None else ask(self._folder.root, "cat-file", "blob", blob.hash, most=MOST_TEXT)
+        try:
+            present = self._folder.read(file)[0]
+        except Trouble as trouble:
+            if trouble.code != "missing" or blob is None:
+                raise
+            present = b""
+        return text_of(file, base), text_of(file, present)
+
+    def _head(self) -> Commit | Literal[""] | None:
+        """Return the last commit; empty if there is none yet, None if there is no repository."""
+        root = self._folder.root
+        try:
+            inside = ask(root, "rev-parse", "--is-inside-work-tree").strip()
+        except Missing:
+            return None
+        if inside != b"true":
+            return None
+        try:
+            named = ask(root, "rev-parse", "--verify", "--quiet", "--end-of-options", "HEAD^{commit}")
+            found = named.decode("ascii").strip()
+            return _commit(found, ask(root, "cat-file", "commit", found, most=1 << 20))
+        except (Missing, UnicodeDecodeError):
+            return ""
+
+    def _blobs(self) -> dict[str, _Blob]:
+        """Return the files of the last commit in the project's folder."""
+        found: dict[str, _Blob] = {}
+        for row in ask(self._folder.root, "ls-tree", "-r", "-l", "-z", "HEAD").split(b"\0"):
+            told, _, name = row.partition(b"\t")
+            words = told.decode("ascii", "replace").split()
+            if len(words) == 4 and words[0] in _FILES and words[3].isdigit():
+                found[os.fsdecode(name)] = _Blob(words[2], int(words[3]))
+        return found
+
+    def _listed(self, *options: str) -> set[str]:
+        return {os.fsdecode(one) for one in ask(self._folder.root, "ls-files", "-z", *options).split(b"\0")}
+
+    def _is_changed(self, file: str, blob: _Blob) -> bool:
+        try:
+            with self._folder.opened(file) as (handle, told, _):
+                if told.st_size > _MOST_COMPARED:
+                    return told.st_size != blob.size
+                kind = "sha1" if len(blob.hash) == 40 else "sha256"
+                key = (kind, told.st_ino, told.st_mtime_ns, told.st_ctime_ns, told.st_size)
+                if told.st_size == blob.size:
+                    return self._hash(handle, key) != blob.hash
+                if told.st_size > MOST_TEXT or told.st_size < blob.size:
+                    return True
+                data = _whole(handle).replace(b"\r\n", b"\n")  # a work tree may have other line ends
+                return _hashed(kind, data) != blob.hash
+        except Trouble:  # it has gone, or is no file any more
+            return True
+
+    def _hash(self, handle: int, key: _Key) -> str:
+        found = self._known.get(key)
+        if found is None:
+            found = _hashed(key[0], _whole(handle))
+            self._known[key] = found
+            if len(self._known) > _MOST_REMEMBERED:
+                self._known.popitem(last=False)
+        return found
+
+
+def text_of(file: str, content: bytes) -> str:
+    """Return what a file says.
+
+    Raises:
+        Trouble: it is no text in UTF-8.
+    """
+    try:
+        text = content.decode()
+    except UnicodeDecodeError as error:
+        raise Trouble(
+            f"{quoted(file)} is no text in UTF-8: byte {error.start + 1:,} can't be read",
+            "download it",
+            "binary",
+        ) from None
+    if "\0" in text:
+        raise Trouble(f"{quoted(file)} is no text: it has a byte 0", "download it", "binary")
+    return text
+
+
+def _commit(name: str, content: bytes) -> Commit:
+    head, _, message = content.decode(errors="replace").partition("\n\n")
+    author, when = "", ""
+    for line in head.splitlines():
+        if line.startswith("author "):
+            words = line.removeprefix("author ").rsplit(" ", 2)
+            author = words[0].rpartition(" <")[0] or words[0]
+        elif line.startswith("committer "):
+            when = _moment(line.rsplit(" ", 2)[-2])
+    return Commit(name, author[:200], when, message.strip().partition("\n")[0][:200])
+
+
+def _moment(seconds: str) -> str:
+    try:
+        return datetime.fromtimestamp(int(seconds), UTC).isoformat(timespec="milliseconds")
+    except (ValueError, OverflowError, OSError):
+        return ""
+
+
+def _whole(handle: int) -> bytes:
+    pieces = []
+    while data := os.read(handle, 1 << 20):
+        pieces.append(data)
+        if sum(map(len, pieces)) > _MOST_COMPARED + (1 << 20):
+            break
+    return b"".join(pieces)
+
+
+def _hashed(kind: str, data: bytes) -> str:
+    """Return the hash that git keeps of a file's content."""
+    return hashlib.new(kind, b"blob %d\0" % len(data) + data, usedforsecurity=False).hexdigest()
+
+
+def _is_hidden(file: str) -> bool:
+    return any(part.startswith(".") for part in file.split("/"))

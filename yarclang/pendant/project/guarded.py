@@ -1,0 +1,135 @@
+"""Files that describe the robot or its cell: they are changed only by service users who have entered their PIN."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from functools import cached_property
+from pathlib import Path
+
+from yarclang.pendant.project.names import folded
+from yarclang.pendant.project.places import Places
+from yarclang.pendant.project.tree import Walk
+from yarclang.pipeline.project import find_project
+from yarclang.runtime.actions import Trouble
+from yarclang.toml.bodies import MESHES
+
+_DESCRIBES = (".toml", ".urdf", ".xacro", ".srdf", *MESHES)
+_SCRIPT = ".inputs.toml"
+"""Ending of scripts for a simulated robot's inputs, which describe nothing."""
+_MOST_SEEN = 20_000
+"""Names that are looked at in a folder; one with more counts as guarded."""
+
+
+def describes(name: str) -> bool:
+    """Return True if a file of this name describes a robot or a cell."""
+    plain = folded(name)
+    return plain.endswith(_DESCRIBES) and not plain.endswith(_SCRIPT)
+
+
+class Guarded:
+    """Tells which places of a project are guarded, by whatever name they are reached. Its functions wait for the disk.
+
+    Args:
+        places: of the project.
+        folders: of robots: all in there is guarded, unless the project's own folder is one.
+    """
+
+    def __init__(self, places: Places, folders: Iterable[Path] = ()) -> None:
+        self._places = places
+        self._folders = tuple(one.resolve() for one in folders)
+
+    def objection(self, *names: str) -> str:
+        """Return why one of these paths is guarded, in words; empty: none is.
+
+        Args:
+            names: paths from the top: of files, links or folders, which need not be there.
+        """
+        look = _Look(self._places, self._folders)
+        return next((reason for name in names if (reason := look.reason(name))), "")
+
+    def objection_to_kept(self, content: Path, name: str) -> str:
+        """Return why something that was deleted may not come back to a path, in words; empty: it may.
+
+        Args:
+            content: where it is kept.
+            name: the path that it comes back to.
+        """
+        look = _Look(self._places, self._folders)
+        if reason := look.reason(name):
+            return reason
+        inside = look.inside(content) if content.is_dir() and not content.is_symlink() else ""
+        return _holds(name, inside) if inside else ""
+
+
+class _Look:
+    """One look at a project: what yarc.toml names, and which files have several names, is found out once."""
+
+    def __init__(self, places: Places, folders: tuple[Path, ...]) -> None:
+        self._places = places
+        project = find_project(places.root).value
+        named = [] if project is None else [project.cell, project.robot]
+        found = [] if project is None else [(project.folder / one).resolve() for one in named if one]
+        self._cells = tuple(one for one in found if not one.is_dir())
+        robots = (*folders, *(one for one in found if one.is_dir()))
+        self._robots = tuple(one for one in robots if one != places.root and one.is_relative_to(places.root))
+
+    def reason(self, name: str) -> str:
+        found: dict[tuple[str, ...], None] = {}
+        for link in (True, False):  # the link itself, and what it leads to
+            try:
+                found[self._places.resolved(name, link=link)] = None
+            except (Trouble, OSError, ValueError, RuntimeError):
+                continue  # whoever opens it is told why it can't be
+        for parts in found:
+            path = self._places.root.joinpath(*parts)
+            if self._is_guarded(path):
+                return f"{name[:80]} describes the robot or its cell"
+            if path.is_dir() and not path.is_symlink() and (inside := self.inside(path)):
+                return _holds(name, inside)
+        return ""
+
+    def inside(self, folder: Path) -> str:
+        """Return a guarded thing in a folder or in those below it; empty: there is none."""
+        for one in self._robots:
+            if one.is_relative_to(folder):
+                return one.name
+        count = 0
+        for top, folders, files in os.walk(folder):
+            for name in (*folders, *files):
+                if self._is_guarded(Path(top) / name):
+                    return name
+                count += 1
+                if count > _MOST_SEEN:
+                    return "more files than are looked at"
+        return ""
+
+    def _is_guarded(self, path: Path) -> bool:
+        if describes(path.name) or path in self._cells:
+            return True
+        if any(path == robot or path.is_relative_to(robot) for robot in self._robots):
+            return True
+        try:
+            told = path.lstat()
+        except (OSError, ValueError):
+            return False
+        return told.st_nlink > 1 and not path.is_dir() and (told.st_dev, told.st_ino) in self._identities
+
+    @cached_property
+    def _identities(self) -> frozenset[tuple[int, int]]:
+        """Device and inode of what is guarded by its name: a file may have several (hard links)."""
+        found = set()
+        named = [self._places.root / one.file for one in Walk(self._places, _DESCRIBES).entries()]
+        for robot in self._robots:
+            named += [Path(top) / name for top, _, files in os.walk(robot) for name in files]
+        for path in (*self._cells, *named):
+            try:
+                told = path.stat()
+            except OSError:
+                continue
+            found.add((told.st_dev, told.st_ino))
+        return frozenset(found)
+
+
+def _holds(name: str, inside: str) -> str:
+    return f"{name[:80]} holds {inside[:80]}, which describes the robot or its cell"

@@ -1,0 +1,134 @@
+"""Files and folders carried from one disk to another, link by link: nothing outside of them is read or removed."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from contextlib import suppress
+
+from yarclang.runtime.actions import Trouble
+
+_FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
+_PIECE = 1 << 20
+_MOST_THINGS = 20_000
+_DEEPEST = 100
+
+
+def measured(folder: int, name: str) -> int:
+    """Return the size of a file, or of all in a folder [bytes].
+
+    Args:
+        folder: an open folder.
+        name: in there.
+
+    Raises:
+        Trouble: there are more things in it than are counted, or it holds a pipe or a device.
+        OSError: it can't be read.
+    """
+    left = [_MOST_THINGS]
+    return _size(folder, name, left, 0)
+
+
+def _size(folder: int, name: str, left: list[int], depth: int) -> int:
+    told = os.stat(name, dir_fd=folder, follow_symlinks=False)
+    left[0] -= 1
+    if left[0] < 0 or depth > _DEEPEST:
+        raise Trouble(
+            f"this folder has more than {_MOST_THINGS:,} files, or {_DEEPEST} folders within each other",
+            "delete parts of it first", "",
+        )  # fmt: skip
+    if stat.S_ISDIR(told.st_mode):
+        inner = os.open(name, _FOLDER, dir_fd=folder)
+        try:
+            return sum(_size(inner, one, left, depth + 1) for one in _names(inner))
+        finally:
+            os.close(inner)
+    if not stat.S_ISREG(told.st_mode) and not stat.S_ISLNK(told.st_mode):
+        raise Trouble(f"{name[:80]!r} is not a file", "remove it on the computer itself", "")
+    return told.st_size
+
+
+def _names(folder: int) -> list[str]:
+    with os.scandir(folder) as listed:
+        return [one.name for one in listed]
+
+
+def carried(folder: int, name: str, to: int, new: str) -> None:
+    """Copy a file, a link or a folder.
+
+    Args:
+        folder: an open folder.
+        name: in there.
+        to: another one.
+        new: the name in there, which must be free.
+
+    Raises:
+        OSError: it can't be copied; what is there of the copy stays.
+    """
+    told = os.stat(name, dir_fd=folder, follow_symlinks=False)
+    if stat.S_ISLNK(told.st_mode):
+        os.symlink(os.readlink(name, dir_fd=folder), new, dir_fd=to)
+        return
+    if stat.S_ISREG(told.st_mode):
+        _carry_file(folder, name, to, new)
+        return
+    if not stat.S_ISDIR(told.st_mode):
+        raise OSError(errno.EINVAL, "it is not a file")
+    inner = os.open(name, _FOLDER, dir_fd=folder)
+    try:
+        os.mkdir(new, 0o700, dir_fd=to)
+        there = os.open(new, _FOLDER, dir_fd=to)
+        try:
+            for one in _names(inner):
+                carried(inner, one, there, one)
+            os.fsync(there)
+            _keep(told, there)
+        finally:
+            os.close(there)
+    finally:
+        os.close(inner)
+
+
+def _carry_file(folder: int, name: str, to: int, new: str) -> None:
+    source = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
+    try:
+        target = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600, dir_fd=to)
+        try:
+            while data := os.read(source, _PIECE):
+                view = memoryview(data)
+                while view:
+                    view = view[os.write(target, view) :]
+            os.fsync(target)
+            _keep(os.fstat(source), target)
+        finally:
+            os.close(target)
+    finally:
+        os.close(source)
+
+
+def _keep(told: os.stat_result, target: int) -> None:
+    """Keep owner, mode and times."""
+    with suppress(OSError):  # only root may give a file to somebody
+        os.fchown(target, told.st_uid, told.st_gid)
+    os.fchmod(target, stat.S_IMODE(told.st_mode))
+    os.utime(target, ns=(told.st_atime_ns, told.st_mtime_ns))
+
+
+def removed(folder: int, name: str) -> None:
+    """Remove a file, a link or a folder with all that is in it.
+
+    Raises:
+        OSError: something of it can't be removed.
+    """
+    told = os.stat(name, dir_fd=folder, follow_symlinks=False)
+    if not stat.S_ISDIR(told.st_mode):
+        os.unlink(name, dir_fd=folder)
+        return
+    inner = os.open(name, _FOLDER, dir_fd=folder)
+    try:
+        for one in _names(inner):
+            removed(inner, one)
+    finally:
+        os.close(inner)
+    os.rmdir(name, dir_fd=folder)

@@ -1,0 +1,89 @@
+"""Names of files: what may be asked for, what may be made, and what looks like something else."""
+
+from __future__ import annotations
+
+import unicodedata
+
+from yarclang.runtime.actions import Trouble
+
+MOST_NAME = 255
+"""Longest name of one file or folder [bytes in UTF-8]."""
+
+MOST_PATH = 1000
+"""Longest path from the project's folder [bytes in UTF-8]."""
+
+_DIRECTIONS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Characters that turn the direction of a text: a name could look like another one."""
+
+
+def quoted(name: str) -> str:
+    """Return a name as a message shows it: short, and without what a terminal would obey."""
+    return repr(name if len(name) <= 80 else f"{name[:77]}...")
+
+
+def parts_of(name: str) -> tuple[str, ...]:
+    """Return the folders of a path and its last name.
+
+    Raises:
+        Trouble: the path can't be one of the project: it is empty, absolute, leads upwards, is hidden or is too long.
+    """
+    if not name or "\0" in name or not _is_text(name):
+        raise Trouble(f"{quoted(name)} isn't the name of a file", "name a file of the project", "")
+    if len(name.encode()) > MOST_PATH:
+        what = f"the path {quoted(name)} has {len(name.encode())} bytes, and at most {MOST_PATH} are allowed"
+        raise Trouble(what, "choose a shorter one", "")
+    parts = tuple(name.split("/"))
+    if any(one in ("", ".", "..") for one in parts):
+        raise Trouble(
+            f"{quoted(name)} isn't in the project's folder",
+            "name a file of the project, as the list of files does", "",
+        )  # fmt: skip
+    for one in parts:
+        if one.startswith("."):
+            raise Trouble(f"{quoted(one)} is hidden, and the pendant leaves such files alone", "choose another name", "")  # fmt: skip
+        if len(one.encode()) > MOST_NAME:
+            what = (
+                f"the name {quoted(one)} has {len(one.encode())} bytes, and at most {MOST_NAME} are allowed"
+            )
+            raise Trouble(what, "choose a shorter one", "")
+    return parts
+
+
+def check_new(parts: tuple[str, ...]) -> None:
+    """Check that names may be given to something new.
+
+    Raises:
+        Trouble: a name can't be typed or read safely, or other systems can't have it.
+    """
+    for one in parts:
+        reason = _objection(one)
+        if reason:
+            raise Trouble(f"the name {quoted(one)} {reason}", "choose another name", "")
+
+
+def folded(name: str) -> str:
+    """Return what names have in common that some systems, and most people, take for one."""
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
+
+
+def _objection(name: str) -> str:
+    kinds = [unicodedata.category(character) for character in name]
+    if any(kind in ("Cc", "Zl", "Zp") for kind in kinds):
+        return "has a control character or a line break"
+    if _DIRECTIONS & set(name):
+        return "has a character that turns the direction of the text"
+    if name != name.strip() or name.endswith("."):
+        return "begins or ends with a blank, or ends with a dot"
+    if kinds[0] == "Cf":
+        return "begins with a character that isn't seen"
+    if "\\" in name:
+        return "has a backslash"
+    return ""
+
+
+def _is_text(name: str) -> bool:
+    try:
+        name.encode()
+    except UnicodeEncodeError:  # bytes that are no UTF-8, or half a character
+        return False
+    return True

@@ -1,0 +1,193 @@
+"""Ways to a file of a folder that can't be led out of it, whatever somebody does to the folder meanwhile."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.pendant.project.names import parts_of, quoted
+from yarclang.runtime.actions import Trouble
+
+_FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
+
+_REASONS = {
+    errno.ENOSPC: ("there is no room left on the disk", "delete what isn't needed, or make room on the disk"),
+    errno.EDQUOT: ("the disk's quota is used up", "delete what isn't needed"),
+    errno.EROFS: ("the project is on a disk that is read-only", "mount it for writing"),
+    errno.EACCES: ("the pendant has no permission", "give the user that runs the pendant the right to do so"),
+    errno.EPERM: ("the system doesn't permit it", "give the user that runs the pendant the right to do so"),
+    errno.ENOENT: ("it isn't there", "look at the list of files"),
+    errno.ENOTDIR: ("a folder of its path isn't one", "look at the list of files"),
+    errno.EISDIR: ("it is a folder", "name a file"),
+    errno.ELOOP: ("its path was changed meanwhile, or links lead round", "try again"),
+    errno.EEXIST: ("it is there already", "choose another name"),
+    errno.ENOTEMPTY: ("it is there already", "choose another name"),
+    errno.ENAMETOOLONG: ("its name is too long", "choose a shorter one"),
+    errno.EFBIG: ("it is larger than the disk allows", "divide it"),
+    errno.EIO: ("the disk can't read or write it", "look at the disk"),
+}
+
+
+def said(error: OSError, name: str) -> Trouble:
+    """Return what the operating system says of a file, in words."""
+    why, remedy = _REASONS.get(error.errno or 0, ((error.strerror or str(error)).lower(), "look at the file"))
+    return Trouble(f"{quoted(name)}: {why}", remedy, "missing" if error.errno == errno.ENOENT else "")
+
+
+@contextmanager
+def in_words(name: str) -> Iterator[None]:
+    """Turn what the operating system says of a file into `Trouble`."""
+    try:
+        yield
+    except OSError as error:
+        raise said(error, name) from None
+    except (ValueError, RuntimeError):
+        raise Trouble(f"{quoted(name)} isn't the name of a file", "name a file of the project", "") from None
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """A place in a folder.
+
+    Attributes:
+        folder: the open folder that it is in, or would be.
+        name: in there.
+        parts: its path from the top, without links.
+    """
+
+    folder: int
+    name: str
+    parts: tuple[str, ...]
+
+    def look(self) -> os.stat_result | None:
+        """Return what is there, without following a link; None if there is nothing."""
+        try:
+            return os.stat(self.name, dir_fd=self.folder, follow_symlinks=False)
+        except FileNotFoundError:
+            return None
+
+    def open(self, flags: int) -> int:
+        """Open a file that is there; a pipe or a device has no end, and isn't opened.
+
+        Raises:
+            OSError: it is no file, or has gone.
+        """
+        handle = os.open(
+            self.name, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY, dir_fd=self.folder
+        )
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            os.close(handle)
+            raise OSError(errno.EINVAL, "it is not a file")
+        return handle
+
+
+class Places:
+    """The places of a folder, without those that are private.
+
+    Args:
+        root: the folder.
+        private: files and folders in it that nobody may reach.
+    """
+
+    def __init__(self, root: Path, private: tuple[Path, ...] = ()) -> None:
+        self.root = root.resolve()
+        self._private = tuple(one.resolve() for one in private)
+
+    @contextmanager
+    def top(self) -> Iterator[int]:
+        """Open the folder itself."""
+        handle = os.open(self.root, _FOLDER)
+        try:
+            yield handle
+        finally:
+            os.close(handle)
+
+    @contextmanager
+    def at(self, name: str, *, link: bool = False, make: bool = False) -> Iterator[At]:
+        """Open the folder of a place; links on the way are followed as long as they lead to somewhere in the project.
+
+        Args:
+            name: path from the top.
+            link: True if a link in the last place is meant itself, not what it leads to.
+            make: True if missing folders on the way are made.
+
+        Raises:
+            Trouble: the place is outside, private, hidden, or can't be reached.
+        """
+        with in_words(name):
+            parts = self.resolved(name, link=link)
+            handle = os.open(self.root, _FOLDER)
+            try:
+                for part in parts[:-1]:
+                    handle = self._enter(handle, part, make)
+                made = At(handle, parts[-1], parts)
+                told = made.look()
+                if told is not None and self.is_private(told):
+                    raise _private(name)
+                yield made
+            finally:
+                os.close(handle)
+
+    def resolved(self, name: str, *, link: bool = False) -> tuple[str, ...]:
+        """Return the path of a place without links.
+
+        Raises:
+            Trouble: it is outside, private or hidden.
+            OSError: links lead round.
+        """
+        parts = parts_of(name)
+        if link:
+            place = (self.root.joinpath(*parts[:-1]).resolve()) / parts[-1]
+        else:
+            place = self.root.joinpath(*parts).resolve()
+        if not place.is_relative_to(self.root) or place == self.root:
+            raise Trouble(f"{quoted(name)} isn't in the project's folder", "name a file of the project", "")
+        if any(place.is_relative_to(one) for one in self._private):
+            raise _private(name)
+        return parts_of(place.relative_to(self.root).as_posix())  # a link may lead to what is hidden
+
+    def _enter(self, folder: int, part: str, make: bool) -> int:
+        """Return a folder that is open in the place of its parent, which is closed."""
+        if make:
+            with suppress(FileExistsError):
+                os.mkdir(part, 0o777, dir_fd=folder)
+        try:
+            inner = os.open(part, _FOLDER, dir_fd=folder)
+        except FileNotFoundError:
+            raise Trouble(f"there is no folder {quoted(part)}", "make it first", "missing") from None
+        if self.is_private(os.fstat(inner)):
+            os.close(inner)
+            raise _private(part)
+        os.close(folder)
+        return inner
+
+    def is_private(self, told: os.stat_result) -> bool:
+        """Return True if this is one of the private files or folders, under whatever name."""
+        return (told.st_dev, told.st_ino) in self.private_now()
+
+    def private_now(self) -> frozenset[tuple[int, int]]:
+        """Return device and inode of what is private."""
+        return _identities(self._private)
+
+    def holds_private(self, told: os.stat_result) -> bool:
+        """Return True if something private is in this folder, or in one of its folders."""
+        above = {up for one in self._private for up in one.parents}
+        return (told.st_dev, told.st_ino) in _identities(above)
+
+
+def _identities(places: Iterable[Path]) -> frozenset[tuple[int, int]]:
+    found = set()
+    for one in places:
+        with suppress(OSError):  # it isn't there yet
+            told = one.stat()
+            found.add((told.st_dev, told.st_ino))
+    return frozenset(found)
+
+
+def _private(name: str) -> Trouble:
+    return Trouble(f"{quoted(name)} belongs to the pendant itself", "name a file of the project", "")

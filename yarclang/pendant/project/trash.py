@@ -1,0 +1,336 @@
+"""What was deleted, kept beside the pendant's data for undo: bounded in number, age and size."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import secrets
+import shutil
+import stat
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path, PurePosixPath
+from typing import BinaryIO
+
+from yarclang.pendant.project.moving import carried, measured, removed
+from yarclang.pendant.project.names import quoted
+from yarclang.pendant.project.places import At, Places, in_words
+from yarclang.pendant.project.tree import moment
+from yarclang.runtime.actions import Trouble
+
+MOST_KEPT = 200
+MOST_AGE = 30 * 86400.0
+"""Time for which something is kept [s]."""
+MOST_SIZE = 2_000_000_000
+"""Size of all that is kept [bytes]."""
+LARGEST = 500_000_000
+"""Size of one file or folder that is kept [bytes]; a larger one isn't deleted."""
+
+_CONTENT, _NOTE = "content", "deleted.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Deleted:
+    """What was deleted: its number, its path, its size [bytes], when (s since 1970, and as text in UTC), who, and whether it was a folder."""
+
+    number: str
+    file: str
+    size: int
+    at: float
+    deleted: str
+    user: str
+    is_folder: bool
+
+
+@dataclass(slots=True)
+class Keeping:
+    """Something that is being kept: its path, who keeps it, its number, since when [s since 1970], its file, its size so far [bytes]."""
+
+    name: str
+    user: str
+    number: str
+    at: float
+    file: BinaryIO
+    size: int = 0
+
+    def write(self, data: bytes) -> None:
+        """Keep more.
+
+        Raises:
+            Trouble: it is too large.
+            OSError: it can't be written.
+        """
+        self.size += len(data)
+        if self.size > LARGEST:
+            raise Trouble(
+                f"{quoted(self.name)} would have more than {LARGEST:,} bytes, and no more are kept for undo",
+                "move what is large out of the project first", "",
+            )  # fmt: skip
+        self.file.write(data)
+
+    def made(self) -> Deleted:
+        """Return what is known of it."""
+        return Deleted(
+            self.number, self.name, self.size, self.at, moment(self.at), self.user, is_folder=False
+        )
+
+
+class Trash:
+    """The folder of what was deleted. One thread at a time changes it.
+
+    Args:
+        folder: where it is kept; made with the first thing.
+        places: of the project.
+    """
+
+    def __init__(self, folder: Path, places: Places) -> None:
+        self._folder = folder
+        self._places = places
+        self._recover()
+
+    def take(self, place: At, name: str, user: str) -> Deleted:
+        """Move what is at a place here.
+
+        Args:
+            place: an open place of the project.
+            name: its path.
+            user: who deletes it.
+
+        Raises:
+            Trouble: it is too large, or holds what can't be kept.
+            OSError: it can't be moved; it is where it was.
+        """
+        told = os.stat(place.name, dir_fd=place.folder, follow_symlinks=False)
+        size = measured(place.folder, place.name)
+        if size > LARGEST:
+            raise Trouble(
+                f"{quoted(name)} has {size:,} bytes, and at most {LARGEST:,} are kept for undo",
+                "delete it on the computer itself", "",
+            )  # fmt: skip
+        now = time.time()
+        number = f"{int(now * 1000):014d}-{secrets.token_hex(4)}"
+        made = Deleted(
+            number, "/".join(place.parts), size, now, moment(now), user, stat.S_ISDIR(told.st_mode)
+        )
+        kept = self._folder / number
+        kept.mkdir(mode=0o700, parents=True)
+        self._folder.chmod(0o700)
+        hidden = f".yarc-deleted-{number}"
+        try:
+            _write(kept / _NOTE, asdict(made))
+            # out of sight first, so that nobody changes it while it is copied to another disk
+            os.rename(place.name, hidden, src_dir_fd=place.folder, dst_dir_fd=place.folder)
+            try:
+                self._bring(place.folder, hidden, kept)
+            except BaseException:
+                os.rename(hidden, place.name, src_dir_fd=place.folder, dst_dir_fd=place.folder)
+                raise
+        except BaseException:
+            shutil.rmtree(kept, ignore_errors=True)
+            raise
+        self._bound()
+        return made
+
+    def keep(self, name: str, content: bytes, user: str) -> Deleted:
+        """Keep a text as it was before it was changed.
+
+        Args:
+            name: its path.
+            content: of it.
+            user: who changes it.
+
+        Raises:
+            OSError: it can't be kept.
+        """
+        with self.keeping(name, user) as keeping:
+            keeping.write(content)
+        return keeping.made()
+
+    @contextmanager
+    def keeping(self, name: str, user: str) -> Iterator[Keeping]:
+        """Keep something that is written piece by piece; nothing of it is kept if the block fails.
+
+        Args:
+            name: the path that it has when it is brought back.
+            user: who keeps it.
+
+        Raises:
+            Trouble: it is too large.
+            OSError: it can't be kept.
+        """
+        now = time.time()
+        number = f"{int(now * 1000):014d}-{secrets.token_hex(4)}"
+        kept = self._folder / number
+        kept.mkdir(mode=0o700, parents=True)
+        self._folder.chmod(0o700)
+        try:
+            part = kept / f"{_CONTENT}.part"
+            with part.open("xb") as file:
+                keeping = Keeping(name, user, number, now, file)
+                yield keeping
+                file.flush()
+                os.fsync(file.fileno())
+            _write(kept / _NOTE, asdict(keeping.made()))
+            part.rename(kept / _CONTENT)
+            for folder in (kept, self._folder):
+                _settle(folder)
+        except BaseException:
+            shutil.rmtree(kept, ignore_errors=True)
+            raise
+        self._bound()
+
+    def open_kept(self, number: str) -> tuple[Deleted, int]:
+        """Open a file that is kept: what is known of it, and its number.
+
+        Raises:
+            Trouble: it isn't kept any more, or is no file.
+        """
+        found = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
+        if found is None:
+            raise Trouble("this isn't kept any more", "look at the list of what was deleted", "missing")
+        with in_words(found.file):
+            flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+            return found, os.open(self._folder / found.number / _CONTENT, flags)
+
+    def _bring(self, folder: int, name: str, kept: Path) -> None:
+        target = os.open(kept, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            try:
+                os.rename(name, _CONTENT, src_dir_fd=folder, dst_dir_fd=target)
+            except OSError as error:
+                if error.errno != errno.EXDEV:
+                    raise
+                part = f"{_CONTENT}.part"
+                carried(folder, name, target, part)
+                os.rename(part, _CONTENT, src_dir_fd=target, dst_dir_fd=target)
+                os.fsync(target)
+                with suppress(OSError):  # all of it is kept: what is left stays out of sight
+                    removed(folder, name)
+        finally:
+            os.close(target)
+
+    def give_back(self, number: str) -> str:
+        """Bring something back; return its path, with a number in it if the old one is taken.
+
+        Raises:
+            Trouble: it isn't kept any more.
+            OSError: it can't be moved; it is still kept.
+        """
+        found = next((one for one in self.kept() if one.number == number), None)
+        if found is None:
+            raise Trouble("this isn't kept any more", "look at the list of what was deleted", "missing")
+        kept = self._folder / number
+        source = os.open(kept, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            for count in range(1, 100):
+                name = found.file if count == 1 else _numbered(found.file, count)
+                with self._places.at(name, link=True, make=True) as place:
+                    if place.look() is None:
+                        with in_words(name):
+                            self._return(source, place)
+                        break
+            else:
+                raise Trouble(
+                    f"{quoted(found.file)} and 98 names like it are taken", "rename one of them", ""
+                )
+        finally:
+            os.close(source)
+        shutil.rmtree(kept, ignore_errors=True)
+        return "/".join(place.parts)
+
+    def _return(self, source: int, place: At) -> None:
+        hidden = f".yarc-{secrets.token_hex(8)}"
+        try:
+            os.rename(_CONTENT, hidden, src_dir_fd=source, dst_dir_fd=place.folder)
+        except OSError as error:
+            if error.errno != errno.EXDEV:
+                raise
+            try:
+                carried(source, _CONTENT, place.folder, hidden)
+            except BaseException:
+                with suppress(OSError):
+                    removed(place.folder, hidden)
+                raise
+        os.rename(hidden, place.name, src_dir_fd=place.folder, dst_dir_fd=place.folder)
+
+    def content(self, number: str) -> Path | None:
+        """Return where something is kept; None: it isn't."""
+        found = next((one for one in self.kept() if one.number == number), None)
+        return None if found is None else self._folder / found.number / _CONTENT
+
+    def kept(self) -> tuple[Deleted, ...]:
+        """Return what can be brought back, the newest first."""
+        found = []
+        with suppress(OSError):
+            for one in sorted(self._folder.iterdir(), reverse=True):
+                note = _read(one / _NOTE)
+                if note is not None and os.path.lexists(one / _CONTENT):
+                    found.append(note)
+        return tuple(found)
+
+    def _bound(self) -> None:
+        """Remove what is too old or too much, the oldest first."""
+        now, size = time.time(), 0
+        for count, one in enumerate(self.kept()):
+            size += one.size
+            if count >= MOST_KEPT or size > MOST_SIZE or now - one.at > MOST_AGE:
+                shutil.rmtree(self._folder / one.number, ignore_errors=True)
+
+    def _recover(self) -> None:
+        """Bring back what was out of sight when the computer went off in the middle of a deletion."""
+        with suppress(OSError):
+            for one in list(self._folder.iterdir()):
+                note = _read(one / _NOTE)
+                if os.path.lexists(one / _CONTENT):
+                    continue
+                if note is None or self._shows_again(note):
+                    shutil.rmtree(one, ignore_errors=True)
+        self._bound()
+
+    def _shows_again(self, note: Deleted) -> bool:
+        """Return True if nothing of it is left out of sight."""
+        hidden = f".yarc-deleted-{note.number}"
+        with suppress(Trouble, OSError), self._places.at(note.file, link=True) as place:
+            try:
+                os.stat(hidden, dir_fd=place.folder, follow_symlinks=False)
+            except FileNotFoundError:
+                return True
+            if place.look() is None:
+                os.rename(hidden, place.name, src_dir_fd=place.folder, dst_dir_fd=place.folder)
+                return True
+        return False
+
+
+def _numbered(path: str, count: int) -> str:
+    folder, _, name = path.rpartition("/")
+    stem, ending = PurePosixPath(name).stem, PurePosixPath(name).suffix
+    while len(f"{stem} ({count}){ending}".encode()) > 255:
+        stem = stem[:-1]
+    return f"{folder}/{stem} ({count}){ending}".lstrip("/")
+
+
+def _settle(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk."""
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        with suppress(OSError):  # some systems can't
+            os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _write(path: Path, content: object) -> None:
+    with path.open("x", encoding="utf-8") as file:
+        json.dump(content, file)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _read(path: Path) -> Deleted | None:
+    try:
+        return Deleted(**json.loads(path.read_text("utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None

@@ -1,0 +1,149 @@
+"""What is in the project's folder, in bounded time: names, sizes, times."""
+
+from __future__ import annotations
+
+import os
+import stat
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+
+from yarclang.pendant.project.places import Places
+from yarclang.runtime.actions import Trouble
+
+MOST_SEEN = 300_000
+"""Names that are looked at in one folder and all of its folders."""
+
+MOST_IN_FOLDER = 20_000
+"""Names of one folder that are listed: more take too long to be put in order."""
+
+_BREATH = 100
+"""Names after which the thread rests for a moment: it must not keep the interpreter from the loop that streams."""
+
+DEEPEST = 60
+"""Folders within folders."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A file or folder: its path, size [bytes], when it was changed (UTC), and whether it is a folder."""
+
+    file: str
+    size: int
+    changed: str
+    is_folder: bool
+
+
+@dataclass(slots=True)
+class Walk:
+    """A walk through a folder; `cut` is true if there was more than it looks at.
+
+    Args:
+        places: of the folder.
+        suffixes: of the files that are wanted, in lower case; empty: all files, and folders.
+    """
+
+    places: Places
+    suffixes: tuple[str, ...] = ()
+    cut: bool = False
+    _left: int = MOST_SEEN
+    _seen: set[tuple[int, int]] = field(default_factory=set)
+    _private: frozenset[tuple[int, int]] = frozenset()
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield what is there, by names; hidden and private things, pipes, devices and links out are left out."""
+        self._private = self.places.private_now()
+        with self.places.top() as top:
+            yield from self._inside(top, "", 0)
+
+    def _inside(self, folder: int, path: str, depth: int) -> Iterator[Entry]:
+        told = os.fstat(folder)
+        if (told.st_dev, told.st_ino) in self._seen:  # a folder that is mounted twice
+            return
+        self._seen.add((told.st_dev, told.st_ino))
+        for count, name in enumerate(self._names(folder)):
+            if count % _BREATH == _BREATH - 1:
+                time.sleep(0.0005)
+            with suppress(OSError):  # one that goes meanwhile isn't there
+                entry, is_folder = self._entry(folder, name, path)
+                if entry is not None:
+                    yield entry
+                if is_folder:
+                    yield from self._deeper(folder, name, path, depth)
+
+    def _deeper(self, folder: int, name: str, path: str, depth: int) -> Iterator[Entry]:
+        if depth >= DEEPEST:
+            self.cut = True
+            return
+        inner = os.open(name, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC, dir_fd=folder)
+        try:
+            yield from self._inside(inner, f"{path}{name}/", depth + 1)
+        finally:
+            os.close(inner)
+
+    def _names(self, folder: int) -> list[str]:
+        found = []
+        with suppress(OSError), os.scandir(folder) as listed:
+            for one in listed:
+                if self._left <= 0:
+                    self.cut = True
+                    break
+                self._left -= 1
+                if self._left % _BREATH == 0:
+                    time.sleep(0.0005)
+                if self._is_wanted(one):
+                    found.append(one.name)
+                    if len(found) >= MOST_IN_FOLDER:
+                        self.cut = True
+                        break
+        return sorted(found)
+
+    def _is_wanted(self, one: os.DirEntry[str]) -> bool:
+        if one.name.startswith(".") or not _is_text(one.name):
+            return False
+        wanted = not self.suffixes or one.name.lower().endswith(self.suffixes)
+        return wanted or one.is_dir(follow_symlinks=False)
+
+    def _entry(self, folder: int, name: str, path: str) -> tuple[Entry | None, bool]:
+        told = os.stat(name, dir_fd=folder, follow_symlinks=False)
+        if (told.st_dev, told.st_ino) in self._private:
+            return None, False
+        if stat.S_ISDIR(told.st_mode):
+            return (None if self.suffixes else _shown(path + name, told)), True
+        if stat.S_ISLNK(told.st_mode):
+            told = self._behind(path + name)
+        return (_shown(path + name, told) if stat.S_ISREG(told.st_mode) else None), False
+
+    def _behind(self, path: str) -> os.stat_result:
+        """Return what a link leads to.
+
+        Raises:
+            OSError: nothing in the project.
+        """
+        try:
+            with self.places.at(path) as place:
+                told = place.look()
+        except Trouble:
+            told = None
+        if told is None:
+            raise FileNotFoundError(path)
+        return told
+
+
+def moment(seconds: float) -> str:
+    """Return a time since 1970 [s] as text, in UTC."""
+    try:
+        return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
+    except (OverflowError, OSError, ValueError):
+        return datetime.fromtimestamp(0, UTC).isoformat(timespec="seconds")
+
+
+def _shown(path: str, told: os.stat_result) -> Entry:
+    is_folder = stat.S_ISDIR(told.st_mode)
+    return Entry(path, 0 if is_folder else told.st_size, moment(told.st_mtime), is_folder)
+
+
+def _is_text(name: str) -> bool:
+    return not any("\ud800" <= character <= "\udfff" for character in name)

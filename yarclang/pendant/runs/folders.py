@@ -1,0 +1,98 @@
+"""Where logs lie: in the project, and in the folder where this robot's motions are logged."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.pendant.messages.runs import Place
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.runtime.actions import Trouble
+
+_LOGS = (".mcap",)
+_MOST = 10_000
+"""Files that are looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogFile:
+    """A file that is called as a log: where it lies, its path there, size [bytes], when it was changed (UTC)."""
+
+    place: Place
+    file: str
+    size: int
+    changed: str
+
+
+class LogFolders:
+    """The two folders. All functions wait for the disk: call them in a thread.
+
+    Args:
+        project: the project's folder.
+        logs: where motions are logged: a folder, or the file itself; None: not known here.
+        database: of the pendant, which is out of reach.
+    """
+
+    def __init__(self, project: ProjectFolder, logs: Path | None, database: Path) -> None:
+        self._project = project
+        self._database = database
+        self._logs = logs
+        self._other: ProjectFolder | None = None
+
+    @property
+    def folder(self) -> str:
+        """Where motions are logged; empty: not known here."""
+        return "" if self._logs is None else str(self._folder())
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """True if motions are logged in a folder that the project doesn't have."""
+        return self._elsewhere() is not None
+
+    def _folder(self) -> Path:
+        assert self._logs is not None
+        is_file = self._logs.suffix.lower() in _LOGS or self._logs.is_file()
+        return self._logs.parent if is_file else self._logs
+
+    def files(self) -> tuple[tuple[LogFile, ...], bool]:
+        """Return the logs, those that were changed last first, and True if there may be more."""
+        found, cut = self._project.with_suffix(_LOGS, _MOST)
+        listed = [LogFile("project", one.file, one.size, one.changed) for one in found]
+        if (other := self._elsewhere()) is not None:
+            more, also = other.with_suffix(_LOGS, _MOST)
+            cut = cut or also
+            listed += [
+                LogFile("logs", one.file, one.size, one.changed) for one in more if "/" not in one.file
+            ]
+        return tuple(sorted(listed, key=lambda one: one.changed, reverse=True)), cut
+
+    def _elsewhere(self) -> ProjectFolder | None:
+        """Return the folder of the logs, if there is one and the project doesn't have it."""
+        if self._logs is None:
+            return None
+        folder = self._folder()
+        if not folder.is_dir() or folder.resolve().is_relative_to(self._project.root):
+            return None
+        if self._other is None or self._other.root != folder.resolve():
+            self._other = ProjectFolder(folder, self._database)
+        return self._other
+
+    @contextmanager
+    def opened(self, place: Place, file: str) -> Iterator[tuple[int, os.stat_result, str]]:
+        """Open a log for reading: its number, what the system says of it, and its own name.
+
+        Args:
+            place: where it lies.
+            file: its path there.
+
+        Raises:
+            Trouble: there is no such log.
+        """
+        folder = self._project if place == "project" else self._elsewhere()
+        if folder is None or not file.lower().endswith(_LOGS) or (place == "logs" and "/" in file):
+            raise Trouble("there is no such log", "look at the list of runs", "missing")
+        with folder.opened(file) as found:
+            yield found

@@ -1,0 +1,99 @@
+"""Logs that are read whole: each in a process of its own, of bounded memory and time, so that none disturbs the one that streams."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+from collections import OrderedDict
+
+from yarclang.pendant.apart import begun, command_of
+from yarclang.pendant.runs.shown import Window
+from yarclang.runtime.actions import Trouble
+
+LARGEST = 256 << 20
+"""Log that is read here [bytes]; an hour has some 10 MB."""
+
+AT_ONCE, WAITING = 2, 8
+"""Processes at a time, and requests that may wait for one."""
+
+_MOST_MEMORY = 3 << 30
+"""Address space of one [bytes]; its libraries take 1 GiB of it."""
+
+_LONGEST = 60.0
+"""Time for one [s]."""
+
+_LARGEST_ANSWER = 16 << 20
+_REMEMBERED = 6
+
+_Key = tuple[int, int, int, int, Window | None]
+
+
+class Readings:
+    """What logs show."""
+
+    def __init__(self) -> None:
+        self._reading = asyncio.Semaphore(AT_ONCE)
+        self._waiting = 0
+        self._known: OrderedDict[_Key, bytes] = OrderedDict()
+
+    async def shown(self, handle: int, told: os.stat_result, window: Window | None) -> bytes:
+        """Return what a log shows, as the JSON of `RunShown`.
+
+        Args:
+            handle: the open file.
+            told: what the system says of it.
+            window: of the lines [s]; None: all of it.
+
+        Raises:
+            Trouble: it can't be shown, or too many are read just now.
+        """
+        if told.st_size > LARGEST:
+            what = f"the log has {told.st_size:,} bytes; up to {LARGEST:,} are shown here"
+            raise Trouble(what, "download it: `yarc plot` and `yarc replay` show it", "large")
+        key = (told.st_dev, told.st_ino, told.st_size, told.st_mtime_ns, window)
+        if (known := self._known.get(key)) is not None:
+            return known
+        if self._waiting >= AT_ONCE + WAITING:
+            raise Trouble("too many logs are read just now", "try again in a moment", "busy")
+        self._waiting += 1
+        try:
+            async with self._reading:
+                made = await self._read(handle, window)
+        finally:
+            self._waiting -= 1
+        self._known[key] = made
+        while len(self._known) > _REMEMBERED:
+            self._known.popitem(last=False)
+        return made
+
+    async def _read(self, handle: int, window: Window | None) -> bytes:
+        more = () if window is None else tuple(map(repr, window))
+        command = command_of("yarclang.pendant.runs.shown", (f"/dev/fd/{handle}", *more), _MOST_MEMORY)
+        process = await begun(command, talks=False, handles=(handle,))
+        assert process.stdout is not None
+        found = bytearray()
+        try:
+            async with asyncio.timeout(_LONGEST):
+                while data := await process.stdout.read(1 << 18):
+                    found += data
+                    if len(found) > _LARGEST_ANSWER:
+                        raise Trouble(_WHAT, _REMEDY, "large")
+                status = await process.wait()
+        except TimeoutError:
+            raise Trouble(f"{_WHAT}: it takes longer than {_LONGEST:g} s", _REMEDY, "large") from None
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                if process.returncode is None:
+                    process.kill()
+                    await process.wait()
+        if status != 0 or not found:
+            raise Trouble(f"{_WHAT}: it takes more memory than may be used for it", _REMEDY, "large")
+        if found.startswith(b'{"refused"'):
+            raise Trouble(json.loads(found)["refused"], "look at another one", "unreadable")
+        return bytes(found)
+
+
+_WHAT = "the log can't be shown here"
+_REMEDY = "download it: `yarc plot` and `yarc replay` show it"

@@ -1,0 +1,168 @@
+"""A stage as a page draws it: a description, and the meshes that the description names."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.collision.scene import Scene
+from yarclang.pendant.messages.scene import SceneAxes, SceneItem, SceneShown
+from yarclang.pendant.scene.meshes import Blob, blob_of
+from yarclang.robot.model import Array
+from yarclang.view import colours
+from yarclang.view.bodies import shapes_beside
+from yarclang.view.camera import first_view, shown_box
+from yarclang.view.solids import Solid
+from yarclang.view.stage import Item, Stage
+
+MOST_TRIANGLES = 600_000
+"""Of all meshes together: a tablet draws no more of them. Bodies beyond are left out, with a note."""
+MOST_ITEMS = 2000
+"""Bodies; those beyond are left out, with a note."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """A scene: its description, its meshes by their ids, and the bodies of the collision check (None: nothing is to be near to).
+
+    `made` are the meshes by what they were made of.
+    """
+
+    shown: SceneShown
+    meshes: Mapping[str, Blob]
+    near: Scene | None
+    made: Mapping[bytes, Blob]
+
+
+def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
+    """Describe a stage.
+
+    Args:
+        stage: of the robot at rest, or of a program; parts of a program are there from when to when it has them.
+        before: what was drawn before, whose meshes aren't made again.
+    """
+    kept, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))
+    made: dict[bytes, Blob] = {}
+    items: list[SceneItem] = []
+    for item in kept:
+        key = _key(item.solid)
+        if key not in made:
+            known = None if before is None else before.made.get(key)
+            made[key] = known or blob_of(item.solid)
+        items.append(_item(item, made[key].id))
+    low, high = _box(kept)
+    robot_low, robot_high = shown_box(stage, whole=False)
+    eye, target = first_view(stage)
+    shown = SceneShown(
+        version="",
+        title=stage.title,
+        notes=(*stage.notes, *notes),
+        joints=stage.robot.joint_names,
+        items=tuple(items),
+        axes=tuple(
+            SceneAxes(
+                name=one.name,
+                joint=one.joint,
+                pose=_rows(one.base_from_frame),
+                program=one.of_program,
+                matters=one.matters,
+            )
+            for one in stage.axes
+        ),
+        tool=stage.frame,
+        tool_pose=_rows(stage.robot.chain.base_from_flange @ stage.flange_from_frame),
+        tool_axis=_three(_tool_axis(stage)),
+        low=_three(np.minimum(low, robot_low)),
+        high=_three(np.maximum(high, robot_high)),
+        robot_low=_three(robot_low),
+        robot_high=_three(robot_high),
+        eye=_three(eye),
+        target=_three(target),
+        speeds=colours.RAMPS["speed"],
+        ghost=colours.GHOST,
+        touching=colours.TOUCHING,
+        stale=colours.STALE,
+    )
+    version = hashlib.sha256(shown.model_dump_json().encode()).hexdigest()[:16]
+    meshes = {blob.id: blob for blob in made.values()}
+    return Drawn(shown.model_copy(update={"version": version}), meshes, stage.scene, made)
+
+
+def _key(solid: Solid) -> bytes:
+    return hashlib.sha256(solid.vertices.tobytes() + solid.faces.tobytes()).digest()
+
+
+def _bounded(items: Iterable[Item]) -> tuple[tuple[Item, ...], tuple[str, ...]]:
+    """Return the items that are drawn, and a note about those that aren't."""
+    kept: list[Item] = []
+    left: list[str] = []
+    sizes: dict[int, int] = {}
+    for item in items:
+        size = sizes.get(id(item.solid), len(item.solid.faces))
+        if len(kept) >= MOST_ITEMS or sum(sizes.values()) + size > MOST_TRIANGLES:
+            left.append(item.name)
+            continue
+        sizes[id(item.solid)] = size
+        kept.append(item)
+    if not left:
+        return tuple(kept), ()
+    more = f" and {len(left) - 3} more" if len(left) > 3 else ""
+    note = f"not drawn, as the bodies have more than {MOST_TRIANGLES:,} triangles or are more than {MOST_ITEMS}: {', '.join(left[:3])}{more}"
+    return tuple(kept), (note,)
+
+
+def _item(item: Item, mesh: str) -> SceneItem:
+    named = item.is_named or item.kind in ("obstacle", "zone")
+    return SceneItem(
+        name=item.name,
+        kind=item.kind,
+        joint=item.joint,
+        pose=_rows(item.base_from_item),
+        colour=item.colour,
+        opacity=item.opacity,
+        mesh=mesh,
+        named=named,
+        begins_s=_time(item.begins),
+        ends_s=_time(item.ends),
+    )
+
+
+def _time(value: float) -> float | None:
+    return round(value, 4) if np.isfinite(value) else None
+
+
+def _box(items: Iterable[Item]) -> tuple[Array, Array]:
+    """Return the corners of a box around what no joint moves."""
+    points = [np.zeros((1, 3))]
+    for item in items:
+        if item.joint == 0:
+            turn, shift = item.base_from_item[:3, :3], item.base_from_item[:3, 3]
+            points.append(item.solid.vertices @ turn.T + shift)
+    every = np.concatenate(points)
+    return every.min(axis=0), every.max(axis=0)
+
+
+def _tool_axis(stage: Stage) -> Array:
+    """Return the last joint's axis (3,) with all joints at zero, from the links before it to the tool."""
+    chain = stage.robot.chain
+    axis = chain.screws[-1, 3:] if chain.screws[-1, 3:].any() else chain.screws[-1, :3]
+    tool = (chain.base_from_flange @ stage.flange_from_frame)[:3, 3]
+    before = [
+        item.base_from_item[:3, :3] @ item.solid.vertices.mean(axis=0) + item.base_from_item[:3, 3]
+        for item in stage.items
+        if item.kind == "robot" and item.joint == chain.size - 1
+    ]
+    begin = np.mean(before, axis=0) if before else np.zeros(3)
+    found: Array = -axis if float(axis @ (tool - begin)) < 0.0 else axis
+    return found
+
+
+def _rows(pose: Array) -> tuple[float, ...]:
+    return tuple(np.round(pose[:3], 7).ravel().tolist())
+
+
+def _three(values: Array) -> tuple[float, ...]:
+    return tuple(np.round(values, 5).tolist())

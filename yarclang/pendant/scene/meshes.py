@@ -1,0 +1,101 @@
+"""Bodies as bytes: corners, normals that break at edges, and triangles, named by what is in them."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.view.solids import Solid
+from yarclang.view.stage import Rows
+
+_EDGE = np.cos(np.deg2rad(35.0))
+"""Faces that meet at a larger angle than this have an edge between them, where the light breaks."""
+_MOST_AROUND = 64
+"""So many faces around a corner are looked at."""
+_LARGE = 4096
+"""From this size on [bytes] a mesh is also kept packed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Blob:
+    """A mesh as it is sent: its bytes, and the same by gzip; empty: it is too small to be packed.
+
+    Little endian: the numbers V and F (uint32), V corners x y z (float32) [m], F triangles (3 x uint32), V normals x y z (int8, of 127).
+    """
+
+    id: str
+    content: bytes
+    packed: bytes
+
+
+def blob_of(solid: Solid) -> Blob:
+    """Return a body as bytes; its id is made of them, so that what a browser has kept under an id is never another body."""
+    vertices, normals, faces = creased(solid)
+    content = b"".join(
+        (
+            np.array([len(vertices), len(faces)], dtype="<u4").tobytes(),
+            vertices.astype("<f4").tobytes(),
+            faces.astype("<u4").tobytes(),
+            np.round(127.0 * normals).astype(np.int8).tobytes(),
+        )
+    )
+    packed = gzip.compress(content, 6, mtime=0) if len(content) >= _LARGE else b""
+    return Blob(hashlib.sha256(content).hexdigest()[:24], content, packed)
+
+
+def creased(solid: Solid) -> tuple[Array, Array, Rows]:
+    """Give each corner of each face a normal: the mean of the faces around it that meet its face at a small angle.
+
+    Returns:
+        Corners (V, 3), their normals (V, 3), and faces (F, 3). A corner stands there once for each of its normals.
+    """
+    faces = solid.faces
+    corners = solid.vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(across, axis=1, keepdims=True)
+    flat = across / np.maximum(area, 1e-300)
+    # corners at one place are one corner, however often a file names them
+    size = float(np.abs(solid.vertices).max(initial=1e-9))
+    _, place = np.unique(_packed(np.round(solid.vertices / (size * 1e-6)), 21), return_inverse=True)
+    at = place.reshape(-1)[faces].ravel()
+    own = np.repeat(np.arange(len(faces)), 3)
+    normals = _means(at, own, flat, across)
+    key = at * (1 << 24) + _packed(np.round(127.0 * normals), 8)
+    _, first, back = np.unique(key, return_index=True, return_inverse=True)
+    return solid.vertices[faces.ravel()[first]], normals[first], back.reshape(-1, 3)
+
+
+def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
+    """Return the normal of each corner of each face (3 F, 3), weighted by the faces' areas.
+
+    Args:
+        at: (3 F,) the place of each corner.
+        own: (3 F,) its face.
+        flat: (F, 3) the faces' normals.
+        across: (F, 3) the same, as long as the faces' areas.
+    """
+    order = np.argsort(at, kind="stable")
+    _, begins, counts = np.unique(at[order], return_index=True, return_counts=True)
+    summed = np.zeros((len(at), 3))
+    rank = np.arange(len(at)) - np.repeat(begins, counts)
+    count, begin = np.repeat(counts, counts), np.repeat(begins, counts)
+    mine = own[order]
+    rows = np.arange(len(at))
+    for step in range(min(int(counts.max(initial=0)), _MOST_AROUND)):
+        rows = rows[count[rows] > step]
+        here, other = mine[rows], mine[begin[rows] + (rank[rows] + step) % count[rows]]
+        alike = np.einsum("ij,ij->i", flat[here], flat[other]) >= _EDGE
+        summed[order[rows[alike]]] += across[other[alike]]
+    length = np.linalg.norm(summed, axis=1, keepdims=True)
+    return np.where(length > 0.0, summed / np.maximum(length, 1e-300), flat[own])
+
+
+def _packed(values: Array, bits: int) -> Rows:
+    """Return three whole numbers (N, 3), each of so many bits with its sign, as one (N,)."""
+    whole = values.astype(np.int64) + (1 << (bits - 1))
+    found: Rows = (whole[:, 0] << (2 * bits)) | (whole[:, 1] << bits) | whole[:, 2]
+    return found

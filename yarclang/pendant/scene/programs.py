@@ -1,0 +1,179 @@
+"""Scenes of loaded programs: a session looks at the programs that it has loaded itself, each in its own cell."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.coordinator.attached import Attached, Here
+from yarclang.coordinator.loading import Source, load
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.courses import ProgramCourse
+from yarclang.coordinator.programs import Loaded
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.scene.described import Drawn, drawn
+from yarclang.pendant.scene.meshes import Blob
+from yarclang.pendant.scene.of_loaded import stage_of_loaded
+from yarclang.pendant.seats import Seats
+from yarclang.pipeline.inputs import Options
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+
+_MOST = 8
+"""Sessions whose program is kept drawn; the one that asked longest ago is drawn anew."""
+_MOST_LOADS = 4
+"""Programs of a session of which it is known how they were loaded: the newest."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Kept:
+    """What was drawn of a program. A coordinator that is back counts its programs anew: a number means one program of one seat."""
+
+    seat: Attached
+    number: int
+    drawn: Drawn
+    meshes: Mapping[str, Blob]
+
+
+class ProgramScenes:
+    """Draws loaded programs, each once.
+
+    Args:
+        robot: whose.
+        seats: the sessions' places at the coordinator, which has the programs.
+        live: returns what was drawn of the robot as it stands: its meshes aren't made twice.
+    """
+
+    def __init__(self, robot: Robot, seats: Seats, live: Callable[[], Drawn | None]) -> None:
+        self._robot = robot
+        self._seats = seats
+        self._live = live
+        self._kept: OrderedDict[str, _Kept] = OrderedDict()
+        self._loads: dict[str, OrderedDict[int, orders.Load]] = {}
+        self._drawing = asyncio.Lock()
+
+    def remember(self, session: Session, number: int, order: orders.Load) -> None:
+        """Take note of how a program was loaded.
+
+        Args:
+            session: that has loaded it.
+            number: of the program.
+            order: by which, with the paths of its files.
+        """
+        if self._seats.taken(session) is None:  # the session has ended meanwhile
+            return
+        loads = self._loads.setdefault(session.id, OrderedDict())
+        loads[number] = order
+        loads.move_to_end(number)
+        while len(loads) > _MOST_LOADS:
+            loads.popitem(last=False)
+
+    def forget(self, id_: str) -> None:
+        """Forget all of a session that has ended."""
+        self._kept.pop(id_, None)
+        self._loads.pop(id_, None)
+
+    def mesh(self, id_: str) -> Blob | None:
+        """Return a mesh that a description has named; None: there is none."""
+        return next((found for one in self._kept.values() if (found := one.meshes.get(id_))), None)
+
+    async def shown(self, session: Session, number: int) -> Drawn:
+        """Return a program in its cell.
+
+        Args:
+            session: that has loaded it.
+            number: of the program.
+
+        Raises:
+            Trouble: the session has no such program, or it can't be read again.
+        """
+        async with self._drawing:
+            seat = self._seats.taken(session)
+            if seat is None:
+                raise _unknown(number)
+            before = self._kept.get(session.id)
+            if before is not None and before.seat is seat and before.number == number:
+                self._kept.move_to_end(session.id)
+                return before.drawn
+            loaded = await self._loaded(session, seat, number)
+            found = await asyncio.to_thread(self._draw, loaded)
+            if self._seats.taken(session) is not seat:  # the session has ended meanwhile
+                raise _unknown(number)
+            # a page may still ask for what the scene before has named
+            meshes = {**(before.drawn.meshes if before else {}), **found.meshes}
+            self._kept[session.id] = _Kept(seat, number, found, meshes)
+            self._kept.move_to_end(session.id)
+            while len(self._kept) > _MOST:
+                self._kept.popitem(last=False)
+            return found
+
+    async def loaded(self, session: Session, number: int) -> Loaded:
+        """Return a program that a session has loaded.
+
+        Args:
+            session: that has loaded it.
+            number: of the program.
+
+        Raises:
+            Trouble: the session has no such program, or it can't be read again.
+        """
+        seat = self._seats.taken(session)
+        if seat is None:
+            raise _unknown(number)
+        return await self._loaded(session, seat, number)
+
+    def _draw(self, loaded: Loaded) -> Drawn:
+        return drawn(stage_of_loaded(self._robot, loaded), self._live())
+
+    async def _loaded(self, session: Session, seat: Attached, number: int) -> Loaded:
+        if isinstance(seat, Here):
+            found = seat.desk.loaded_of(number)
+            if found is None:
+                raise _unknown(number)
+            return found
+        loads = self._loads.get(session.id)
+        order = None if loads is None else loads.get(number)
+        if order is None:
+            raise _unknown(number)
+        course = await seat.ask(orders.AskCourse(program=number))
+        cell = order.cell or seat.welcome.status.cell
+        return await asyncio.to_thread(_again, self._robot, order, course, cell)
+
+
+def _again(robot: Robot, order: orders.Load, course: ProgramCourse, cell: str | None) -> Loaded:
+    """Compile once more what a coordinator in another process has loaded.
+
+    Args:
+        robot: that carries it out.
+        order: by which it was loaded.
+        course: what the coordinator tells of it.
+        cell: the path of the cell that the coordinator keeps to.
+
+    Raises:
+        Trouble: its files aren't those any more that were loaded.
+    """
+    options = Options(start=order.start, tm=order.tm, cell=cell)
+    if (tolerance := order.tolerance) is not None:
+        options = replace(options, tolerance=(tolerance[0], tolerance[1] if len(tolerance) > 1 else None))
+    rows = course.course.joints
+    stands = np.array(rows[0]) * robot.axis_units if order.here and rows else None
+    made = load(Source(order.file, order.text, options=options, program=order.source), robot, stands)
+    found = made.value
+    if found is None or _sha256(found.program.source) != course.sha256:
+        what = f"{Path(order.file).name} isn't what was loaded any more: its own cell can't be shown"
+        raise Trouble(what, "load it again", "")
+    return found
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest() if text else ""
+
+
+def _unknown(number: int) -> Trouble:
+    return Trouble(f"there is no program {number}", "load it again", "Y1613")

@@ -1,0 +1,243 @@
+"""The scene that all pages share: it is drawn once, and again if the cell, its parts or the robot are other ones."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Item, Parts, Present
+from yarclang.collision.scene import Scene
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import events, orders, replies
+from yarclang.handling.parts import first_parts, remove
+from yarclang.handling.present import presently
+from yarclang.handling.walk import flange_pose, handling_of
+from yarclang.pendant.messages.scene import Placements
+from yarclang.pendant.scene.described import Drawn, drawn
+from yarclang.pendant.scene.meshes import Blob
+from yarclang.pendant.scene.placements import moved_links, packed
+from yarclang.pendant.showing import Showing
+from yarclang.pipeline.kept import Stamp, meshes_of, stamp_of
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.view.clearance import touching
+from yarclang.view.of_live import stage_of_live
+from yarclang.view.parts import standing_parts
+from yarclang.view.reaching import Place, read_place
+from yarclang.view.stage import Stage
+
+_EACH = 0.25
+"""Time between two looks at what touches [s]."""
+_LOOKS = 4
+"""Of so many looks, one asks the coordinator for cell and parts."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """What a scene was drawn of."""
+
+    around: tuple[str, str | None]
+    place: Place
+    stage: Stage
+    parts: Parts
+    stamp: Stamp
+
+
+class Scenery:
+    """Draws the scene, and keeps it.
+
+    Args:
+        robot: whose.
+        showing: learns the version of the scene, and which bodies touch or stop the robot.
+        is_watched: tells if a page is there: nothing is computed for nobody.
+    """
+
+    def __init__(self, robot: Robot, showing: Showing, is_watched: Callable[[], bool]) -> None:
+        self._robot = robot
+        self._showing = showing
+        self._is_watched = is_watched
+        self._seen: _Seen | None = None
+        self._drawn: Drawn | None = None
+        self._meshes: Mapping[str, Blob] = {}
+        self._renewing = asyncio.Lock()
+        self._changed = asyncio.Event()
+        self._looked_at: tuple[Scene | None, bytes] = (None, b"")
+        self._switched: list[tuple[str, float, Array]] = []
+
+    async def shown(self, attached: Attached) -> Drawn:
+        """Return the scene as it is now.
+
+        Raises:
+            Trouble: the coordinator can't be reached, or the files of the robot can't be read.
+        """
+        async with self._renewing:
+            return await self._renewed(attached)
+
+    @property
+    def drawn(self) -> Drawn | None:
+        """What was drawn last; None: nothing was yet."""
+        return self._drawn
+
+    def mesh(self, id_: str) -> Blob | None:
+        """Return a mesh that a description has named; None: there is none."""
+        return self._meshes.get(id_)
+
+    async def watch(self, attached: Attached) -> None:
+        """Look at the scene again and again until somebody cancels this."""
+        turn = 0
+        while True:
+            if self._is_watched() and self._drawn is not None:
+                try:
+                    if turn == 0 or self._switched:
+                        await self.shown(attached)
+                    await self._look_what_touches()
+                except Trouble:
+                    pass  # whoever asks for the scene is told why
+            turn = (turn + 1) % _LOOKS
+            if await _heard(self._changed, _EACH):
+                turn = 0
+
+    def hear(self, event: events.BaseEvent) -> None:
+        """Take note of what may have changed the scene."""
+        match event:
+            case events.OutputSet(variable=variable, value=value):
+                q = self._showing.joints
+                if q is not None and self._seen is not None and self._seen.place.cell is not None:
+                    self._switched.append((variable, value, q))
+                    self._changed.set()
+            case events.Finished() | events.Began():
+                self._showing.stopped_by = ()
+                self._changed.set()
+            case events.Told(stopped_by=names, warning=warning):
+                if names:
+                    self._showing.stopped_by = names
+                if not warning:
+                    self._changed.set()  # parts may have been said to be elsewhere
+            case _:
+                pass
+
+    async def _renewed(self, attached: Attached) -> Drawn:
+        told = await attached.ask(orders.AskSurroundings())
+        around = (told.robot, told.cell)
+        seen, before = self._seen, self._drawn
+        stamp = await asyncio.to_thread(_stamp, around[1], None if seen is None else seen.place.cell)
+        if seen is None or seen.around != around or seen.stamp != stamp:
+            place = await asyncio.to_thread(read_place, attached.welcome, told)
+            stage = await asyncio.to_thread(self._empty, place)
+            stamp = await asyncio.to_thread(_stamp, around[1], place.cell)
+        else:
+            place, stage = seen.place, seen.stage
+        parts = await self._parts(
+            attached, place.cell, None if seen is None or seen.place is not place else seen.parts
+        )
+        if before is not None and seen is not None and seen.place is place and seen.parts == parts:
+            return before
+        found = await asyncio.to_thread(self._draw, stage, parts)
+        self._seen, self._drawn = _Seen(around, place, stage, parts, stamp), found
+        # a page may still ask for what the scene before has named
+        self._meshes = found.meshes if before is None else {**before.meshes, **found.meshes}
+        self._showing.scene = found.shown.version
+        return found
+
+    def _empty(self, place: Place) -> Stage:
+        """Return the stage without parts: only these change while the robot works."""
+        stage = stage_of_live(self._robot, place.cell, self._robot.home, parts=Parts(()))
+        return replace(stage, notes=(*place.notes, *stage.notes))
+
+    def _draw(self, stage: Stage, parts: Parts) -> Drawn:
+        items, notes = standing_parts(self._robot, parts)
+        return drawn(replace(stage, items=(*stage.items, *items), notes=(*stage.notes, *notes)), self._drawn)
+
+    async def _parts(self, attached: Attached, cell: Cell | None, before: Parts | None) -> Parts:
+        """Return where the parts of a cell are: as outputs have moved them while something is under way, else as the coordinator says."""
+        first = first_parts(cell)
+        if cell is None or not cell.parts:
+            self._switched.clear()
+            return first
+        switched, self._switched = self._switched, []
+        if before is not None and self._showing.under_way:
+            return await asyncio.to_thread(_switched_parts, self._robot, cell, before, switched)
+        try:
+            told = await attached.ask(orders.AskParts())
+        except Trouble:  # the session has no cell with parts: only the program has
+            return first if before is None else before
+        return parts_told(cell, told) or (first if before is None else before)
+
+    async def _look_what_touches(self) -> None:
+        scene = None if self._drawn is None else self._drawn.near
+        q = self._showing.joints
+        if scene is None or q is None:
+            self._showing.touching = ()
+            return
+        key = (scene, np.round(q, 4).tobytes())
+        if key == self._looked_at:
+            return
+        self._looked_at = key
+        self._showing.touching = tuple(sorted(await asyncio.to_thread(touching, scene, q)))
+
+
+def _stamp(file: str | None, cell: Cell | None) -> Stamp:
+    """Return a value that changes with the cell's file and the meshes that it names."""
+    return stamp_of((*(() if file is None else (Path(file),)), *(() if cell is None else meshes_of(cell))))
+
+
+async def _heard(event: asyncio.Event, within: float) -> bool:
+    try:
+        await asyncio.wait_for(event.wait(), within)
+    except TimeoutError:
+        return False
+    event.clear()
+    return True
+
+
+def parts_told(cell: Cell, told: replies.Parts) -> Parts | None:
+    """Return where the coordinator says that the parts of a cell are; None if it speaks of another cell's parts."""
+    kinds = {part.body.name: part for part in cell.parts}
+    variables = {name: one.variable for name, one in cell.outputs.items()}
+    items: list[Item] = []
+    for one in told.parts:
+        name, _, number = one.name.rpartition(" ")
+        part = kinds.get(one.name) or (kinds.get(name) if number.isdecimal() else None)
+        if part is None:
+            return None
+        gripper = None if one.held is None else variables.get(one.held, "")
+        pose = np.array(one.pose).tobytes()
+        items.append(
+            Item(part, int(number) if part.count > 1 and number.isdecimal() else 1, pose, gripper, one.sure)
+        )
+    return Parts(tuple(items))
+
+
+def _switched_parts(
+    robot: Robot, cell: Cell, parts: Parts, switched: list[tuple[str, float, Array]]
+) -> Parts:
+    """Return the parts after outputs were set: a variable, its value and where the robot was (n,) [rad or m]."""
+    for variable, value, q in switched:
+        if variable in cell.grips:
+            handling = handling_of(robot, presently(cell, Present(parts)), ())
+            grasp = handling.at_pose(parts, 0, variable, value, flange_pose(robot, q))
+            parts = parts if grasp is None else grasp.after
+        removal = cell.removals.get(variable)
+        if removal is not None and value == removal.value:
+            parts = remove(parts, removal)
+    return parts
+
+
+def placed(robot: Robot, asked: Placements) -> bytes:
+    """Return the placements of links at joint positions: float32, (N, n, 7), x y z [m] and the quaternion x y z w.
+
+    Raises:
+        Trouble: a row doesn't have the robot's number of joints.
+    """
+    for number, row in enumerate(asked.joints):
+        if len(row) != robot.size:
+            what = (
+                f"row {number + 1} has {len(row)} joint positions, and {robot.name} has {robot.size} joints"
+            )
+            raise Trouble(what, "give one for each joint", "")
+    q = np.array(asked.joints, dtype=float).reshape(-1, robot.size) * robot.axis_units
+    return packed(moved_links(robot.chain, q)).astype("<f4").tobytes()

@@ -1,0 +1,78 @@
+"""The sessions' places at the coordinator: each person who orders something is a client of their own, known by their name."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from yarclang.coordinator.attached import Attached
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.runtime.actions import Trouble
+
+Attach = Callable[[str], Awaitable[Attached]]
+"""Makes a client of the coordinator, by the name that others know it by."""
+
+
+class Seats:
+    """Who sits where.
+
+    Args:
+        attach: makes clients of the coordinator.
+
+    Attributes:
+        jogging: which connection of a session jogs, by the session's id: a second page would change what the first one began.
+    """
+
+    def __init__(self, attach: Attach) -> None:
+        self.jogging: dict[str, object] = {}
+        self._attach = attach
+        self._seats: dict[str, Attached] = {}
+        self._taking = asyncio.Lock()
+        self._leaving: set[asyncio.Task[None]] = set()
+
+    async def of(self, session: Session) -> Attached:
+        """Return the seat of a session; it is taken with the first order.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        if (found := self._seats.get(session.id)) is not None:
+            return found
+        async with self._taking:
+            if session.id not in self._seats:
+                self._seats[session.id] = await self._attach(session.user)
+            return self._seats[session.id]
+
+    def taken(self, session: Session) -> Attached | None:
+        """Return the seat of a session, if it has one."""
+        return self._seats.get(session.id)
+
+    def name(self, session: Session) -> str:
+        """Return the name by which the coordinator knows a session; empty: it doesn't yet."""
+        seat = self._seats.get(session.id)
+        return "" if seat is None else seat.welcome.name
+
+    def session_called(self, client: str | None) -> str:
+        """Return the id of the session that the coordinator knows by a name; empty: none of these."""
+        return next((id_ for id_, seat in self._seats.items() if seat.welcome.name == client), "")
+
+    def leave(self, id_: str) -> None:
+        """Give up the seat of a session: if it owns the robot, the robot comes to rest on its path."""
+        seat = self._seats.pop(id_, None)
+        if seat is not None:
+            task = asyncio.ensure_future(_left(seat))
+            self._leaving.add(task)
+            task.add_done_callback(self._leaving.discard)
+
+    async def leave_all(self) -> None:
+        """Give up all seats."""
+        for id_ in tuple(self._seats):
+            self.leave(id_)
+        await asyncio.gather(*self._leaving, return_exceptions=True)
+
+
+async def _left(seat: Attached) -> None:
+    try:
+        await seat.leave()
+    except Trouble:
+        return  # the coordinator has gone, and the robot rests by its own guard

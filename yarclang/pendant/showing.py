@@ -1,0 +1,203 @@
+"""What is always on the screen, from what the coordinator tells. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from yarclang.coordinator.messages import events, replies
+from yarclang.pendant.messages.display import NO_ALARM, AlarmBar, Display
+from yarclang.pendant.scene.placements import moved_links, packed
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.state import State
+
+JOG = "jog"
+"""What a live motion of the pendant is called."""
+
+
+class Showing:
+    """The facts about one robot, as they were heard last.
+
+    Args:
+        robot: whose.
+
+    Attributes:
+        connected: whether the coordinator is there.
+        alarm: returns the foremost alarm.
+        scene: the version of the scene that was drawn; empty: none was.
+        touching: the bodies that are too near to others.
+        stopped_by: the bodies and zones that the last live motion was stopped by.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.connected = False
+        self.alarm: Callable[[], AlarmBar] = lambda: NO_ALARM
+        self.scene = ""
+        self.touching: tuple[str, ...] = ()
+        self.stopped_by: tuple[str, ...] = ()
+        self._placed: tuple[tuple[float | None, ...], tuple[float, ...], tuple[float, ...]] | None = None
+        self._joints: tuple[float | None, ...] = (None,) * robot.size
+        self._status: replies.Status | None = None
+        self._health: replies.Health | None = None
+        self._state, self._why = State.DISCONNECTED, ""
+        self._owner: str | None = None
+        self._under_way = self._command = ""
+        self._line = 0
+        self._file = ("", "")
+        self._done = self._left = 0.0
+        self._override = 100.0
+        self._paused = False
+
+    @property
+    def under_way(self) -> str:
+        """What is carried out; empty: nothing is."""
+        return self._under_way
+
+    @property
+    def joints(self) -> Array | None:
+        """Actual positions (n,) [rad or m]; None: not known."""
+        if any(one is None for one in self._joints):
+            return None
+        found: Array = np.array(self._joints, dtype=float) * self.robot.axis_units
+        return found
+
+    @property
+    def owner(self) -> str | None:
+        """Who may move the robot."""
+        return self._owner
+
+    @property
+    def state(self) -> State:
+        """What the robot does."""
+        return self._state
+
+    @property
+    def why(self) -> str:
+        """Why it is in this state; empty: nobody has said."""
+        return self._why
+
+    @property
+    def heard_health(self) -> replies.Health | None:
+        """The motors, link and buffer, as they were heard of last; None: not yet."""
+        return self._health
+
+    def runs(self, file: str) -> None:
+        """Note which file of the project is run next."""
+        self._file = (file.rpartition("/")[2], file)
+
+    def file_of(self, program: str) -> str:
+        """Return the file in the project of the program of a name; empty: it isn't the one that was run here last."""
+        name, file = self._file
+        return file if program and name == program else ""
+
+    def welcome(self, status: replies.Status) -> None:
+        """Take what is told to whoever comes."""
+        self.connected = True
+        self._state, self._why = status.state, status.why
+        self._owner = status.owner
+        moves = status.state in (State.MOVE, State.INIT, State.HOLD)
+        self._under_way = status.program if moves else ""
+        self._command = status.command.title if status.command else ""
+        self._line = status.command.line if status.command else 0
+        self._done, self._left = status.done, status.left
+        self._override = status.override
+        self._paused = False
+        self._joints = tuple(one.position for one in status.joints)
+
+    def lost(self) -> None:
+        """Note that the coordinator is gone: what was heard of the motors isn't known any more."""
+        self.connected = False
+        self._health = None
+
+    def health(self, health: replies.Health) -> None:
+        """Take what was heard of the motors."""
+        self._health = health
+
+    def take(self, event: events.BaseEvent) -> None:
+        """Take what the coordinator tells."""
+        match event:
+            case events.StateChanged(state=state, why=why):
+                self._state, self._why = state, why
+            case events.Position(joints=joints):
+                self._joints = tuple(joints.get(name) for name in self.robot.joint_names)
+            case events.ProgressMade():
+                self._done, self._left = event.done_s, event.left_s
+                self._command, self._line = event.command, event.line
+            case events.OwnerChanged(owner=owner):
+                self._owner = owner
+            case events.OverrideChanged(percent=percent):
+                self._override = percent
+            case events.Began(name=name, duration_s=duration):
+                self._under_way, self._command, self._line = name, "", 0
+                self._done, self._left = 0.0, duration
+                self._paused = False
+            case events.Finished():
+                self._under_way, self._left = "", 0.0
+                self._paused = False
+            case events.Paused():
+                self._paused = True
+            case events.PartBegan():
+                self._paused = False
+            case _:
+                pass
+
+    def display(self, audit: str = "") -> Display:
+        """Return what is shown now.
+
+        Args:
+            audit: why the audit trail can't be written; empty: it can.
+        """
+        motors = () if self._health is None else self._health.motors
+        flange, links = self._places()
+        return Display(
+            connected=self.connected,
+            state=self._state,
+            why=self._why,
+            mode=self._mode,
+            owner=self._owner,
+            under_way=self._under_way,
+            command=self._command,
+            line=self._line,
+            done_s=round(self._done, 2),
+            left_s=round(self._left, 2),
+            override=round(self._override, 2),
+            paused=self._paused,
+            joints=tuple(None if one is None else round(one, 4) for one in self._joints),
+            flange=flange or None,
+            links=links,
+            scene=self.scene,
+            touching=self.touching,
+            stopped_by=self.stopped_by,
+            enabled=all(one.closed_loop for one in motors) if motors else None,
+            homed=all(one.homed for one in motors) if motors else None,
+            guard=None if self._health is None else self._health.guard,
+            alarm=self.alarm(),
+            audit=audit,
+        )
+
+    @property
+    def _mode(self) -> str:
+        if not self.connected or self._state is State.DISCONNECTED:
+            return "disconnected"
+        if self._state is State.FAULT:
+            return "fault"
+        if self._state is State.HOLD:
+            return "held"
+        if not self._under_way:
+            return "idle"
+        return "jog" if self._under_way == JOG else "program"
+
+    def _places(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return base_from_flange (16,) and the links' placements (7 n,); computed once for each place of the robot."""
+        if self._placed is not None and self._placed[0] == self._joints:
+            return self._placed[1:]
+        flange: tuple[float, ...] = ()
+        links: tuple[float, ...] = ()
+        if (q := self.joints) is not None:
+            moved = moved_links(self.robot.chain, q[None])[0]
+            flange = tuple((moved[-1] @ self.robot.chain.base_from_flange).round(7).ravel().tolist())
+            links = tuple(packed(moved).round(6).ravel().tolist())
+        self._placed = (self._joints, flange, links)
+        return flange, links

@@ -1,0 +1,278 @@
+"""Inputs and outputs as all pages see them: asked for once for everybody, with what the cell's file says of them and what runs have told."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from yarclang.cell.model import Cell
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import events, orders
+from yarclang.coordinator.messages.replies import NamedSignal, Surroundings
+from yarclang.pendant.messages.signals import HeldParts, SignalShown, SignalsShown, SignalValues, Waiting
+from yarclang.pipeline.cells import cell_loader
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+from yarclang.toml.places import Places, find_places
+
+_AGE, _SIMULATED_AGE = 0.4, 0.1
+"""Values that are younger aren't asked for again [s]; those of a robot that is simulated here cost little."""
+_SHARE = 4.0
+"""A real controller is asked so seldom that this takes at most one part in so many of the time: jogs go over the same line."""
+_LONGEST = 160
+"""Characters of a comment."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _CellFile:
+    """A cell as its file was: `stamp` is that of the file; `trouble` says why there is none."""
+
+    path: str | None
+    stamp: tuple[int, int]
+    cell: Cell | None
+    trouble: str
+    comments: dict[tuple[str, str], str]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """What was asked for last, and until when it is new enough [s]."""
+
+    told: Surroundings
+    held: tuple[HeldParts, ...]
+    shown: SignalsShown
+    until: float
+
+
+class Signals:
+    """Asks for inputs and outputs, and hears which WAIT the robot stands at.
+
+    Args:
+        robot: whose.
+        now: a clock that never goes back [s].
+    """
+
+    def __init__(self, robot: Robot, now: Callable[[], float]) -> None:
+        self._robot = robot
+        self._now = now
+        self._asking = asyncio.Lock()
+        self._seen: _Seen | None = None
+        self._file = _CellFile(None, (0, 0), None, "", {})
+        self._heard: dict[str, float] = {}
+        self._wait: tuple[events.WaitBegan, float] | None = None
+
+    async def watch(self, _: Attached) -> None:
+        """Begin anew with a coordinator: what another one has told doesn't count."""
+        self._seen, self._wait = None, None
+        self._heard.clear()
+
+    def hear(self, event: events.BaseEvent) -> None:
+        """Take what a run tells of inputs and outputs."""
+        match event:
+            case events.Began() | events.Finished():
+                self._wait = None
+                self._heard.clear()
+            case events.WaitBegan(variable=variable, value=value):
+                self._wait = (event, self._now())
+                self._heard[variable] = value
+            case events.WaitEnded(variable=variable, value=value):
+                self._wait = None
+                self._heard[variable] = value
+            case events.OutputSet(variable=variable, value=value):
+                self._heard[variable] = value
+            case events.InputChanged(variable=variable, value=value):
+                self._heard[variable] = value
+            case _:
+                return
+        if self._seen is not None and isinstance(event, events.Finished):
+            self._seen = None
+
+    async def cell(self, attached: Attached) -> Cell | None:
+        """Return the cell around the robot as its file has it; None: there is none, or it can't be read.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        await self._look(attached)
+        return self._file.cell
+
+    async def shown(self, attached: Attached) -> SignalsShown:
+        """Return all inputs and outputs.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        return (await self._look(attached)).shown
+
+    async def values(self, attached: Attached) -> SignalValues:
+        """Return what values they have.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        seen = await self._look(attached)
+        values: list[float | None] = []
+        heard: list[int] = []
+        for number, one in enumerate((*seen.told.inputs, *seen.told.outputs)):
+            value = one.value
+            if value is None and one.variable in self._heard:
+                value = self._heard[one.variable]
+                heard.append(number)
+            values.append(value)
+        return SignalValues(
+            version=seen.shown.version,
+            values=tuple(values),
+            heard=tuple(heard),
+            waiting=self._waiting(seen.told),
+            held=seen.held,
+        )
+
+    def _waiting(self, told: Surroundings) -> Waiting | None:
+        if self._wait is None:
+            return None
+        event, since = self._wait
+        value = next((one.value for one in told.inputs if one.variable == event.variable), None)
+        return Waiting(
+            place=event.place,
+            name=event.name,
+            variable=event.variable,
+            wanted=event.wanted,
+            value=self._heard.get(event.variable) if value is None else value,
+            since_s=round(self._now() - since, 1),
+        )
+
+    async def _look(self, attached: Attached) -> _Seen:
+        """Return what is known, asked for by one page for all."""
+        async with self._asking:
+            if self._seen is not None and self._now() < self._seen.until:
+                return self._seen
+            begun = self._now()
+            told = await attached.ask(orders.AskSurroundings())
+            self._file = await asyncio.to_thread(self._read, told.cell)
+            held = await _held(attached, self._file.cell)
+            shown = _described(told, self._file)
+            done = self._now()
+            age = _AGE if told.fixed else _SIMULATED_AGE
+            self._seen = _Seen(told, held, shown, done + max(age, (_SHARE - 1.0) * (done - begun)))
+            return self._seen
+
+    def _read(self, path: str | None) -> _CellFile:
+        """Return the cell's file. The coordinator names none that can't be read: then it is told what is wrong with the last one."""
+        if path is not None or self._file.path is None:
+            return read_cell_file(path, self._robot, self._file)
+        last = read_cell_file(self._file.path, self._robot, self._file)
+        return last if last.trouble else read_cell_file(None, self._robot, last)
+
+
+async def _held(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
+    """Return which grippers hold something."""
+    if cell is None or not cell.parts or not cell.grips:
+        return ()
+    try:
+        told = await attached.ask(orders.AskParts())
+    except Trouble:  # only the program has a cell with parts
+        return ()
+    held: dict[str, list[str]] = {}
+    for one in told.parts:
+        if one.held:
+            held.setdefault(one.held, []).append(one.name)
+    return tuple(HeldParts(output=name, parts=tuple(parts)) for name, parts in held.items())
+
+
+def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFile:
+    """Return what a cell's file says; the file is read again only if it has changed. Call it in a thread.
+
+    Args:
+        path: of the file; None: there is no cell.
+        robot: whose joint values it has.
+        before: what was read last.
+    """
+    if path is None:
+        return _CellFile(None, (0, 0), None, "", {})
+    place = Path(path)
+    try:
+        status = place.stat()
+    except OSError as error:
+        return _CellFile(path, (0, 0), None, f"{place.name} can't be read: {error.strerror}", {})
+    stamp = (status.st_mtime_ns, status.st_size)
+    if (before.path, before.stamp) == (path, stamp):
+        return before
+    read = cell_loader(place.parent, robot).at(place)
+    errors = [one.message for one in read.diagnostics if one.is_error]
+    trouble = f"{place.name}: {errors[0]}" if errors else ""
+    if read.value is None:
+        return _CellFile(path, stamp, None, trouble or f"{place.name} can't be read", {})
+    return _CellFile(path, stamp, read.value, trouble, comments_of(read.value.source))
+
+
+def comments_of(source: SourceFile) -> dict[tuple[str, str], str]:
+    """Return the comments of inputs and outputs in a cell's file, by table and name in upper case: that at the end of the line, else the line above."""
+    places, lines = find_places(source), source.lines
+    found = {}
+    for path in places.keys:
+        if len(path) == 2 and path[0] in ("inputs", "outputs"):
+            said = _comment(places, lines, path)
+            if said:
+                found[str(path[0]), str(path[1]).upper()] = said
+    return found
+
+
+def _comment(places: Places, lines: tuple[str, ...], path: tuple[str | int, ...]) -> str:
+    key = places.keys[path]
+    end = places.values.get(path)
+    row, column = (key.line, key.end_column) if end is None else (end.end_line, end.end_column)
+    rest = lines[row - 1][column - 1 :].lstrip(" \t]") if row <= len(lines) else ""
+    if not rest.startswith("#"):
+        above = lines[key.line - 2].strip() if 1 < key.line <= len(lines) else ""
+        rest = above if above.startswith("#") else ""
+    words = " ".join("".join(one if one.isprintable() else " " for one in rest.lstrip("#")).split())
+    return words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
+
+
+def _described(told: Surroundings, file: _CellFile) -> SignalsShown:
+    cell = file.cell
+    inputs, outputs = (cell.inputs, cell.outputs) if cell is not None else ({}, {})
+    sensed = {one.input for one in cell.sensors} if cell is not None else set()
+    signals = []
+    for one in told.inputs:
+        declared = inputs.get(one.name) == one.variable
+        signals.append(_input(one, declared, file, one.variable in sensed or one.name in sensed))
+    for one in told.outputs:
+        own = outputs.get(one.name)
+        known = own if own is not None and own.variable == one.variable else None
+        signals.append(
+            SignalShown(
+                name=one.name,
+                variable=one.variable,
+                kind="output",
+                declared=known is not None,
+                comment=file.comments.get(("outputs", one.name), "") if known is not None else "",
+                safe=None if known is None else known.safe,
+                grips_at=None if known is None or known.grip is None else known.grip.value,
+                removes_at=None if known is None or known.removal is None else known.removal.value,
+                sensor=False,
+            )
+        )
+    shown = SignalsShown(
+        version="", cell=told.cell, fixed=told.fixed, trouble=file.trouble, signals=tuple(signals)
+    )
+    version = hashlib.sha256(shown.model_dump_json().encode()).hexdigest()[:16]
+    return shown.model_copy(update={"version": version})
+
+
+def _input(one: NamedSignal, declared: bool, file: _CellFile, sensed: bool) -> SignalShown:
+    return SignalShown(
+        name=one.name,
+        variable=one.variable,
+        kind="input",
+        declared=declared,
+        comment=file.comments.get(("inputs", one.name), "") if declared else "",
+        safe=None,
+        grips_at=None,
+        removes_at=None,
+        sensor=declared and sensed,
+    )

@@ -1,0 +1,51 @@
+"""Where the robot stands, for those who write it down: it has to be at rest, held by its motors, and they have to know where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from yarclang.coordinator.messages import orders
+from yarclang.pendant.watched import Watched
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Trouble
+
+
+async def stands(watched: Watched, motors: Collection[int] | None = None) -> Array:
+    """Return (n,) where the robot stands [rad or m].
+
+    Args:
+        watched: the robot.
+        motors: numbers of the motors that have to be referenced; None: all of them.
+
+    Raises:
+        Trouble: it moves, or isn't referenced, or isn't enabled, or isn't there.
+    """
+    attached = watched.attached
+    _check_rest(watched)
+    health = await attached.ask(orders.AskHealth())
+    needed = [one for one in health.motors if motors is None or one.number in motors]
+    if lost := [one.number for one in needed if not one.homed]:
+        raise Trouble(
+            f"{_motors(lost)} not referenced: nobody knows where the robot is",
+            "home the robot first", "homed",
+        )  # fmt: skip
+    if loose := [one.number for one in needed if not one.closed_loop]:
+        raise Trouble(
+            f"{_motors(loose)} not enabled: the arm may hang elsewhere than it is commanded to stand",
+            "enable the motors first", "enabled",
+        )  # fmt: skip
+    found = np.array((await attached.ask(orders.AskPlace())).exact)
+    _check_rest(watched)
+    return found
+
+
+def _motors(numbers: list[int]) -> str:
+    return f"motor{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))} {'are' if len(numbers) > 1 else 'is'}"
+
+
+def _check_rest(watched: Watched) -> None:
+    if watched.showing.under_way:
+        what = f"the robot is under way: {watched.showing.under_way}"
+        raise Trouble(what, "wait until it stands", "moving")

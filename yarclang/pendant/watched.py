@@ -1,0 +1,219 @@
+"""The robot as all pages of a pendant see it: one client of the coordinator listens for all of them, and what it hears is written once."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
+from itertools import count
+
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import events, orders
+from yarclang.pendant.messages.display import Beat, Notice
+from yarclang.pendant.seats import Attach, Seats
+from yarclang.pendant.showing import Showing
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+
+EACH = 0.05
+"""Time between two displays [s]."""
+
+_HEALTH_EACH = 0.5
+_BEATS = 10
+"""Displays between two heartbeats, by which a page knows that this server is there."""
+
+_AGAIN = 1.0
+"""Time between two tries to reach the coordinator [s]."""
+
+_MOST = 64
+"""Texts that wait for a page; the oldest goes where there is no room."""
+
+
+class Page:
+    """What waits for one page that is connected: the newest display, and texts in their order."""
+
+    def __init__(self, session: str) -> None:
+        self.session = session
+        self._display = ""
+        self._texts: list[str] = []
+        self._arrived = asyncio.Event()
+
+    def show(self, display: str) -> None:
+        """Show the newest display; one that wasn't sent yet is forgotten."""
+        self._display = display
+        self._arrived.set()
+
+    def tell(self, text: str) -> None:
+        """Send a text after those that wait."""
+        self._texts.append(text)
+        del self._texts[:-_MOST]
+        self._arrived.set()
+
+    async def next(self) -> str:
+        """Return what is sent next, when there is something."""
+        while True:
+            if self._texts:
+                return self._texts.pop(0)
+            if self._display:
+                display, self._display = self._display, ""
+                return display
+            self._arrived.clear()
+            await self._arrived.wait()
+
+
+class Watched:
+    """Listens to a coordinator, and tells the pages.
+
+    Args:
+        robot: whose.
+        attach: makes clients of the coordinator.
+        seats: the sessions' places there: they are gone with a coordinator that is lost.
+        audit: tells why the audit trail can't be written.
+
+    Attributes:
+        showing: what is on all screens.
+    """
+
+    def __init__(self, robot: Robot, attach: Attach, seats: Seats, audit: Callable[[], str]) -> None:
+        self.showing = Showing(robot)
+        self._attach = attach
+        self._seats = seats
+        self._audit = audit
+        self._attached: Attached | None = None
+        self._pages: set[Page] = set()
+        self._shown = ""
+        self._works: list[Callable[[Attached], Awaitable[None]]] = []
+        self._hearers: list[Callable[[events.BaseEvent], None]] = []
+        self._losers: list[Callable[[], None]] = []
+
+    def attend(
+        self,
+        work: Callable[[Attached], Awaitable[None]],
+        hear: Callable[[events.BaseEvent], None],
+        lost: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Let somebody else listen as well.
+
+        Args:
+            work: carried out, until it is cancelled, as long as the coordinator is there.
+            hear: takes each event.
+            lost: called when the coordinator can't be reached.
+        """
+        self._works.append(work)
+        self._hearers.append(hear)
+        self._losers.append(lost)
+
+    @property
+    def is_watched(self) -> bool:
+        """True if a page is connected."""
+        return bool(self._pages)
+
+    @property
+    def pages(self) -> int:
+        """How many pages are connected."""
+        return len(self._pages)
+
+    @property
+    def attached(self) -> Attached:
+        """The client that everybody shares: for stops, and for questions.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        if self._attached is None:
+            what = f"the coordinator of {self.showing.robot.name} can't be reached"
+            raise Trouble(what, "look at the robot; wait, or start `yarc serve` again", "Y1606")
+        return self._attached
+
+    def pages_of(self, session: str) -> int:
+        """Return how many pages of a session are connected."""
+        return sum(page.session == session for page in self._pages)
+
+    def join(self, page: Page) -> None:
+        """Tell a page all that comes."""
+        self._pages.add(page)
+        page.show(self._shown or self._written())
+
+    def leave(self, page: Page) -> None:
+        """Tell a page nothing more."""
+        self._pages.discard(page)
+
+    def notice(self, notice: Notice, session: str = "") -> None:
+        """Tell something to the pages of a session; empty: to all."""
+        text = notice.model_dump_json()
+        for page in self._pages:
+            if not session or page.session == session:
+                page.tell(text)
+
+    async def run(self) -> None:
+        """Listen until somebody cancels this; a coordinator that is gone is looked for again."""
+        telling = asyncio.create_task(self._tell())
+        try:
+            while True:
+                with contextlib.suppress(Trouble):
+                    await self._listen()
+                self._attached = None
+                self.showing.lost()
+                for lose in self._losers:
+                    lose()
+                await self._seats.leave_all()
+                await asyncio.sleep(_AGAIN)
+        finally:
+            telling.cancel()
+
+    async def start(self) -> None:
+        """Attach for the first time.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        self._attached = await self._attach("pendant")
+
+    async def stop(self) -> None:
+        """Be a client no more."""
+        await self._seats.leave_all()
+        if self._attached is not None:
+            await self._attached.leave()
+
+    async def _listen(self) -> None:
+        robot = self._attached or await self._attach("pendant")
+        self._attached = robot
+        with await robot.listen() as stream:
+            self.showing.welcome(await robot.ask(orders.AskStatus()))
+            works = (self._ask_health, *self._works)
+            asking = [asyncio.ensure_future(work(robot)) for work in works]
+            try:
+                async for event in stream:
+                    self.showing.take(event)
+                    for hear in self._hearers:
+                        hear(event)
+                    if not isinstance(event, events.Position | events.ProgressMade):
+                        text = event.model_dump_json()
+                        for page in self._pages:
+                            page.tell(text)
+            finally:
+                for one in asking:
+                    one.cancel()
+
+    async def _ask_health(self, robot: Attached) -> None:
+        while True:
+            with contextlib.suppress(Trouble):
+                self.showing.health(await robot.ask(orders.AskHealth()))
+            await asyncio.sleep(_HEALTH_EACH)
+
+    async def _tell(self) -> None:
+        for number in count(1):
+            if number % _BEATS == 0:
+                beat = Beat(beat=number).model_dump_json()
+                for page in self._pages:
+                    page.tell(beat)
+            if self._pages:
+                text = self._written()
+                if text != self._shown:
+                    self._shown = text
+                    for page in self._pages:
+                        page.show(text)
+            await asyncio.sleep(EACH)
+
+    def _written(self) -> str:
+        return self.showing.display(self._audit()).model_dump_json()

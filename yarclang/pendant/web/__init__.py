@@ -1,0 +1,1 @@
+"""The pendant's API and its pages, over HTTP and WebSocket (docs/pendant.md)."""

@@ -1,0 +1,61 @@
+"""The socket of the analyst, and the words by which programs are coloured."""
+
+from __future__ import annotations
+
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.websockets import WebSocket
+
+from yarclang.highlight.words import words
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.analyst import Analysts
+from yarclang.pendant.messages.language import Language
+from yarclang.pendant.web.answers import answer
+from yarclang.pendant.web.routes import Route
+from yarclang.pendant.web.service import Service
+from yarclang.pendant.web.sockets import let_in, until_it_ends
+from yarclang.runtime.actions import Trouble
+
+_NO_ROOM = 4409
+"""Code of a socket that is closed because there are as many analysts as may be."""
+
+
+async def analyse(service: Service, analysts: Analysts, socket: WebSocket) -> None:
+    """Serve a page that edits with a language server of its own: /api/analyst."""
+    session = await let_in(service, socket, Role.PROGRAMMER)
+    if session is None:
+        return
+    try:
+        async with analysts.one(socket.send_text) as analyst:
+
+            async def receive() -> None:
+                while True:
+                    await analyst.take(await socket.receive_text())
+
+            await until_it_ends(service, socket, session, analyst.run(), receive())
+    except Trouble as trouble:
+        await socket.close(_NO_ROOM, trouble.what[:100])
+
+
+async def _language(service: Service, request: Request) -> Response:
+    service.session(request)
+    known = words()
+    return answer(
+        Language(
+            blocks=known.blocks,
+            declarations=known.declarations,
+            commands=known.commands,
+            suffixes=known.suffixes,
+            options=known.options,
+            operators=known.operators,
+            functions=known.functions,
+            constants=known.constants,
+            units=known.units,
+        )
+    )
+
+
+ROUTES = (
+    Route("GET", "/api/language", _language, "Return the words of the language by their kinds.", None, Language, "viewer"),
+)  # fmt: skip
+"""All routes of this file."""

@@ -1,0 +1,59 @@
+"""Answers of the API in their JSON form, and bodies of requests as typed messages."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from yarclang.coordinator.messages.message import Message
+from yarclang.pendant.accounts.accounts import NotAllowed, TooMany
+from yarclang.pendant.messages.reading import Malformed, denied, read
+from yarclang.runtime.actions import Trouble
+
+M = TypeVar("M", bound=Message)
+
+
+def answer(message: Message, status: int = 200) -> Response:
+    """Return a message as the answer to a request; nothing keeps a copy of it."""
+    headers = {"cache-control": "no-store"}
+    return Response(message.model_dump_json(), status, headers, media_type="application/json")
+
+
+def refusal(trouble: Trouble) -> Response:
+    """Return why something wasn't done: 400 for what isn't understood, 401 and 403 for who may not, 429 for too many attempts, else 409."""
+    status = 409
+    if isinstance(trouble, Malformed):
+        status = 400
+    elif isinstance(trouble, NotAllowed):
+        status = 401 if trouble.code == "login" else 403
+    elif isinstance(trouble, TooMany):
+        status = 429
+    made = answer(denied(trouble), status)
+    if isinstance(trouble, TooMany):
+        made.headers["retry-after"] = f"{max(1.0, trouble.wait):.0f}"
+    return made
+
+
+async def body(request: Request, kind: type[M]) -> M:
+    """Return the body of a request.
+
+    Raises:
+        Malformed: it isn't a message of this kind.
+    """
+    return read(await request.body(), kind)
+
+
+def number_in(request: Request, name: str) -> int | None:
+    """Return an integer from 0 of a request's query; None: it isn't there.
+
+    Raises:
+        Malformed: it is something else.
+    """
+    text = request.query_params.get(name)
+    if text is None:
+        return None
+    if not text.isascii() or not text.isdigit() or len(text) > 15:
+        raise Malformed(f"{name} is {text[:40]!r}; it may be an integer from 0", "see the API's page", "")
+    return int(text)

@@ -1,0 +1,137 @@
+"""What holds for every request and every socket, before anything looks at it: whose it is, how large, and what the answer forbids browsers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Awaitable, Callable, MutableMapping
+from dataclasses import dataclass
+from typing import Any
+
+from yarclang.hosts import HERE, is_called, is_own
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+MOST_BODY = 1 << 20
+"""Longest body of a request, if its route has no other bound [bytes]."""
+
+BOUND = "yarclang.bound"
+"""Key of a request's bound in its scope."""
+
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+_HEADERS = (
+    (b"content-security-policy", _POLICY.encode()),
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"permissions-policy", b"gamepad=(self), camera=(), microphone=(), geolocation=(), usb=(), serial=()"),
+)
+
+
+class Guard:
+    """Refuses requests by other names than the server's own, of pages of other sites, and with large bodies.
+
+    Args:
+        app: answers the others.
+        names: by which the server may be called, besides this machine's names for itself and the address that a connection reaches.
+    """
+
+    def __init__(self, app: App, names: frozenset[str] = frozenset()) -> None:
+        self._app = app
+        self._names = HERE | {name.lower() for name in names}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or refuse it."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        if reason := self._objection(scope):
+            await _refuse(scope, receive, send, reason)
+            return
+        if scope["type"] == "websocket":
+            await self._app(scope, receive, send)
+            return
+        headers = [*_HEADERS]
+        if scope["scheme"] == "https":
+            headers.append((b"strict-transport-security", b"max-age=31536000"))
+
+        async def told(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                given = {name for name, _ in message["headers"]}
+                message["headers"] = [*message["headers"], *(one for one in headers if one[0] not in given)]
+            await send(message)
+
+        bound = scope[BOUND] = Bound()
+        await self._app(scope, _bounded(receive, bound), told)
+
+    def _objection(self, scope: Scope) -> str:
+        """Return why a request is refused; empty: it isn't."""
+        hosts = [value.decode("latin-1") for name, value in scope["headers"] if name == b"host"]
+        origins = [value.decode("latin-1") for name, value in scope["headers"] if name == b"origin"]
+        sites = [value for name, value in scope["headers"] if name == b"sec-fetch-site"]
+        scheme = "https" if scope["scheme"] in ("https", "wss") else "http"
+        address, port = scope["server"] or ("", 0)
+        if len(hosts) != 1 or not is_called(hosts[0], int(port or 0), self._names | {str(address)}, scheme):
+            return (
+                f"the pendant is not known by this name. On this machine it is at {scheme}://localhost:{port}; "
+                "start it with --name NAME for another name."
+            )
+        if len(origins) > 1 or not is_own(origins[0] if origins else None, hosts[0], scheme):
+            return "pages of other sites are refused"
+        # a link on another page may lead here, but nothing else of it
+        is_link = (
+            scope["type"] == "http" and scope["method"] == "GET" and not scope["path"].startswith("/api/")
+        )
+        if any(site not in (b"same-origin", b"none") for site in sites) and not is_link:
+            return "pages of other sites are refused"
+        return ""
+
+
+class TooLarge(Exception):  # noqa: N818 - it is an answer
+    """A body is longer than its route allows."""
+
+
+@dataclass(slots=True)
+class Bound:
+    """Longest body of one request [bytes]; its route changes it before the body is read."""
+
+    most: int = MOST_BODY
+
+
+def _bounded(receive: Receive, bound: Bound) -> Receive:
+    """Return what receives a body up to a bound, and raises `TooLarge` beyond."""
+    size = 0
+
+    async def received() -> MutableMapping[str, Any]:
+        nonlocal size
+        message = await receive()
+        if message["type"] == "http.request":
+            size += len(message.get("body", b""))
+            if size > bound.most:
+                raise TooLarge
+        return message
+
+    return received
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, reason: str) -> None:
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.close", "code": 4403, "reason": reason[:100]})
+        return
+    body = json.dumps({"ok": False, "error": reason}).encode()
+    headers = [
+        (b"content-type", b"application/json"),
+        (b"content-length", str(len(body)).encode()),
+        *_HEADERS,
+    ]
+    await send({"type": "http.response.start", "status": 403, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

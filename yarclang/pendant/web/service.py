@@ -1,0 +1,206 @@
+"""What all requests share: the accounts, the robot, and whose a request is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from starlette.requests import HTTPConnection
+
+from yarclang.pendant.accounts.accounts import Accounts, NotAllowed
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.alarms.alarms import Alarms
+from yarclang.pendant.backup.backups import Backups
+from yarclang.pendant.calibrating.kept import Calibrations
+from yarclang.pendant.calibrating.writing import Writing
+from yarclang.pendant.filing import Filing
+from yarclang.pendant.gate import Gate
+from yarclang.pendant.health.sampling import Sampler
+from yarclang.pendant.life import Descriptions, Life
+from yarclang.pendant.project.folder import ProjectFolder
+from yarclang.pendant.runs.folders import LogFolders
+from yarclang.pendant.runs.listing import Listing
+from yarclang.pendant.runs.reading import Readings
+from yarclang.pendant.scene.programs import ProgramScenes
+from yarclang.pendant.scene.scenery import Scenery
+from yarclang.pendant.seats import Attach, Seats
+from yarclang.pendant.signals import Signals
+from yarclang.pendant.watched import Watched
+from yarclang.pendant.workspace.checks import Checks
+from yarclang.pendant.workspace.workspace import Workspace
+from yarclang.robot.model import Robot
+
+COOKIE, DEVICE = "yarc_session", "yarc_device"
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """A pendant.
+
+    Attributes:
+        robot: whose.
+        accounts: everybody who may use it.
+        seats: the sessions' places at the coordinator.
+        watched: the robot as all pages see it.
+        gate: carries orders out.
+        files: those of the project, and who changes them.
+        scenery: the robot in three dimensions.
+        program_scenes: loaded programs in their cells.
+        calibrations: of all sessions, as long as they go on.
+        calibration_writing: writes their results.
+        signals: inputs and outputs.
+        workspace: zones, obstacles and limits.
+        checks: which programs no longer hold.
+        alarms: what went wrong.
+        log_folders: where logs of runs lie.
+        runs: the list of them.
+        readings: what they show.
+        life: of the process: its end.
+        descriptions: the files that it has read.
+        backups: of the project.
+        sampler: how this computer and the pendant's process are.
+        closing: functions to call when a session ends, by its id.
+    """
+
+    robot: Robot
+    accounts: Accounts
+    seats: Seats
+    watched: Watched
+    gate: Gate
+    files: Filing
+    scenery: Scenery
+    program_scenes: ProgramScenes
+    calibrations: Calibrations
+    calibration_writing: Writing
+    signals: Signals
+    workspace: Workspace
+    checks: Checks
+    alarms: Alarms
+    log_folders: LogFolders
+    runs: Listing
+    readings: Readings
+    life: Life
+    descriptions: Descriptions
+    backups: Backups
+    sampler: Sampler
+    closing: dict[str, set[Callable[[], object]]]
+
+    @classmethod
+    def opened(
+        cls,
+        robot: Robot,
+        attach: Attach,
+        folder: Path,
+        database: Path,
+        *,
+        logs: Path | None = None,
+        life: Life | None = None,
+    ) -> Service:
+        """Return a pendant at a robot.
+
+        Args:
+            robot: whose.
+            attach: makes clients of its coordinator.
+            folder: of the project.
+            database: the file of users, sessions and audit trail.
+            logs: where motions are logged, a folder or a file; None: not known.
+            life: of its process; None: nobody ends it.
+
+        Raises:
+            Trouble: that file can't be used.
+        """
+        seats = Seats(attach)
+        closing: dict[str, set[Callable[[], object]]] = {}
+
+        def ended(session: Session) -> None:
+            seats.leave(session.id)
+            program_scenes.forget(session.id)
+            backups.session_ended(session.id)
+            calibrations.forget(session.id)
+            for close in closing.pop(session.id, set()):
+                close()
+
+        accounts = Accounts(database, ended)
+
+        def audit() -> str:
+            return "" if accounts.trouble is None else accounts.trouble.what
+
+        watched = Watched(robot, attach, seats, audit)
+        project = ProjectFolder(folder, database, (robot.folder,))
+        scenery = Scenery(robot, watched.showing, lambda: watched.is_watched)
+        program_scenes = ProgramScenes(robot, seats, lambda: scenery.drawn)
+        signals = Signals(robot, time.monotonic)
+        gate = Gate(accounts, seats, watched, project, time.monotonic, program_scenes.remember)
+        files = Filing(accounts, project)
+        backups = Backups(
+            accounts, project, robot, database.resolve().parent, lambda: watched.showing.under_way
+        )
+        checks = Checks()
+        workspace = Workspace(robot, watched, files, checks)
+        watched.attend(scenery.watch, scenery.hear)
+        watched.attend(signals.watch, signals.hear)
+        alarms = Alarms(accounts.database, watched.showing, audit)
+        watched.attend(alarms.watch, alarms.hear, alarms.lost)
+        folders = LogFolders(project, logs, database)
+        sampler = Sampler(accounts, watched, project.root, database, folders, time.monotonic)
+        alarms.low = sampler.low
+        calibrations = Calibrations(robot, watched)
+        return cls(
+            robot=robot,
+            accounts=accounts,
+            seats=seats,
+            watched=watched,
+            gate=gate,
+            files=files,
+            scenery=scenery,
+            program_scenes=program_scenes,
+            signals=signals,
+            workspace=workspace,
+            checks=checks,
+            alarms=alarms,
+            log_folders=folders,
+            runs=Listing(folders),
+            readings=Readings(),
+            calibrations=calibrations,
+            calibration_writing=Writing(robot, watched, files, calibrations),
+            life=life or Life(),
+            descriptions=Descriptions(robot, folder),
+            backups=backups,
+            sampler=sampler,
+            closing=closing,
+        )
+
+    def session(self, connection: HTTPConnection, role: Role = Role.VIEWER, *, pin: bool = False) -> Session:
+        """Return whose a request or a socket is.
+
+        Args:
+            connection: the request.
+            role: that is needed.
+            pin: whether a PIN is needed as well.
+
+        Raises:
+            NotAllowed: nobody is logged in there, or may not.
+        """
+        found = self.accounts.session_of(connection.cookies.get(cookie(connection, COOKIE), ""))
+        if found is None:
+            raise NotAllowed("nobody is logged in here", "log in", "login")
+        self.accounts.check(found, role, pin=pin)
+        return found
+
+
+def cookie(connection: HTTPConnection, name: str) -> str:
+    """Return the name of a cookie: over TLS one that only this very server can have set."""
+    return f"__Host-{name}" if is_secure(connection) else name
+
+
+def is_secure(connection: HTTPConnection) -> bool:
+    """Return True if a connection is encrypted."""
+    return connection.url.scheme in ("https", "wss")
+
+
+def address_of(connection: HTTPConnection) -> str:
+    """Return the address that a request comes from."""
+    return connection.client.host if connection.client else "unknown"

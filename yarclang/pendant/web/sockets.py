@@ -1,0 +1,182 @@
+"""The two sockets of a page: what the robot does and orders that mustn't wait for a connection, and jogs."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
+
+from yarclang.coordinator.messages.message import Message
+from yarclang.coordinator.messages.replies import Denied
+from yarclang.pendant.accounts.accounts import NotAllowed
+from yarclang.pendant.accounts.roles import Role
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.jogging import JogLine
+from yarclang.pendant.messages.jog import LetGo, Press
+from yarclang.pendant.messages.reading import denied, read
+from yarclang.pendant.watched import Page
+from yarclang.pendant.web.robot import order_in
+from yarclang.pendant.web.service import Service, address_of
+from yarclang.runtime.actions import Trouble
+
+_ENDED = 4401
+"""Code of a socket that is closed because its session has ended; browsers show the login."""
+
+_REFUSED = 4403
+"""Code of a socket that is for another role."""
+
+_MOST_WAITING = 8
+"""Orders of one page that are being carried out."""
+
+_LOOKED_EACH = 5.0
+"""Time between two looks whether a session has ended [s]."""
+
+
+async def watch(service: Service, socket: WebSocket) -> None:
+    """Tell a page what the robot does, and take its orders: /api/robot."""
+    async with contextlib.AsyncExitStack() as leaving:
+        session = await let_in(service, socket)
+        if session is None:
+            return
+        page = Page(session.id)
+        service.watched.join(page)
+        service.gate.page_there(session.id)
+
+        def gone() -> None:
+            service.watched.leave(page)
+            if not service.watched.pages_of(session.id):
+                service.gate.page_gone(session.id)
+
+        leaving.callback(gone)
+        carried_out: set[asyncio.Task[None]] = set()
+
+        async def send() -> None:
+            while True:
+                await socket.send_text(await page.next())
+
+        async def receive() -> None:
+            while True:
+                text = await socket.receive_text()
+                if len(carried_out) >= _MOST_WAITING:
+                    page.tell(_written(Denied(error="too many orders wait for their ends"), _id(text)))
+                    continue
+                task = asyncio.create_task(_carried_out(service, socket, session, page, text))
+                carried_out.add(task)
+                task.add_done_callback(carried_out.discard)
+
+        await until_it_ends(service, socket, session, send(), receive())
+
+
+async def _carried_out(service: Service, socket: WebSocket, session: Session, page: Page, text: str) -> None:
+    id_: int | str | None = None
+    try:
+        order, id_ = order_in(text.encode())
+        if service.accounts.is_over(session):
+            raise NotAllowed("this session has ended", "log in again", "login")
+        service.accounts.used(session)
+        made: Message = await service.gate.order(session, order, address_of(socket))
+    except Trouble as trouble:
+        made = denied(trouble)
+    page.tell(_written(made, id_))
+
+
+async def jog(service: Service, socket: WebSocket) -> None:
+    """Move the robot as long as something is pressed on a page: /api/jog."""
+    session = await let_in(service, socket)
+    if session is None:
+        return
+
+    async def say(message: Message) -> None:
+        await socket.send_text(message.model_dump_json())
+
+    line = JogLine(
+        session,
+        address_of(socket),
+        service.robot,
+        service.accounts,
+        service.gate,
+        service.seats,
+        lambda: service.watched.showing.under_way,
+        say,
+    )
+
+    async def receive() -> None:
+        while True:
+            text = await socket.receive_text()
+            try:
+                line.take(read(text, LetGo) if '"release"' in text else read(text, Press))
+            except Trouble as trouble:
+                await say(denied(trouble))
+
+    await until_it_ends(service, socket, session, line.run(), receive())
+
+
+async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) -> Session | None:
+    """Let a page in.
+
+    Args:
+        service: the pendant.
+        socket: of the page.
+        role: that is needed.
+
+    Returns:
+        Whose page it is; None if nobody is logged in there, or may not: the page was told.
+    """
+    await socket.accept()
+    try:
+        return service.session(socket, role)
+    except NotAllowed as refused:
+        await socket.close(_ENDED if refused.code == "login" else _REFUSED, refused.what[:100])
+        return None
+
+
+async def until_it_ends(
+    service: Service, socket: WebSocket, session: Session, *work: Coroutine[Any, Any, None]
+) -> None:
+    """Carry work out until one of it ends, the page goes, or the session ends.
+
+    Args:
+        service: the pendant.
+        socket: of the page.
+        session: whose it is.
+        *work: what is carried out.
+    """
+    over = asyncio.Event()
+    closing: set[Callable[[], object]] = service.closing.setdefault(session.id, set())
+    closing.add(over.set)
+
+    async def looking() -> None:
+        while not over.is_set() and not service.accounts.is_over(session):
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(over.wait(), _LOOKED_EACH)
+
+    tasks = [asyncio.create_task(one) for one in (*work, looking())]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        closing.discard(over.set)
+        for task in tasks:
+            task.cancel()
+        for end in await asyncio.gather(*tasks, return_exceptions=True):
+            if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect | RuntimeError):
+                raise end
+        if service.accounts.is_over(session) and socket.client_state is WebSocketState.CONNECTED:
+            with contextlib.suppress(RuntimeError):
+                await socket.close(_ENDED, "this session has ended")
+
+
+def _written(message: Message, id_: int | str | None) -> str:
+    content = message.to_json()
+    return json.dumps(content if id_ is None else {"id": id_, **content})
+
+
+def _id(text: str) -> int | str | None:
+    try:
+        found = json.loads(text).get("id")
+    except (ValueError, AttributeError, RecursionError):
+        return None
+    return found if isinstance(found, int | str) else None

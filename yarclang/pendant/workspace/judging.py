@@ -1,0 +1,137 @@
+"""What a process of its own does to say which programs no longer hold: it reads what is asked from standard input, and writes a line of JSON for each answer.
+
+No file is written, and drafts are read in the place of files.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from yarclang.cell.description import Names, read_cell
+from yarclang.cell.model import Cell
+from yarclang.collision.scene import scene_of
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.collision.zones.workspace import broken_at
+from yarclang.diagnostics import Diagnostic
+from yarclang.pipeline.cells import file_of
+from yarclang.pipeline.checking import Checked, check_file
+from yarclang.pipeline.inputs import Options, robot_for
+from yarclang.robot.model import Array, Robot
+from yarclang.semantics.naming import is_word
+from yarclang.source import SourceFile
+from yarclang.units import MM
+from yarclang.view.clearance import touching
+
+_NOTHING = "Y0104"
+"""A file without a command: a module, which its callers are checked with."""
+
+
+def main() -> None:
+    """Answer one question."""
+    asked = json.load(sys.stdin)
+    out = sys.stdout
+    for told in answers(asked):
+        out.write(json.dumps(told) + "\n")
+        out.flush()
+
+
+def answers(asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield what is wrong with where the robot stands, and then of each file whether it holds.
+
+    Args:
+        asked: `folder` and `files` of the project, `robot`, `cell` (the session's, or null), `drafts` (text by path), `joints` (n,) [rad or m].
+    """
+    drafts = {Path(path): SourceFile(path, text) for path, text in asked["drafts"].items()}
+    before = Options(robot=asked["robot"], cell=asked["cell"])
+    after = replace(before, texts=drafts)
+    yield {"standing": list(_standing(asked, after))}
+    for number, file in enumerate(asked["files"]):
+        yield {"at": number}
+        yield {"file": file, **_judged(str(Path(asked["folder"]) / file), before, after)}
+    yield {"done": True}
+
+
+def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
+    """Return whether a program held before and holds now; nothing if the drafts don't matter to it."""
+    now = check_file(path, after)
+    if any(one.code == _NOTHING for one in now.diagnostics):
+        return {}
+    error = next((one for one in now.diagnostics if one.is_error), None)
+    if error is None:
+        return {"held": None, "holds": True} if _matters(now, after) else {}
+    held = not any(one.is_error for one in check_file(path, before).diagnostics)
+    return {"held": held, "holds": False, **_said(error)}
+
+
+def _matters(checked: Checked, options: Options) -> bool:
+    """Return True if a program moves the robot and reads one of the drafts."""
+    if checked.plan is None or not checked.plan.motions:
+        return False
+    files = {file_of(one) for one in options.texts}
+    cell = None if checked.program is None else checked.program.cell
+    if cell is not None and file_of(Path(cell.source.name).absolute()) in files:
+        return True
+    robot = None if checked.opened is None else checked.opened.request.robot
+    return robot is not None and file_of(robot.folder.absolute() / "robot.toml") in files
+
+
+def _said(error: Diagnostic) -> dict[str, Any]:
+    return {
+        "line": None if error.span is None else error.span.line,
+        "code": error.code,
+        "message": error.message[:400],
+    }
+
+
+def _standing(asked: Mapping[str, Any], options: Options) -> Iterator[str]:
+    """Yield what the drafts make wrong with where the robot stands."""
+    if asked["joints"] is None:
+        yield "it isn't known where the robot stands"
+        return
+    q = np.array(asked["joints"], dtype=float)
+    robot = robot_for(Path(asked["folder"]), asked["robot"], options.texts).value
+    if robot is None or robot.size != len(q):
+        return
+    drafted = options.texts.get(robot.folder.absolute() / "robot.toml")
+    if drafted is not None:
+        from yarclang.robot.description import read_robot
+
+        robot = read_robot(drafted, robot.folder).value or robot
+    yield from beyond_limits(robot, q)
+    named = next((text for path, text in options.texts.items() if path.name != "robot.toml"), None)
+    cell = None if named is None else read_cell(named, Path(named.name).parent, Names(is_word, robot)).value
+    if cell is not None:
+        yield from in_the_way(robot, cell, q)
+
+
+def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
+    """Yield which joints stand beyond their limits at (n,) [rad or m]."""
+    excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
+    for name, by, unit in zip(robot.joint_names, excess, robot.axis_unit_names, strict=True):
+        if by > 1e-6:
+            yield f"{name} stands {by:.4g} {unit} beyond its limits"
+
+
+def in_the_way(robot: Robot, cell: Cell, q: Array) -> Iterator[str]:
+    """Yield which zones and margins of a cell the robot breaks at (n,) [rad or m]."""
+    told = set()
+    for watch, slack in broken_at(robot, cell, tool_frame(robot), q):
+        item = "the joints" if watch.item is None else watch.item.name
+        if (watch.zone.name, item) not in told:
+            told.add((watch.zone.name, item))
+            by = "" if watch.item is None else f" by {-slack / MM:.1f} mm"
+            yield f"{item} breaks the zone {watch.zone.name}{by}"
+    scene = scene_of(robot, cell).value
+    if scene is not None and (names := sorted(touching(scene, q))):
+        yield f"{', '.join(names[:6])} stand nearer to each other than their margins"
+
+
+if __name__ == "__main__":
+    main()

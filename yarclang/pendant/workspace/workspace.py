@@ -1,0 +1,285 @@
+"""The workspace of the session's cell: shown, changed by drafts, saved by service users, and how near things are now."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.replies import Surroundings
+from yarclang.pendant.accounts.sessions import Session
+from yarclang.pendant.filing import Filing
+from yarclang.pendant.messages.files import FileWritten
+from yarclang.pendant.messages.workspace import (
+    CheckShown,
+    Distances,
+    DistanceShown,
+    Proposed,
+    SavedWorkspace,
+    WorkspaceDraft,
+    WorkspaceShown,
+)
+from yarclang.pendant.project.folder import Written
+from yarclang.pendant.watched import Watched
+from yarclang.pendant.workspace.around import (
+    Around,
+    around_of,
+    check_known,
+    digest_of,
+    proposed_of,
+    shown_of,
+)
+from yarclang.pendant.workspace.changing import with_entries
+from yarclang.pendant.workspace.checks import Checks, Question
+from yarclang.pendant.workspace.distances import Near, nearest
+from yarclang.pendant.workspace.reading import (
+    Text,
+    cell_of,
+    text_in,
+)
+from yarclang.pipeline.project import FILE_NAME
+from yarclang.robot.library import DESCRIPTION
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+from yarclang.toml.changes import ChangeError, with_value
+from yarclang.units import MM
+
+_PROGRAM = ".yarc"
+_MOST_PROGRAMS = 1000
+_EACH = 1.0
+"""Time between two looks at the files for distances [s]."""
+_LONGEST = 30_000
+"""Characters of a cell.toml up to which distances are measured with a draft: it would be read anew several times a second."""
+_NEW_CELL = 'units = "mm,deg,s"\n'
+_NOW = "Offers, jogs and programs that are loaded from now on keep to it. "
+_RESTART = (
+    "robot.toml counts once the robot is served again and its settings are sent (System > Controller). "
+)
+
+
+class Workspace:
+    """The workspace of a pendant.
+
+    Args:
+        robot: whose.
+        watched: the robot as all pages see it.
+        filing: the files of the project.
+        checks: of programs.
+    """
+
+    def __init__(self, robot: Robot, watched: Watched, filing: Filing, checks: Checks) -> None:
+        self._robot = robot
+        self._watched = watched
+        self._filing = filing
+        self._checks = checks
+        self._measuring = asyncio.Lock()
+        self._cells: tuple[str, Cell | None] = ("", None)
+        self._around_at: tuple[float, Around] | None = None
+        self._measured: tuple[tuple[object, bytes], tuple[Near, ...]] | None = None
+
+    async def shown(self) -> WorkspaceShown:
+        """Return the workspace as the files have it.
+
+        Raises:
+            Trouble: the coordinator can't be reached.
+        """
+        return await asyncio.to_thread(shown_of, self._robot, await self._asked())
+
+    async def proposed(self, draft: WorkspaceDraft) -> Proposed:
+        """Return what a draft makes of the files; nothing is written.
+
+        Raises:
+            Trouble: it doesn't fit the files any more (code "changed"), or they can't be changed here.
+        """
+        return Proposed(files=await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft))
+
+    async def save(self, session: Session, address: str, draft: WorkspaceDraft) -> SavedWorkspace:
+        """Write what a draft makes of the files.
+
+        Args:
+            session: whose; of a service user who has entered the PIN lately.
+            address: that it comes from.
+            draft: the changes.
+
+        Raises:
+            NotAllowed: the session may not.
+            Trouble: the robot moves, a file has changed meanwhile, or it can't be written.
+        """
+        self._filing.check_service(session)
+        files = await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft)
+        if not files:
+            raise Trouble("nothing is changed", "change something first", "")
+        for one in files:
+            if one.refused:
+                raise Trouble(f"{one.file} isn't saved: {one.refused}", "correct the draft", "")
+        outcome = self._checks.outcome(digest_of(files))
+        written: list[Written] = []
+        self._around_at = None
+        for one in files:
+            what = f"{one.what} ({outcome})"
+            try:
+                self._check_rest()
+                written.append(
+                    await self._filing.change(session, address, one.file, one.after, one.known, what)
+                )
+            except Trouble as trouble:
+                if not written:
+                    raise
+                half = f"{written[0].file} is saved, and {one.file} isn't: {trouble.what}"
+                raise Trouble(half, "open the page again", "changed") from None
+        told = "".join(
+            _RESTART if Path(one.file).name.lower() == DESCRIPTION else f"{one.file} is saved. {_NOW}"
+            for one in files
+        )
+        return SavedWorkspace(files=tuple(_written(one) for one in written), told=told.strip())
+
+    async def make(self, session: Session, address: str, file: str) -> SavedWorkspace:
+        """Make a cell for a project that has none: a new file, which yarc.toml names.
+
+        Raises:
+            NotAllowed: the session may not.
+            Trouble: there is one, the file is there already, or it can't be written.
+        """
+        self._filing.check_service(session)
+        self._check_rest()
+        if (await self._asked()).cell is not None:
+            raise Trouble("the robot has a cell already", "open the page again", "")
+        if not file.lower().endswith(".toml"):
+            raise Trouble(f"{file[:80]} doesn't end in .toml", "choose another name", "")
+        folder = self._filing.folder
+
+        def project() -> tuple[str, Text | None]:
+            path = folder.root / FILE_NAME
+            before = text_in(folder, path) if path.exists() else None
+            source = SourceFile(FILE_NAME, "" if before is None else before.text)
+            try:
+                text = with_value(source, ("cell",), file)
+            except ChangeError as error:
+                raise Trouble(
+                    f"{FILE_NAME} can't be changed here: {error}",
+                    f'write cell = "{file}" into it by hand', "",
+                ) from None  # fmt: skip
+            return ("" if before is None else before.mark) + text, before
+
+        text, before = await asyncio.to_thread(project)
+        made = [await self._filing.save(session, address, file, _NEW_CELL, None)]
+        if before is None:
+            made.append(await self._filing.save(session, address, FILE_NAME, text, None))
+        else:
+            what = f"cell from none to {file}"
+            made.append(await self._filing.change(session, address, FILE_NAME, text, before.known, what))
+        return SavedWorkspace(files=tuple(map(_written, made)), told=f"{file} is made. {_NOW}".strip())
+
+    # programs
+
+    async def check(self, session: Session, draft: WorkspaceDraft) -> CheckShown:
+        """Begin to check which programs no longer hold with a draft.
+
+        Raises:
+            Trouble: another check is under way, or the draft doesn't fit.
+        """
+        around = await self._asked()
+        files = await asyncio.to_thread(proposed_of, self._robot, around, draft)
+        folder = self._filing.folder
+        found, _ = await asyncio.to_thread(folder.programs, _MOST_PROGRAMS)
+        q = self._watched.showing.joints
+        root = folder.root
+        drafts = {str(root / one.file): one.after for one in files}
+        for one in files:  # the robot's folder may be named by another path
+            if Path(one.file).name == DESCRIPTION:
+                drafts[str((self._robot.folder / DESCRIPTION).absolute())] = one.after
+        question = Question(
+            root,
+            tuple(one.file for one in found if one.file.lower().endswith(_PROGRAM)),
+            str(self._robot.folder),
+            None if around.cell is None else str(around.cell),
+            drafts,
+            None if q is None else tuple(q.tolist()),
+            digest_of(files),
+        )
+        self._checks.begin(session, question)
+        return self._checks.shown(session)
+
+    # distances
+
+    async def distances(self, draft: WorkspaceDraft | None) -> Distances:
+        """Return what is nearest to what now; nothing else is measured meanwhile.
+
+        Raises:
+            Trouble: the draft doesn't fit.
+        """
+        q = self._watched.showing.joints
+        if q is None:
+            return Distances(pairs=(), what="it isn't known where the robot stands")
+        async with self._measuring:
+            cell = await self._cell_with(draft)
+            key = (cell, np.round(q, 4).tobytes())
+            if self._measured is None or self._measured[0] != key:
+                found = await asyncio.to_thread(nearest, self._robot, cell, tool_frame(self._robot), q)
+                self._measured = key, found
+            text = (await self._lately()).text
+            is_long = draft is not None and text is not None and len(text.text) > _LONGEST
+            what = "the file is long: these are the distances from what is saved" if is_long else ""
+            return Distances(pairs=tuple(map(_near_shown, self._measured[1])), what=what)
+
+    async def _cell_with(self, draft: WorkspaceDraft | None) -> Cell | None:
+        """Return the cell, with a draft's bodies; the same value as long as the text is the same."""
+        around = await self._lately()
+
+        def read() -> tuple[str, Cell | None]:
+            path = around.cell
+            if path is None:
+                return "", None
+            text = around.text
+            source = SourceFile(str(path), path.read_text("utf-8-sig")) if text is None else text.placed
+            if draft is not None and draft.entries and text is not None and len(text.text) <= _LONGEST:
+                check_known(text, draft.known)
+                source = SourceFile(str(path), with_entries(text.source, draft.entries)[0])
+            key = f"{path}\n{source.text}"
+            if key == self._cells[0]:
+                return self._cells
+            return key, cell_of(source, path.parent, self._robot)[0]
+
+        try:
+            self._cells = await asyncio.to_thread(read)
+        except (OSError, UnicodeDecodeError):
+            return None
+        return self._cells[1]
+
+    # files
+
+    async def _lately(self) -> Around:
+        """Return what is around, asked at most once a second: each question goes to the controller as well."""
+        now = asyncio.get_running_loop().time()
+        if self._around_at is None or now - self._around_at[0] > _EACH:
+            self._around_at = now, await self._asked()
+        return self._around_at[1]
+
+    async def _asked(self) -> Around:
+        told: Surroundings = await self._watched.attached.ask(orders.AskSurroundings())
+        return await asyncio.to_thread(around_of, self._filing.folder, told)
+
+    def _check_rest(self) -> None:
+        doing = self._watched.showing.under_way
+        if doing:
+            raise Trouble(f"{doing} is under way", "save when the robot is at rest", "Y1601")
+
+
+def _written(one: Written) -> FileWritten:
+    return FileWritten(file=one.file, size=one.size, sha256=one.sha256, changed=one.changed)
+
+
+def _near_shown(one: Near) -> DistanceShown:
+    points = () if one.points is None else tuple(np.round(one.points, 5).ravel().tolist())
+    return DistanceShown(
+        first=one.first,
+        second=one.second,
+        distance=round(one.distance / MM, 2),
+        margin=round(one.margin / MM, 2),
+        points=points,
+    )

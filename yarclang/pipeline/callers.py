@@ -1,0 +1,175 @@
+"""Findings in modules, shown at the line of the program that called: what people can change is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic, Result, Within, static_place
+from yarclang.hir import Origin
+from yarclang.pipeline.modules import loader
+from yarclang.progress import each
+from yarclang.semantics.files import values_of
+from yarclang.semantics.places import index_of
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Block, Module, Node, Statement, Word
+from yarclang.syntax.blocks import arrange
+from yarclang.syntax.parse import parse
+
+Load = Callable[[str], Result[Module]]
+
+
+def at_callers(
+    diagnostics: Iterable[Diagnostic], program: Module, load: Load | None
+) -> tuple[Diagnostic, ...]:
+    """Return the findings, those in modules at the CALL that leads from the program's file into a module; where they were found is said in `within`.
+
+    What an installed module does without a CALL is shown at its USE. A module beside the program keeps findings that no CALL leads to. A fix of a module's
+    text goes with the module's line: it is no edit of the program.
+
+    Args:
+        diagnostics: findings.
+        program: the syntax tree of the program's file.
+        load: reads a module by its name.
+    """
+    found = tuple(diagnostics)
+    if not any(_is_in_module(one, program) for one in found):
+        return found
+    calls = _Calls(program, load)
+    return tuple(
+        _at_caller(one, program, calls) if _is_in_module(one, program) else one for one in each(found)
+    )
+
+
+def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None:
+    """Return the line of a program that leads to a command of a module, and the module's line; None for the program's own commands."""
+    source = origin.source
+    tree = parse(program).value
+    if not source.module or source.name == program.name or tree is None:
+        return None
+    statement, through = _Calls(tree, loader(Path(program.name).parent)).leading_to(origin.place)
+    return None if statement is None else (_called_span(statement), Within(source, origin.span, through[1:]))
+
+
+def uncalled_lines(program: Module) -> frozenset[int]:
+    """Return the lines of SUBs that nothing in their own file leads to, as in a module that is checked by itself: what is found there, other files decide."""
+    nodes = arrange(program).value or ()
+    subs = {name: one for one in nodes if isinstance(one, Block) and (name := _sub_name(one))}
+    if not subs:
+        return frozenset()
+    reached: set[str] = set()
+    todo = [_called(one) for one in _commands(nodes)]
+    while todo:
+        name = todo.pop()
+        if name in subs and name not in reached:
+            reached.add(name)
+            todo += [_called(one) for one in _commands(subs[name].body)]
+    lines: set[int] = set()
+    for name, block in subs.items():
+        if name not in reached and block.end is not None:
+            lines.update(range(block.head.line, block.end.line + 1))
+    return frozenset(lines)
+
+
+def _sub_name(block: Block) -> str:
+    """Return the name of a SUB in upper case; nothing for another block."""
+    values = values_of(block.head) if block.head.name.name == "SUB" else []
+    return values[0].text.upper() if values else ""
+
+
+def _is_in_module(one: Diagnostic, program: Module) -> bool:
+    return one.source is not None and bool(one.source.module) and one.source.name != program.source.name
+
+
+def _at_caller(one: Diagnostic, program: Module, calls: _Calls) -> Diagnostic:
+    source, span = one.source, one.span
+    assert source is not None
+    statement, through = calls.leading_to(one.place)
+    if statement is None and source.is_installed:
+        statement = calls.use_of(source.module)
+    if statement is None or span is None:
+        return one
+    within = Within(source, span, through[1:], None if source.is_installed else one.fix)
+    return replace(one, source=program.source, span=_called_span(statement), fix=None, within=within)
+
+
+def _called_span(statement: Statement) -> Span:
+    """Return the span of a CALL or USE with the name of what is called."""
+    span, values = statement.head_span, values_of(statement)
+    if not values or values[0].place.row:
+        return span
+    return span._replace(end_column=statement.span(values[0].place).end_column)
+
+
+class _Calls:
+    """Calls of a program and its modules, by their places; texts are arranged in blocks when they are first needed."""
+
+    def __init__(self, program: Module, load: Load | None) -> None:
+        self._program = program
+        self._load = load
+        self._nodes: dict[str, tuple[Node, ...]] = {}
+
+    def leading_to(self, place: str) -> tuple[Statement | None, tuple[str, ...]]:
+        """Return the last CALL in the program's file that leads to a place, and the names of all SUBs from there on."""
+        module, nodes = "", self._of("")
+        caller: Statement | None = None
+        through: list[str] = []
+        for index in static_place(place).split(">")[:-1]:
+            statement = next((one for one in _commands(nodes) if index_of(one) == index), None)
+            name = _called(statement)
+            if statement is None or not name:
+                break
+            if not module:
+                caller, through = statement, []
+            through.append(name if "." in name or not module else f"{module}.{name}")
+            library, dot, routine = name.rpartition(".")
+            if dot:
+                module = library
+            nodes = _body(self._of(module), routine)
+        return (caller if module else None), tuple(through)
+
+    def use_of(self, module: str) -> Statement | None:
+        """Return the line of the program that reads a module."""
+        return next(
+            (one for one in self._program.statements if one.name.name == "USE" and _called(one) == module),
+            None,
+        )
+
+    def _of(self, module: str) -> tuple[Node, ...]:
+        """Return the text of a module in blocks; of the program, whose name is empty. Nothing, if it can't be read."""
+        if module not in self._nodes:
+            tree = self._program
+            if module:
+                loaded = self._load(module) if self._load is not None else None
+                if loaded is None or loaded.value is None:
+                    return ()
+                tree = loaded.value
+            self._nodes[module] = arrange(tree).value or ()
+        return self._nodes[module]
+
+
+def _called(statement: Statement | None) -> str:
+    """Return what a CALL or USE names, in upper case; nothing of another line."""
+    if statement is None or statement.name.name not in ("CALL", "USE"):
+        return ""
+    values = values_of(statement)
+    return values[0].name if values and isinstance(values[0], Word) else ""
+
+
+def _commands(nodes: Iterable[Node]) -> Iterator[Statement]:
+    """Yield the statements of a body, those in loops and conditions among them, but not those of SUBs."""
+    for node in nodes:
+        if isinstance(node, Statement):
+            yield node
+        elif node.head.name.name != "SUB":
+            yield from _commands(node.body)
+            yield from _commands(node.otherwise or ())
+
+
+def _body(nodes: Iterable[Node], routine: str) -> tuple[Node, ...]:
+    """Return the body of a SUB."""
+    for node in nodes:
+        if isinstance(node, Block) and routine and _sub_name(node) == routine:
+            return node.body
+    return ()

@@ -1,0 +1,114 @@
+"""Ways along the path on which a run was stopped: beside a part that is taken or put down, only this path is known to be free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Parts, Present
+from yarclang.diagnostics import has_errors
+from yarclang.handling.present import is_same, presently
+from yarclang.handling.surroundings import surroundings
+from yarclang.handling.walk import flange_pose, handling_of
+from yarclang.hir import (
+    Array,
+    JointGoal,
+    JointMove,
+    LineMove,
+    Origin,
+    PoseGoal,
+    Program,
+    Timing,
+)
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.parts import approach, compiled_part, followed_plan, parts_before
+from yarclang.pipeline.stages import Compiled, Request
+from yarclang.source import SourceFile, Span
+
+_ON_PATH = 2e-3
+"""How far from its path a robot may stand that goes along it [rad or m]: the way is proved from where it really stands."""
+
+_STEP = 1e-3
+"""Between places of a path that are compared with where the robot stands [s]."""
+
+
+def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None = None) -> Compiled | None:
+    """Return a certified motion from a place on the path of a motion next to a SET of a gripper, to where motion `number` begins.
+
+    That is back on the path of this motion, or on to the end of the one before it. The parts are as they are on that motion, and what may touch there may touch.
+
+    Args:
+        plan: the program that was stopped.
+        number: the motion to begin with.
+        here: where the robot stands (n,) [rad or m].
+        now: where the parts are; None: where the program has them there.
+
+    Returns:
+        None if the robot doesn't stand on such a path, or if the motion can't be proved.
+    """
+    there = plan.motions[number].curve.points[0]
+    for one in (number, number - 1):
+        step = plan.program.steps[plan.motions[one].step] if one >= 0 else None
+        if not isinstance(step, LineMove | JointMove) or not _is_on_path(plan, one, here):
+            continue
+        for cell in _cells(plan, one, now):
+            made = compiled_part(_program(plan, one, here, there, cell), Request(plan.robot))
+            if made.value is not None and not has_errors(made.diagnostics):
+                return made.value
+    return None
+
+
+def can_go_on(plan: MotionPlan, number: int, here: Array) -> bool:
+    """Return True if a robot that stands at `here` (n,) [rad or m] can get to where a motion begins, past the parts as the program has them there; without parts it isn't looked at."""
+    if not plan.motions:
+        return True
+    cell, parts = plan.program.cell, parts_before(plan, plan.motions[number].step)
+    there = plan.motions[number].curve.points[0]
+    if cell is None or parts is None or bool((np.abs(there - here) <= _ON_PATH).all()):
+        return True
+    if along_the_path(plan, number, here) is not None:
+        return True
+    return approach(plan.robot, here, there, presently(cell, Present(parts))).value is not None
+
+
+def _is_on_path(plan: MotionPlan, number: int, here: Array) -> bool:
+    begin = plan.begins[number]
+    end = begin + plan.motions[number].curve.duration
+    times = np.linspace(begin, end, max(2, int((end - begin) / _STEP)))
+    return bool(np.abs(plan.sample(times)[0] - here).max(axis=1).min() <= _ON_PATH)
+
+
+def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
+    """Yield the cell as it is on a motion that leads in to a part or out from it, if the parts are as the program has them there."""
+    whole, cell, step = followed_plan(plan), plan.program.cell, plan.motions[number].step
+    runs = handling_of(plan.robot, cell, plan.program.steps).runs
+    around = None if whole is None else whole.cells[step]
+    if whole is None or cell is None or around is None or not (step in runs.away or step in runs.towards):
+        return
+    meant = whole.before[step]
+    if now is None:
+        yield around
+        return
+    known = {one.name: one for one in now.items}
+    touched = {touch.part for touch in around.touches}
+    if all(one.name in known and is_same(known[one.name], one) for one in meant.items if one.name in touched):
+        present = surroundings(cell, now, around.touches)
+        if present is not None:
+            yield present
+
+
+def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cell) -> Program:
+    robot = plan.robot
+    step = plan.program.steps[plan.motions[number].step]
+    timing = Timing(None, share=robot.controller.rapid_share)
+    name = "MOVEL_LSPB" if isinstance(step, LineMove) else "MOVEJ_LSPB"
+    values = " ".join(f"{value:.6g}" for value in there / robot.axis_units)
+    text = f"P0001 {name} {values} [{100.0 * robot.controller.rapid_share:g}%]"
+    source = SourceFile("<approach>", text)
+    origin = Origin("P0001", name, source, Span.on_line(1, 1, len(text) + 1))
+    if not isinstance(step, LineMove):
+        return Program(source, here, (JointMove(origin, JointGoal(there), "LSPB", timing),), cell=cell)
+    flange_from_moving = step.goal.flange_from_moving
+    goal = PoseGoal(flange_pose(robot, there) @ flange_from_moving, flange_from_moving)
+    return Program(source, here, (LineMove(origin, goal, "LSPB", timing),), cell=cell)

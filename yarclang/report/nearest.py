@@ -1,0 +1,209 @@
+"""The places of a program where it comes nearest to a limit, a tolerance, a margin or a border."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from heapq import nlargest
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from yarclang.cell.model import Cell
+from yarclang.certify.certificate import (
+    IDLE,
+    Certificate,
+    Clearance,
+    CommandCertificate,
+    Load,
+    Quantity,
+    ZoneSpeed,
+    bound_text,
+)
+from yarclang.frozen import frozen
+from yarclang.report.distances import whole_tenths
+from yarclang.robot.model import Robot, Tolerance
+from yarclang.units import DEG, MM
+
+MOST = 10
+"""Places that are shown."""
+
+
+@frozen
+class Nearest:
+    """One place: `what` is measured, its `figure` in words, and its `share` of what is allowed; None of a distance that needs no margin."""
+
+    command: CommandCertificate
+    what: str
+    figure: str
+    share: float | None
+    rank: float
+    """What places are sorted by: the share, or, without a margin, 1 mm as a share of the distance."""
+
+    @property
+    def is_judged(self) -> bool:
+        """True if the figure has a limit that the program is held to."""
+        return self.share is not None
+
+
+def source_command(command: CommandCertificate) -> tuple[str, int, str]:
+    """Return what all commands have in common that come from one line of a source: module, line and name."""
+    return command.module, command.source_line, command.name
+
+
+def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) -> tuple[Nearest, ...]:
+    """Return the places nearest to what they are held to: of each quantity the nearest one, then the next of all, sorted.
+
+    A line of the source that is carried out several times is listed once for a quantity, where it is worst.
+
+    Args:
+        certificate: the proved commands.
+        robot: has the limits of joints and motors.
+        cell: has the margins of obstacles and zones.
+    """
+    worst: dict[tuple[str, int, str, str], _Found] = {}
+    measure = _Measure(certificate.tolerance, robot, cell)
+    for command in certificate.commands:
+        source = source_command(command)
+        for one in measure.of(command):
+            key = (*source, one.what)
+            known = worst.get(key)
+            if known is None or one.rank > known.rank:
+                worst[key] = one
+        if len(worst) > _MANY:
+            worst = _foremost(worst)
+    first: dict[str, _Found] = {}
+    for one in worst.values():
+        known = first.get(one.what)
+        if known is None or one.rank > known.rank:
+            first[one.what] = one
+    chosen = nlargest(MOST, first.values(), key=_rank)
+    rest = (one for one in worst.values() if one.share is not None and first[one.what] is not one)
+    chosen += nlargest(MOST - len(chosen), rest, key=_rank)
+    return tuple(one.told() for one in sorted(chosen, key=_rank, reverse=True))
+
+
+_MANY = 4_096
+"""So many places are looked at before those are forgotten that can't be among the nearest."""
+
+
+def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str, int, str, str], _Found]:
+    """Return of each quantity the nearest places, as many as can be listed, in the order in which they were found."""
+    by_quantity: dict[str, list[tuple[str, int, str, str]]] = {}
+    for key in worst:
+        by_quantity.setdefault(key[-1], []).append(key)
+    kept = {
+        key
+        for keys in by_quantity.values()
+        for key in nlargest(MOST + 1, keys, key=lambda one: worst[one].rank)
+    }
+    return {key: one for key, one in worst.items() if key in kept}
+
+
+class _Found(NamedTuple):
+    """A place that may be among the nearest: as of `Nearest`, but for its figure, which only few are asked for: `words` gives it, from `values`."""
+
+    command: CommandCertificate
+    what: str
+    share: float | None
+    rank: float
+    words: Callable[..., str]
+    values: tuple[Any, ...]
+
+    def told(self) -> Nearest:
+        """Return the place with its figure."""
+        return Nearest(self.command, self.what, self.words(*self.values), self.share, self.rank)
+
+
+_rank = attrgetter("rank")
+
+
+class _Measure:
+    """What there is to measure of a command of a robot in a cell."""
+
+    def __init__(self, tolerance: Tolerance, robot: Robot, cell: Cell | None) -> None:
+        self._tolerance = tolerance
+        self._margins = {body.name: body.margin for body in cell.obstacles} if cell else {}
+        self._zone_margins = {zone.name: zone.margin for zone in cell.zones} if cell else {}
+        limits, names, units = robot.limits, robot.joint_names, robot.axis_units
+        axis = robot.axis_unit_names
+        effort = [] if robot.dynamics is None else robot.dynamics.effort.tolist()
+        force = ["N" if unit == "mm" else "N m" for unit in axis]
+        motors = [f"motor {motor}" for motor in robot.controller.motors]
+        self._scales: tuple[tuple[Quantity, str, dict[str, tuple[float, str]]], ...] = (
+            ("velocity", "speed", _scale(names, limits.velocity / units, axis, "/s")),
+            ("acceleration", "acceleration", _scale(names, limits.acceleration / units, axis, "/s^2")),
+            ("jerk", "jerk", _scale(names, limits.jerk / units, axis, "/s^3")),
+            ("motor_velocity", "motor speed", _scale(motors, robot.actuation.velocity, ["counts"] * len(motors), "/s")),
+            ("torque", "torque", _scale(names, effort, force, "")),
+        )  # fmt: skip
+        half = (limits.upper - limits.lower) / 2.0 / units
+        self._halves = _scale(names, half, axis, "")
+
+    def of(self, command: CommandCertificate) -> Iterator[_Found]:
+        """Yield what can be measured of a command."""
+        if name := command.position.name:
+            share = command.position.share
+            yield _Found(command, "position", share, share, _before_limit, (name, share, *self._halves[name]))
+        for key, what, scale in self._scales:
+            load: Load = getattr(command, key) or IDLE
+            if not load.name or (key == "jerk" and not command.jerk_judged):
+                continue
+            form = ",.0f" if key == "motor_velocity" else ".4g"
+            yield _Found(command, what, load.share, load.share, _of_limit, (load, *scale[load.name], form))
+        tolerance = command.tolerance or self._tolerance
+        for what, value, limit, unit, called in (
+            ("path mm", command.deviation.position, tolerance.position, MM, "mm"),
+            ("path deg", command.deviation.angle, tolerance.angle, DEG, "deg"),
+        ):
+            share = value / limit
+            yield _Found(command, what, share, share, _of_tolerance, (value / unit, limit / unit, called))
+        yield from self._distances(command)
+        if (speed := command.zone_speed) is not None:
+            yield _Found(command, "speed in zone", speed.share, speed.share, _in_zone, (speed,))
+
+    def _distances(self, command: CommandCertificate) -> Iterator[_Found]:
+        for what, near, margins in (
+            ("clearance", command.clearance, self._margins),
+            ("own clearance", command.own_clearance, {}),
+            ("zone border", command.zone_clearance, self._zone_margins),
+        ):
+            if near is None or not near.first:
+                continue
+            margin = max(margins.get(near.first, 0.0), margins.get(near.second, 0.0))
+            share = margin / near.distance if margin > 0.0 and near.distance > 0.0 else None
+            rank = MM / max(near.distance, MM) if share is None else share
+            yield _Found(command, what, share, rank, _distance, (near, margin))
+
+
+def _before_limit(name: str, share: float, half: float, unit: str) -> str:
+    """Return `J2 12.3 deg before its limit`."""
+    return f"{name} {max(0.0, (1.0 - share) * half):.4g} {unit} before its limit"
+
+
+def _of_limit(load: Load, limit: float, unit: str, form: str) -> str:
+    """Return `J2 90 of 100 deg/s`."""
+    return f"{load.name} {load.share * limit:{form}} of {limit:{form}} {unit}"
+
+
+def _of_tolerance(value: float, limit: float, unit: str) -> str:
+    """Return `0.0012 of 0.02 mm`."""
+    return f"{bound_text(value)} of {limit:.4g} {unit}"
+
+
+def _in_zone(speed: ZoneSpeed) -> str:
+    """Return `FINGERS 90 of 100 mm/s in WORKER`."""
+    return f"{speed.part} {speed.largest / MM:.4g} of {speed.limit / MM:.4g} mm/s in {speed.zone}"
+
+
+def _distance(near: Clearance, margin: float) -> str:
+    """Return `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
+    wanted = f", margin {margin / MM:.4g} mm" if margin > 0.0 else ""
+    return f"{whole_tenths(near.distance / MM)} mm ({near.first}, {near.second}){wanted}"
+
+
+def _scale(
+    names: Sequence[str], limits: Iterable[float], units: Sequence[str], per: str
+) -> dict[str, tuple[float, str]]:
+    """Return the limit of each joint or motor, with its unit."""
+    return {
+        name: (float(limit), f"{unit}{per}") for name, limit, unit in zip(names, limits, units, strict=False)
+    }

@@ -1,0 +1,74 @@
+"""What a run tells of inputs and outputs: outputs that are set, inputs that are waited for, simulated inputs that change. Plain values; times are those of the host's clock [s]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class OutputSet:
+    """The program has set an output. Told once the controller has taken the line that does so, up to 50 ms later."""
+
+    time: float
+    name: str
+    variable: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class WaitBegan:
+    """The robot stands at a WAIT, at `place` in the program: the input is to be `wanted`, and is `value`."""
+
+    time: float
+    place: str
+    name: str
+    variable: str
+    wanted: float
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class WaitEnded:
+    """A WAIT is over, after `waited` [s]: the input is as it was to be, or the time of the WAIT is over (`met` is false)."""
+
+    time: float
+    place: str
+    name: str
+    variable: str
+    value: float
+    waited: float
+    met: bool
+
+
+@dataclass(frozen=True, slots=True)
+class InputChanged:
+    """An input of a simulated robot has changed. `cause` is script, sensor or hand."""
+
+    time: float
+    name: str
+    variable: str
+    value: float
+    cause: str
+
+
+Signal: TypeAlias = OutputSet | WaitBegan | WaitEnded | InputChanged
+
+
+def state_text(value: float) -> str:
+    """Return ON, OFF or the number."""
+    return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:g}")
+
+
+def signal_text(signal: Signal) -> str:
+    """Return a signal in words; empty for a wait that begins, whose end tells it all."""
+    match signal:
+        case OutputSet(name=name, value=value):
+            return f"SET {name} {state_text(value)}"
+        case WaitEnded(place=place, name=name, value=value, waited=waited, met=met):
+            after = f" after {waited:.1f} s" if waited else ""
+            return f"{place} WAIT: {name} is {'' if met else 'still '}{state_text(value)}{after}"
+        case InputChanged(name=name, value=value, cause=cause):
+            return f"input {name} is {state_text(value)} ({cause})"
+        case _:
+            return ""

@@ -1,0 +1,196 @@
+"""A simulated cell on a simulated controller: its inputs change at exact times of the machine, its outputs are heard as they are set."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
+
+from yarclang.hir import Program
+from yarclang.simulated_cell.inputs import Inputs, Set
+from yarclang.simulated_cell.script import Change, Known, known_in
+
+if TYPE_CHECKING:
+    from yarclang.cell.model import Cell, Parts
+    from yarclang.robot.model import Array, Robot
+    from yarclang.simulated_cell.sensing import Sensing
+    from yarclang.simulator.machine import Machine
+
+
+LOOKS_EACH = 0.02
+"""Time between two looks of the sensors [s]."""
+
+
+class SimulatedCell:
+    """The machines around a simulated robot.
+
+    `begin`, `reached`, `set` and `value` may be called in any thread: they take effect at the machine's next instant. All else belongs to the machine's.
+
+    Args:
+        script: what the machines do.
+        known: the names of inputs and outputs, for those who set them by hand.
+        settings: inputs that have a value from the beginning of the simulation on.
+        cell: with sensors and the parts that they see, for `robot`; None: there are none.
+        robot: that is simulated.
+        waits: True if times of the script count from `begin` on; else they do from when the machine gets its cell.
+    """
+
+    def __init__(
+        self,
+        script: Iterable[Change] = (),
+        known: Known | None = None,
+        *,
+        settings: Iterable[Change] = (),
+        cell: Cell | None = None,
+        robot: Robot | None = None,
+        waits: bool = False,
+    ) -> None:
+        self.known = known or Known({}, {})
+        self._inputs = Inputs(script)
+        self._settings = tuple(settings)
+        self._waits = waits
+        self._begun = False
+        self._listener: Callable[[Set], object] | None = None
+        self._known_values: dict[str, float] = {}
+        self._said: deque[Callable[[float], None]] = deque()
+        self._machine: Machine | None = None
+        self._robot = robot
+        self._sensing: Sensing | None = None
+        self._since = 0.0
+        self._looks = 0
+        if cell is not None and robot is not None and cell.sensors:
+            from yarclang.simulated_cell.sensing import Sensing
+
+            self._sensing = Sensing(robot, cell)
+
+    def attach(self, machine: Machine) -> None:
+        """Become the cell of a machine, whose time isn't passing yet."""
+        self._machine = machine
+        for driven in self._inputs.driven:
+            self._define(driven)
+        self._since = machine.now
+        moving = self._sensing.watched if self._sensing is not None else frozenset()
+        for variable in sorted(self._inputs.watched | moving):
+            self._define(variable)
+            machine.variables.watch(variable[0], int(variable[1:]), self._heard(variable))
+        machine.companions.append(self)
+        self._look()
+        for one in self._settings:
+            self._inputs.set(one.variable, one.value, machine.now)
+        if not self._waits:
+            self._start(machine.now)
+        self.handle()
+
+    # in any thread
+
+    def begin(self) -> None:
+        """Say that a run begins: times count from here, if it is the first one."""
+        self._said.append(self._start if self._waits else lambda now: self._inputs.reached("", now))
+
+    def know(self, program: Program | None) -> None:
+        """Learn the names of a program that is run, for those who set inputs by hand."""
+        if program is not None:
+            more, known = known_in(program, program.cell), self.known
+            self.known = Known(
+                {**known.inputs, **more.inputs}, {**known.outputs, **more.outputs}, feedback=known.feedback
+            )
+
+    def reached(self, place: str) -> None:
+        """Say which command the program has reached; empty: none."""
+        self._said.append(lambda now: self._inputs.reached(place, now))
+
+    def listen(self, listener: Callable[[Set], object] | None) -> None:
+        """Let a function hear each change of an input, in the machine's thread; None: nobody hears it."""
+        self._listener = listener
+
+    def set(self, variable: str, value: float) -> None:
+        """Set an input by hand."""
+        self._said.append(lambda now: self._inputs.set(variable, value, now))
+
+    def value(self, variable: str) -> float | None:
+        """Return the value of an input or output; None before a machine has this cell. Both are plain memory, which may be read in any thread."""
+        machine = self._machine
+        return None if machine is None else machine.variables.read(variable[0], int(variable[1:]), 1)
+
+    def place(self, parts: Parts, cell: Cell) -> None:
+        """Let parts be where somebody says, for the sensors: `cell` is the reading of its file that they belong to."""
+        sensing = self._sensing
+        if sensing is not None:
+            self._said.append(lambda _: sensing.place(parts, cell))
+
+    # in the machine's
+
+    @property
+    def next_event(self) -> float:
+        """When something happens next [s]."""
+        if self._said:
+            return -math.inf
+        if self._sensing is None:
+            return self._inputs.next_due
+        return min(self._inputs.next_due, self._next_look)
+
+    @property
+    def _next_look(self) -> float:
+        return self._since + self._looks * LOOKS_EACH
+
+    def handle(self) -> None:
+        """Do what is due now."""
+        machine = self._machine
+        assert machine is not None, "attach it first"
+        while self._said:
+            self._said.popleft()(machine.now)
+        if self._sensing is not None and machine.now >= self._next_look:
+            self._look()
+        for one in self._inputs.advance(machine.now):
+            self._define(one.variable)
+            machine.variables.write(one.variable[0], int(one.variable[1:]), one.value, 1)
+            if self._known_values.get(one.variable, 0.0) != one.value and self._listener is not None:
+                self._listener(one)
+            self._known_values[one.variable] = one.value
+
+    def _look(self) -> None:
+        """Let the sensors look, at multiples of `LOOKS_EACH`."""
+        machine, sensing = self._machine, self._sensing
+        if machine is None or sensing is None:
+            return
+        for variable, value in sensing.look(self._joints(), machine.now).items():
+            self._inputs.sense(variable, value, machine.now)
+        self._looks += 1
+
+    def _joints(self) -> Array:
+        from yarclang.robot.actuation import from_counts
+
+        machine, robot = self._machine, self._robot
+        assert machine is not None
+        assert robot is not None
+        return from_counts(robot, machine.positions(motors=robot.controller.motors))
+
+    def _start(self, now: float) -> None:
+        if not self._begun:
+            self._begun = True
+            self._inputs.start(now)
+
+    def _heard(self, variable: str) -> Callable[[float], None]:
+        machine = self._machine
+        assert machine is not None
+        sensing = self._sensing
+        moves = sensing is not None and variable in sensing.watched
+
+        def heard(value: float) -> None:
+            if sensing is not None and moves:
+                sensing.output_changed(variable, value, self._joints())
+            self._inputs.output_changed(variable, value, machine.now)
+
+        return heard
+
+    def _define(self, variable: str) -> None:
+        """Let an M-variable that points nowhere be a variable of its own."""
+        machine = self._machine
+        assert machine is not None
+        if variable[0] == "M" and int(variable[1:]) not in machine.variables.m:
+            machine.command(f"{variable}->*", _PORT)
+
+
+_PORT = 9
+"""A port of the machine that no client has."""

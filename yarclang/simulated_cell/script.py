@@ -1,0 +1,300 @@
+"""Scripts of inputs: a TOML file to the changes that it describes, or findings at its lines.
+
+pydantic is imported where it is first used.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Iterable, Mapping
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
+from yarclang.frozen import frozen
+from yarclang.hir import Gap, Program, SetOutput, WaitInput, When
+from yarclang.pmac.variables import signal_variable
+from yarclang.source import SourceFile
+from yarclang.toml.file import TomlFile, did_you_mean
+from yarclang.toml.places import Path, find_places
+from yarclang.toml.reading import parse_toml, read_text
+
+if TYPE_CHECKING:
+    from yarclang.simulated_cell.schema import InputTable
+
+_LARGEST_SCRIPT = 1_000_000
+"""Most characters of a script."""
+
+_STATES = {"ON": 1.0, "OFF": 0.0}
+
+
+@frozen
+class Change:
+    """A change of an input: `variable` gets `value`, `delay` [s] after one of three things.
+
+    Attributes:
+        variable: of the controller.
+        value: that it gets.
+        at: seconds after the start of the run.
+        place: the command that is reached, by its index or its full place.
+        output: the variable of an output and the value that it takes.
+        delay: in s.
+        toggle: how long the input has the value, and how long the opposite, again and again [s]; None: it keeps the value.
+        stuck: True if nothing else changes the input from then on.
+    """
+
+    variable: str
+    value: float
+    at: float | None = None
+    place: str | None = None
+    output: tuple[str, float] | None = None
+    delay: float = 0.0
+    toggle: tuple[float, float] | None = None
+    stuck: bool = False
+
+
+@frozen
+class Known:
+    """The names that a script may use.
+
+    Attributes:
+        inputs: the controller's variables of inputs, by their names in upper case.
+        outputs: likewise of outputs.
+        places: the places of the program's commands; None if the program isn't known yet.
+        has_places: False if no program is ever known, so that a script can't name a place.
+        feedback: the variables in which the robot tells its positions.
+    """
+
+    inputs: Mapping[str, str]
+    outputs: Mapping[str, str]
+    places: frozenset[str] | None = None
+    has_places: bool = True
+    feedback: Container[str] = ()
+
+
+def known_in(program: Program | None, cell: Cell | None, feedback: Container[str] = ()) -> Known:
+    """Return the names of a program and of a cell, those of the program first."""
+    inputs: dict[str, str] = {}
+    outputs: dict[str, str] = {}
+    places: set[str] = set()
+    if cell is not None:
+        inputs.update(cell.inputs)
+        outputs.update({name: one.variable for name, one in cell.outputs.items()})
+    if program is None:
+        return Known(inputs, outputs, None, feedback=feedback)
+    for declared in program.outputs:
+        outputs[declared.signal.name.upper()] = declared.signal.variable
+    for step in program.steps:
+        if isinstance(step, Gap):
+            continue
+        if step.origin.label:
+            places.add(step.origin.label)
+        if isinstance(step, (WaitInput, When)):
+            inputs[step.input.name.upper()] = step.input.variable
+        elif isinstance(step, SetOutput):
+            outputs[step.output.name.upper()] = step.output.variable
+    return Known(inputs, outputs, frozenset(places), feedback=feedback)
+
+
+def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
+    """Read a script's file.
+
+    Returns:
+        As `read_script`. A file that isn't there is a finding without a place.
+    """
+    source = read_text(path, "Name a script of inputs, a TOML file.")
+    if isinstance(source, Diagnostic):
+        return Result(None, (source,))
+    return read_script(source, known)
+
+
+def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
+    """Read the changes that a text describes.
+
+    Returns:
+        None with findings if anything is wrong.
+    """
+    from yarclang.simulated_cell.schema import ScriptTable
+    from yarclang.toml.draft import read_draft
+
+    if len(source.text) > _LARGEST_SCRIPT:
+        message = f"The script has {len(source.text):,} characters, at most {_LARGEST_SCRIPT:,} are read."
+        return Result(None, (Diagnostic("Y1302", message, help="Name a script of inputs, a TOML file."),))
+    data = parse_toml(source)
+    if isinstance(data, Diagnostic):
+        return Result(None, (data,))
+    file = TomlFile(source, find_places(source))
+    draft = read_draft(_spelled_out(data), ScriptTable)
+    draft.tell(file)
+    broken = {path[:2] for path in draft.dropped}
+    changes: list[Change] = []
+    stuck: set[str] = set()
+    for number, table in enumerate(draft.table.inputs):
+        path: Path = ("inputs", number)
+        if path in broken or table.input is None or table.to is None:
+            continue
+        change = _change(table, path, known, file)
+        if change is None:
+            continue
+        if change.stuck and change.variable in stuck:
+            message = f"{table.input[:40]} is stuck already: nothing changes it a second time."
+            file.say("Y1618", (*path, "stuck"), message, "Remove one of both.", at_key=True)
+        if change.stuck:
+            stuck.add(change.variable)
+        changes.append(change)
+    found = in_order(file.findings)
+    return Result(None if has_errors(found) else tuple(changes), found)
+
+
+def read_setting(text: str, known: Known) -> Result[Change]:
+    """Read `CLAMP=1`: an input and the value that it has from the start.
+
+    Returns:
+        None with a finding if the name isn't known.
+
+    Raises:
+        ValueError: the text has another form.
+    """
+    name, number = check_setting(text)
+    variable = input_variable(name, known)
+    if isinstance(variable, tuple):
+        code, message, remedy = variable
+        return Result(None, (Diagnostic(code, message, help=remedy),))
+    return Result(Change(variable, number, at=0.0))
+
+
+def check_setting(text: str) -> tuple[str, float]:
+    """Return the name and the value of `CLAMP=1`.
+
+    Raises:
+        ValueError: the text has another form.
+    """
+    name, equals, value = text.partition("=")
+    number = value_of(value)
+    if not equals or number is None or not name.strip():
+        raise ValueError(f"{text[:80]!r} isn't INPUT=ON, INPUT=OFF or INPUT=NUMBER")
+    return name, number
+
+
+def value_of(text: str) -> float | None:
+    """Return the value that ON, OFF or a number means; None if it is none of them."""
+    word = text.strip().upper()
+    if word in _STATES:
+        return _STATES[word]
+    try:
+        number = float(word)
+    except ValueError:
+        return None
+    return number if abs(number) <= 1e9 else None
+
+
+def input_variable(text: str, known: Known) -> str | tuple[str, str, str]:
+    """Return the variable of an input by its name or as M11; else code, message and remedy of what is wrong."""
+    name = text.strip().upper()
+    shown = name[:40]
+    if name in known.inputs:
+        return known.inputs[name]
+    if name in known.outputs:
+        return (
+            "Y1618",
+            f"{shown} is an output, which the program sets.",
+            "Name an input.",
+        )
+    variable = signal_variable(name, known.feedback)
+    if variable.name is None:
+        if "yarclang itself" in variable.fault:
+            return "Y0413", f"{shown} {variable.fault}.", f"{variable.remedy.capitalize()}."
+        return (
+            "Y1617",
+            f"No input is named {shown}.",
+            f"{did_you_mean(name, known.inputs)} A variable such as M11 is an input as well.",
+        )
+    if variable.name in known.outputs.values():
+        output = next(one for one, its in known.outputs.items() if its == variable.name)
+        return "Y1618", f"{shown} is the output {output}, which the program sets.", "Name an input."
+    return variable.name
+
+
+def is_reached(wanted: str, place: str, before: str = "") -> bool:
+    """Return True if a program has reached a command.
+
+    An index alone means each command with this index, and each call of it, whatever loop it is in: P0020 is reached at P0020(I=2)>P0010.
+
+    Args:
+        wanted: an index or the full place of a command.
+        place: of the command that begins.
+        before: of the command before that one: who is still in the same call hasn't reached it anew.
+    """
+    parts, there, last = wanted.upper().split(">"), place.upper().split(">"), before.upper().split(">")
+    size = len(parts)
+    if len(there) < size or (there[:size] == last[:size]):
+        return False
+    return all(one in (two, two.partition("(")[0]) for one, two in zip(parts, there, strict=False))
+
+
+def _change(table: InputTable, path: Path, known: Known, file: TomlFile) -> Change | None:
+    assert table.input is not None and table.to is not None  # noqa: PT018  (of one entry)
+    good = True
+    variable = input_variable(table.input, known)
+    if isinstance(variable, tuple):
+        code, message, remedy = variable
+        file.say(code, (*path, "input"), message, remedy)
+        good = False
+    given = [key for key in ("at", "place", "output") if getattr(table, key) is not None]
+    if len(given) != 1:
+        message = (
+            f"The change of {table.input[:40]} has {' and '.join(given) or 'none of at, place and output'}."
+        )
+        at = (*path, given[1]) if given else path
+        file.say("Y1618", at, message, "Say when it happens by one of at, place and output.", at_key=True)
+        good = False
+    if table.toggle is not None and len(table.toggle) != 2:
+        message = f"toggle has {len(table.toggle)} times, not 2."
+        file.say("Y1618", (*path, "toggle"), message, "Write toggle = [1.0, 2.0]: how long so, how long not.")
+        good = False
+    output = None if table.output is None else _output(table.output, (*path, "output"), known, file)
+    good &= table.output is None or output is not None
+    good &= table.place is None or _is_place(table.place, (*path, "place"), known, file)
+    if not good or not isinstance(variable, str) or table.to is None:
+        return None
+    toggle = None if table.toggle is None else (table.toggle[0], table.toggle[1])
+    return Change(variable, table.to, table.at, table.place, output, table.delay, toggle, bool(table.stuck))
+
+
+def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, float] | None:
+    name, equals, value = text.partition("=")
+    name, number = name.strip().upper(), value_of(value)
+    if not equals or number is None:
+        message = f'output is "{text[:40]}", but must be a name and a value.'
+        file.say("Y1308", path, message, 'Write it as output = "CLAMP=ON".')
+        return None
+    variable = known.outputs.get(name) or signal_variable(name, known.feedback).name
+    if variable is None:
+        file.say("Y1617", path, f"No output is named {name[:40]}.", did_you_mean(name, known.outputs))
+        return None
+    return variable, number
+
+
+def _is_place(place: str, path: Path, known: Known, file: TomlFile) -> bool:
+    if not known.has_places:
+        message = f"The place {place[:40]} is of a program, which a controller doesn't know."
+        file.say("Y1617", path, message, "Use at or output, or `yarc run --inputs`.")
+        return False
+    if known.places is None or any(is_reached(place, one) for one in known.places):
+        return True
+    indices = {part for one in known.places for part in [one.partition("(")[0].partition(">")[0]]}
+    shown = place[:40].strip()
+    remedy = did_you_mean(re.split(r"[(>]", shown.upper())[0], indices)
+    file.say("Y1617", path, f"The program has no command {shown}.", remedy)
+    return False
+
+
+def _spelled_out(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the data with ON and OFF as numbers."""
+    entries: Iterable[Any] = data.get("inputs", ()) if isinstance(data.get("inputs"), list) else ()
+    for entry in entries:
+        state = entry.get("to") if isinstance(entry, dict) else None
+        if isinstance(state, str) and state.upper() in _STATES:
+            entry["to"] = _STATES[state.upper()]
+    return data

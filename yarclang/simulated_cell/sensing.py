@@ -1,0 +1,236 @@
+"""The parts and sensors of a cell while a simulated robot moves in it: which part is where, and what each sensor sees. No I/O; time is an argument.
+
+Only whether an output has changed and where the robot stands comes from outside.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Expected, Item, Parts, Present
+from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
+from yarclang.collision.scene import scene_of
+from yarclang.frozen import frozen
+from yarclang.handling.parts import close, first_parts, open_, remove
+from yarclang.handling.present import on_cell
+from yarclang.robot.kinematics.fk import skew
+from yarclang.robot.model import Array, Robot
+from yarclang.shapes import Shape
+
+ARRIVES_AFTER = 0.5
+"""The next part of a kind comes so long after the one before it has left its place [s]."""
+
+
+@frozen(eq=False)
+class _Region:
+    """What a sensor sees: `geometry` at `transform` (4, 4) [m], seen from the flange if it is `on_flange`, else from {B}."""
+
+    input: str
+    inverted: bool
+    geometry: Geometry
+    transform: Array
+    on_flange: bool
+
+
+@lru_cache(maxsize=256)
+def _geometry(shape: Shape) -> Geometry | None:
+    try:
+        return geometry_of(shape, hull=True)
+    except UnreadableError:  # said with the collisions
+        return None
+
+
+class Sensing:
+    """The parts of a cell, and its sensors.
+
+    Args:
+        robot: in the cell.
+        cell: with parts, grippers and sensors.
+    """
+
+    def __init__(self, robot: Robot, cell: Cell) -> None:
+        self.parts = first_parts(cell)
+        self._robot = robot
+        self._cell = cell
+        self._scene = scene_of(robot, replace(cell, parts=())).value
+        self._regions = [
+            _Region(one.input, one.inverted, geometry, one.mount.transform, one.mount.on_flange)
+            for one in cell.sensors
+            if one.region is not None
+            and one.mount is not None
+            and (geometry := _geometry(one.region)) is not None
+        ]
+        self._screws = _powers(robot.chain.screws)
+        self._before: tuple[bytes, Array] | None = None
+        bodies = () if self._scene is None else self._scene.bodies
+        self._joints = np.array([body.joint for body in bodies], dtype=np.int64)
+        self._middles = np.ones((len(bodies), 4, 1))
+        if self._scene is not None:
+            self._middles[:, :3, 0] = self._scene.middle
+        self._left: dict[tuple[str, int], float] = {}
+        self._seen: dict[str, float] = {}
+        self._at: bytes | None = None
+        self._state: object = None
+
+    @property
+    def watched(self) -> frozenset[str]:
+        """The variables of outputs that grip or remove parts."""
+        return frozenset(self._cell.grips) | frozenset(self._cell.removals)
+
+    @property
+    def is_needed(self) -> bool:
+        """True if there is a sensor."""
+        return bool(self._cell.sensors)
+
+    def output_changed(self, variable: str, value: float, q: Array) -> None:
+        """Hear the value of an output while the joints are at `q` (n,) [rad or m]: a gripper closes or opens, or a machine takes parts away."""
+        grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
+        if grip is not None:
+            flange = self._flange(q)
+            if value != grip.value:
+                self.parts = open_(self.parts, variable, flange)
+            elif variable not in self.parts.closed:
+                self.parts, _ = close(self.parts, variable, grip, flange, 0)
+        if removal is not None and value == removal.value:
+            self.parts = remove(self.parts, removal)
+
+    def place(self, parts: Parts, cell: Cell) -> None:
+        """Let parts be where somebody says; `cell` is the reading of its file that they belong to."""
+        self.parts = on_cell(Present(parts), cell, self._cell).parts
+        self._left.clear()
+
+    def look(self, q: Array, now: float) -> Mapping[str, float]:
+        """Return what the sensors tell.
+
+        Args:
+            q: (n,) where the joints are [rad or m].
+            now: the time [s].
+
+        Returns:
+            The values of the inputs that sensors drive, by their variables; ON if one of several sensors is.
+        """
+        if self.parts.expected:
+            self._arrive(q, now)
+        at = q.tobytes()
+        if at == self._at and self.parts is self._state:
+            return self._seen
+        self._at, self._state = at, self.parts
+        told: dict[str, float] = {}
+        for one, seen in self._told(q):
+            told[one] = max(told.get(one, 0.0), float(seen))
+        self._seen = told
+        return told
+
+    def _told(self, q: Array) -> list[tuple[str, bool]]:
+        told = [
+            (one.input, bool(self.parts.held(one.gripper)) != one.inverted)
+            for one in self._cell.sensors
+            if one.gripper is not None
+        ]
+        if not self._regions or self._scene is None:
+            return told
+        scene, moved, joints = self._scene, self._moved(q), self._joints
+        flange = self._flange(q)
+        middles = (moved[joints] @ self._middles)[:, :3, 0]
+        items = [(one, geometry) for one in self.parts.items if (geometry := _geometry(one.part.body.shape))]
+        poses = [flange @ one.transform if one.gripper is not None else one.transform for one, _ in items]
+        for region in self._regions:
+            there = flange @ region.transform if region.on_flange else region.transform
+            middle = there[:3, :3] @ region.geometry.middle + there[:3, 3]
+            # what stands still isn't seen, nor what moves with the sensor
+            moves = (joints > 0) & ((joints < self._robot.size) | (not region.on_flange))
+            apart = middles - middle
+            near = np.sqrt((apart * apart).sum(axis=1)) <= scene.bound + region.geometry.bound
+            sees = any(
+                _overlap(region.geometry, there, geometry, pose)
+                for (_, geometry), pose in zip(items, poses, strict=True)
+                if math.dist(pose[:3, :3] @ geometry.middle + pose[:3, 3], middle)
+                <= geometry.bound + region.geometry.bound
+            ) or any(
+                _overlap(
+                    region.geometry,
+                    there,
+                    scene.bodies[body].geometry,
+                    moved[joints[body]] @ scene.bodies[body].base_from_body,
+                )
+                for body in np.flatnonzero(moves & near).tolist()
+            )
+            told.append((region.input, sees != region.inverted))
+        return told
+
+    def _flange(self, q: Array) -> Array:
+        pose: Array = self._moved(q)[-1] @ self._robot.chain.base_from_flange
+        return pose
+
+    def _moved(self, q: Array) -> Array:
+        """Return the transforms (n + 1, 4, 4) that bring what the first joints move from where it is with all joints at zero to where it is at `q` (n,)."""
+        at = q.tobytes()
+        if self._before is not None and self._before[0] == at:
+            return self._before[1]
+        one, two, three = self._screws
+        way = q[:, None, None]
+        # exp(screw q), of screws whose axes have the length 1 or 0
+        each = np.eye(4) + way * one + (1.0 - np.cos(way)) * two + (way - np.sin(way)) * three
+        moved = np.empty((len(q) + 1, 4, 4))
+        moved[0] = np.eye(4)
+        for joint, step in enumerate(each):
+            np.matmul(moved[joint], step, out=moved[joint + 1])
+        self._before = at, moved
+        return moved
+
+    def _arrive(self, q: Array, now: float) -> None:
+        """Bring the next parts whose place has been free for long enough."""
+        come: list[Expected] = []
+        for one in self.parts.expected:
+            name = (one.part.body.name, one.number)
+            if not self._is_free(one, q):
+                self._left.pop(name, None)
+            elif now - self._left.setdefault(name, now) >= ARRIVES_AFTER - 1e-9:
+                come.append(one)
+        if come:
+            new = [Item(one.part, one.number, one.part.body.mount.transform.tobytes()) for one in come]
+            rest = tuple(one for one in self.parts.expected if one not in come)
+            self.parts = replace(self.parts, items=(*self.parts.items, *new), expected=rest)
+
+    def _is_free(self, expected: Expected, q: Array) -> bool:
+        """Return True if the part before has left the place: it is farther away than both are large, or gone."""
+        geometry = _geometry(expected.part.body.shape)
+        before = next(
+            (
+                one
+                for one in self.parts.items
+                if one.part is expected.part and one.number == expected.number - 1
+            ),
+            None,
+        )
+        if before is None or geometry is None:
+            return True
+        pose = self._flange(q) @ before.transform if before.gripper is not None else before.transform
+        return math.dist(pose[:3, 3], expected.part.body.mount.transform[:3, 3]) > 2.0 * geometry.bound
+
+
+def _powers(screws: Array) -> tuple[Array, Array, Array]:
+    """Return screws (n, 6) as matrices (n, 4, 4), and their second and third powers."""
+    one = np.zeros((len(screws), 4, 4))
+    one[:, :3, :3] = skew(screws[:, 3:])
+    one[:, :3, 3] = screws[:, :3]
+    two = one @ one
+    return one, two, two @ one
+
+
+def _overlap(one: Geometry, here: Array, other: Geometry, there: Array) -> bool:
+    """Return True if two shapes touch, at poses (4, 4) [m]."""
+    import coal
+
+    first, second = (coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (here, there))
+    # not by a distance of zero: an unsigned distance of bodies that overlap comes out as up to 1e-6 m
+    return bool(
+        coal.collide(
+            one.of_coal, first, other.of_coal, second, coal.CollisionRequest(), coal.CollisionResult()
+        )
+    )

@@ -1,0 +1,175 @@
+"""The pose that a program has before a line, as far as no motion has to be planned for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.diagnostics import has_errors
+from yarclang.hir import (
+    ArcMove,
+    Array,
+    AvoidMove,
+    Else,
+    EndWhen,
+    Gap,
+    JointDelta,
+    JointGoal,
+    JointMove,
+    LineMove,
+    PoseDelta,
+    PoseGoal,
+    PoseSplineMove,
+    SplineMove,
+    Step,
+    When,
+)
+from yarclang.pipeline.stages import check_program
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.runtime.actions import Trouble
+from yarclang.source import SourceFile
+from yarclang.syntax.ast import Block, Node
+from yarclang.syntax.parse import parse
+from yarclang.teaching.edits import Program
+from yarclang.teaching.holding import Around
+
+_ENOUGH = 20_000
+"""Lines in loops and SUBs that are carried out at most."""
+
+
+def flange_before(around: Around, after: int) -> Array:
+    """Return (4, 4) base_from_flange [m] that the program has when a line has been carried out for the first time.
+
+    Args:
+        around: the program.
+        after: the line; 0 is the beginning.
+
+    Raises:
+        Trouble: it can't be known without planning, and why.
+    """
+    text = text_before(around.program, after)
+    source = SourceFile(around.program.source.name, text)
+    module = parse(source).value
+    assert module is not None  # parsing always gives a tree
+    checked = check_program(module, replace(around.request, enough=_ENOUGH))
+    found = [one for one in checked.diagnostics if one.code != "Y0104"]  # a text without a command
+    program = checked.value
+    if has_errors(found) or program is None or program.is_cut:
+        errors = [one for one in found if one.is_error]
+        why = errors[0].message if errors else "its loops are too long"
+        raise Trouble(
+            f"it isn't known where the program is before this line: {why}",
+            "correct that first, or teach a MOVEL, which needs no pose before it",
+            "before",
+        )
+    found_pose: Array = _Walk(around, program.start).walked(program.steps)
+    return found_pose
+
+
+def text_before(program: Program, after: int) -> str:
+    """Return a program's lines up to one, in which blocks that are open there are carried out once.
+
+    Args:
+        program: the program.
+        after: the last line.
+
+    Raises:
+        Trouble: the line is in a SUB.
+    """
+    lines = [program.content(line) for line in range(1, after + 1)]
+    open_blocks = 0
+    for block in blocks_around(program.sketch.nodes, after):
+        head, otherwise = block.head, block.otherwise_head
+        word = head.name.name
+        if word == "SUB":
+            what = f"line {after} is in the SUB of line {head.line}: where the robot is before depends on the CALL"
+            raise Trouble(what, "teach a MOVEL in a frame of the SUB, or teach outside of it", "before")
+        open_blocks += 1
+        values = [value.text for point in head.waypoints for value in point.values]
+        name = values[0] if word == "REPEAT" and len(values) > 1 else ""
+        lines[head.line - 1] = f"REPEAT {name} 1"
+        if otherwise is not None and otherwise.line <= after:
+            for line in range(head.line + 1, otherwise.line + 1):
+                lines[line - 1] = ""
+    return "\n".join((*lines, *["END"] * open_blocks, ""))
+
+
+def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
+    """Yield the blocks that are open behind a line, outermost first."""
+    for node in nodes:
+        if not isinstance(node, Block) or node.head.line > after:
+            continue
+        last = node.end.line - 1 if node.end else after
+        if after <= last:
+            yield node
+            yield from blocks_around((*node.body, *(node.otherwise or ())), after)
+
+
+class _Walk:
+    """Follows goals from one to the next: the flange's pose, and the joints while they are known."""
+
+    def __init__(self, around: Around, start: Array) -> None:
+        self._chain = around.robot.chain
+        self._joints: Array | None = start
+        self._flange = flange_poses(self._chain, start[None])[0]
+
+    def walked(self, steps: Iterable[Step]) -> Array:
+        """Return (4, 4) where the flange stands after some steps."""
+        skipped = depth = 0
+        for step in steps:
+            # both ways of a WHEN end in one place
+            if isinstance(step, When):
+                depth += 1
+            elif isinstance(step, Else) and not skipped:
+                skipped = depth
+            elif isinstance(step, EndWhen):
+                skipped = 0 if skipped == depth else skipped
+                depth -= 1
+            elif not skipped:
+                self._step(step)
+        return np.asarray(self._flange)
+
+    def _step(self, step: Step) -> None:
+        match step:
+            case Gap():
+                raise Trouble(
+                    "it isn't known where the program is before this line: a line above can't be carried out",
+                    "correct that line first",
+                    "before",
+                )
+            case SplineMove() | PoseSplineMove():
+                self._to(step.waypoints[-1])
+            case JointMove() | AvoidMove() | LineMove() | ArcMove():
+                self._to(step.goal)
+            case _:
+                pass
+
+    def _to(self, goal: JointGoal | JointDelta | PoseGoal | PoseDelta) -> None:
+        match goal:
+            case JointGoal(q=q):
+                self._stand(np.asarray(q))
+            case JointDelta(dq=dq):
+                if self._joints is None:
+                    raise Trouble(
+                        "it isn't known where the program is before this line: DMOVEJ follows a pose above",
+                        "teach a MOVEL, which needs no pose before it",
+                        "before",
+                    )
+                self._stand(self._joints + dq)
+            case PoseGoal(base_from_moving=pose, flange_from_moving=tool):
+                self._joints, self._flange = None, np.asarray(pose @ np.linalg.inv(tool))
+            case PoseDelta():
+                self._shift(goal)
+
+    def _stand(self, joints: Array) -> None:
+        self._joints, self._flange = joints, flange_poses(self._chain, joints[None])[0]
+
+    def _shift(self, delta: PoseDelta) -> None:
+        stands = self._flange @ delta.flange_from_moving
+        axes = self._flange[:3, :3] @ delta.axes if delta.axes_on_flange else delta.axes
+        moved = np.eye(4)
+        moved[:3, 3] = stands[:3, 3] + axes @ delta.shift
+        moved[:3, :3] = axes @ delta.turn @ axes.T @ stands[:3, :3]
+        self._joints, self._flange = None, np.asarray(moved @ np.linalg.inv(delta.flange_from_moving))

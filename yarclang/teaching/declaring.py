@@ -1,0 +1,197 @@
+"""Declarations: where they stand, what they may be called, and the lines of those that are taught."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.naming import FIXED_FRAMES, is_word
+from yarclang.semantics.scope import BASE
+from yarclang.syntax.ast import Block, Statement
+from yarclang.syntax.words import DECLARATIONS
+from yarclang.teaching.changing import change
+from yarclang.teaching.edits import Draft, Edited, Program
+from yarclang.teaching.holding import Around, Holding, holding, joint_kinds, joint_numbers, pose_numbers
+from yarclang.teaching.indices import indentation
+from yarclang.units import Kind
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
+
+
+def declare(around: Around, what: str, name: str, joints: Array) -> Edited:
+    """Declare where the robot stands as a frame or a joint position.
+
+    Args:
+        around: the program.
+        what: "frame" or "joints".
+        name: of the declaration.
+        joints: (n,) where the robot stands [rad or m].
+
+    Raises:
+        Trouble: the name can't be declared, or a frame isn't known.
+    """
+    draft = Draft(around.program)
+    after = put_declaration(draft, around, what, name, joints, around.program.size + 1)
+    upper = name.strip("{} ").upper()
+    shown = f"{{{upper}}}" if what == "frame" else upper
+    return draft.finished(draft.new_line(after), f"declared {shown} where the robot stands")
+
+
+def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: bool = False) -> Edited:
+    """Declare a frame whose pose is known.
+
+    Args:
+        around: the program.
+        name: of the frame.
+        pose: (4, 4) parent_from_frame [m].
+        parent: the frame in which it sits.
+        again: whether a FRAME line of this name gets other values.
+
+    Raises:
+        Trouble: the name can't be declared.
+    """
+    program = around.program
+    upper = name.strip("{} ").upper()
+    own = program.sketch.names.declared(upper, True)
+    if again and own is not None:
+        statement = own.statement
+        if statement.name.name != "FRAME" or own.kind != "frame":
+            what = f"{{{upper}}} is declared by {statement.name.name} in line {statement.line}"
+            raise Trouble(what, "change that line by hand, or choose another name", "name")
+        numbers = pose_numbers(pose, {"length": "mm", "angle": "deg"})
+        fields = dict(zip(("x", "y", "z", "roll", "pitch", "yaw"), numbers, strict=True))
+        return change(
+            program, statement.line, {**fields, "units": "mm,deg", "base": parent}, around.robot.joint_names
+        )
+    check_name(around, upper, is_frame=True)
+    draft = Draft(program)
+    after = place_of_declarations(program, program.size + 1)
+    holds = holding(program, after + 1, declares=True)
+    units: dict[Kind, str] = {kind: holds.unit(kind) for kind in ("length", "angle")}
+    named = () if holds.base == parent else (f"{{{parent}}}",)
+    text = " ".join(("FRAME", f"{{{upper}}}", *pose_numbers(pose, units), *units_part(units, holds), *named))
+    draft.add(after, indentation(program, after) + text)
+    return draft.finished(draft.new_line(after), f"declared {{{upper}}}")
+
+
+def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: Array, line: int) -> int:
+    """Add a declaration of where the robot stands, with the other declarations.
+
+    Args:
+        draft: the changes.
+        around: the program.
+        what: "frame" or "joints".
+        name: of the declaration.
+        joints: (n,) where the robot stands [rad or m].
+        line: the first line that uses it.
+
+    Returns:
+        The line after which it stands.
+
+    Raises:
+        Trouble: the name can't be declared, or a frame isn't known.
+    """
+    program = draft.program
+    name = check_name(around, name, is_frame=what == "frame")
+    after = place_of_declarations(program, line)
+    holds = holding(program, after + 1, declares=True)
+    text = (
+        frame_line(around, name, joints, holds, after + 1)
+        if what == "frame"
+        else joints_line(around, name, joints, holds)
+    )
+    draft.add(after, indentation(program, after) + text)
+    return after
+
+
+def check_name(around: Around, name: str, *, is_frame: bool) -> str:
+    """Return a name in upper case if it can be declared.
+
+    Args:
+        around: the program.
+        name: that is wanted.
+        is_frame: whether it is a frame's.
+
+    Raises:
+        Trouble: it can't be.
+    """
+    name = name.strip("{} " if is_frame else " ")
+    upper = name.upper()
+    if _NAME.fullmatch(name) is None:
+        raise Trouble(
+            f"{name[:60]!r} is no name", "names have letters, digits and _, and begin with a letter", "name"
+        )
+    if (is_frame and upper in FIXED_FRAMES) or (not is_frame and is_word(upper)):
+        raise Trouble(f"{upper} has its meaning in the language already", "choose another name", "name")
+    for one in around.program.sketch.names.symbols:
+        if one.name == upper and one.is_frame == is_frame:
+            raise Trouble(
+                f"{upper} is declared already, in line {one.span.line}",
+                "choose another name, or touch that line up",
+                "name",
+            )
+    known = around.scope.frame(upper) if is_frame else around.scope.name(upper)
+    if known is not None:
+        raise Trouble(f"{upper} is declared already, by the robot or its cell", "choose another name", "name")
+    return upper
+
+
+def place_of_declarations(program: Program, line: int) -> int:
+    """Return the line after which a new declaration stands that is used from a line on: after the others, before the first command.
+
+    Args:
+        program: the program.
+        line: where it is used.
+    """
+    after = 0
+    for node in program.sketch.nodes:
+        if isinstance(node, Block) or not _is_declaration(node) or node.line >= line:
+            break
+        after = node.line + node.rows - 1
+    if after:
+        return after
+    first = next((one.line for one in program.sketch.module.statements), program.size + 1)
+    comments = {number for number, _ in program.sketch.module.comment_lines}
+    while after + 1 in comments and after + 1 < min(first, line):
+        after += 1
+    # a comment right above the first line may be about that line
+    return after if after + 1 != first else 0
+
+
+def _is_declaration(statement: Statement) -> bool:
+    return statement.index is None and statement.name.name in DECLARATIONS
+
+
+def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str:
+    """Return `JOINTS NAME ...` of joint positions (n,) [rad or m]; units that DEFAULT gives are left out."""
+    kinds = joint_kinds(around.robot)
+    units = {kind: holds.unit(kind) for kind in kinds}
+    numbers = joint_numbers(around.robot, joints, units)
+    return " ".join(("JOINTS", name, *numbers, *units_part(units, holds)))
+
+
+def frame_line(around: Around, name: str, joints: Array, holds: Holding, line: int) -> str:
+    """Return `FRAME {NAME} ...` of where the tool stands in the base frame that holds.
+
+    Args:
+        around: the program.
+        name: of the frame.
+        joints: (n,) where the robot stands [rad or m].
+        holds: what the line need not say.
+        line: in which it stands.
+
+    Raises:
+        Trouble: a frame isn't known there.
+    """
+    base, moving = holds.base or BASE, holds.moving or around.tool
+    units: dict[Kind, str] = {kind: holds.unit(kind) for kind in ("length", "angle")}
+    numbers = pose_numbers(around.pose(joints, moving, base, line), units)
+    named = () if holds.base else (f"{{{base}}}",)
+    return " ".join(("FRAME", f"{{{name}}}", *numbers, *units_part(units, holds), *named))
+
+
+def units_part(units: dict[Kind, str], holds: Holding) -> tuple[str, ...]:
+    """Return the units in their brackets that DEFAULT doesn't give; nothing if it gives all."""
+    needed = [unit for kind, unit in units.items() if kind not in holds.units]
+    return (f"({','.join(needed)})",) if needed else ()

@@ -1,0 +1,308 @@
+"""The parts of a command that people change one by one, and where they stand in the text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Literal
+
+from yarclang.assist.sketch import Sketch
+from yarclang.assist.vocabulary import command_of
+from yarclang.commands.spec import CommandSpec, Values
+from yarclang.frozen import frozen
+from yarclang.syntax.ast import FrameName, Option, Statement, Value, Word
+from yarclang.syntax.leaves import Place
+from yarclang.teaching.points import meanings, own_values
+from yarclang.units import UNITS, Kind
+
+FieldKind = Literal["number", "percent", "choice", "frame", "joints", "signal", "text"]
+
+_JOINTS = tuple(f"J{number}" for number in range(1, 33))
+_DECLARED_POSES = ("FRAME", "FRAME_QUAT")
+_SIGNALS = ("INPUT", "OUTPUT")
+_COUNTED = 64
+"""Way-points whose values are fields; of longer lists only so many."""
+
+
+@frozen
+class Field:
+    """A part of a command.
+
+    Attributes:
+        name: by which it is changed.
+        label: for people.
+        kind: what it is.
+        value: as it stands in the text; empty: it is left out.
+        unit: in which it counts; empty: none.
+        choices: what it may be, as far as that is known here.
+    """
+
+    name: str
+    label: str
+    kind: FieldKind
+    value: str = ""
+    unit: str = ""
+    choices: tuple[str, ...] = ()
+
+
+Part = Literal["name", "moving", "value", "time", "units", "base", "option", "comment"]
+
+
+@frozen
+class Placed:
+    """A field and what its text replaces.
+
+    Attributes:
+        field: the field.
+        part: of the statement that it is.
+        place: what is replaced; None if the part isn't there.
+        form: the text with `@` for the value.
+    """
+
+    field: Field
+    part: Part
+    place: Place | None
+    form: str = "@"
+
+
+class Reader:
+    """Reads the fields of statements.
+
+    Args:
+        sketch: of the text.
+        joints: names of the robot's joints; None: J1 and so on.
+    """
+
+    def __init__(self, sketch: Sketch, joints: tuple[str, ...] | None = None) -> None:
+        self._sketch = sketch
+        self._joints = joints
+        default = sketch.default
+        self._defaults: dict[Kind, str] = _units(default) if default is not None else {}
+        self._units = self._defaults
+        self._tails: dict[tuple[str, bool], tuple[Placed, ...]] = {}
+        self._known: dict[tuple[object, ...], tuple[tuple[str, str], ...]] = {}
+
+    def placed(self, statement: Statement) -> tuple[Placed, ...]:
+        """Return the fields of a statement in the order of their places."""
+        self._units = {**self._defaults, **_units(statement)} if statement.units else self._defaults
+        return tuple(self._fields(statement))
+
+    def _fields(self, statement: Statement) -> Iterator[Placed]:
+        word = statement.name.name
+        found = command_of(word)
+        is_pose = statement.index is None and word in _DECLARED_POSES
+        if found is not None:
+            yield from self._of_command(statement, found[0])
+        elif is_pose or (statement.index is None and word in ("JOINTS", "START")):
+            yield from self._points(statement, meanings(statement))
+            yield _units_field(statement)
+            if is_pose:
+                yield _frame("base", "Base frame", statement.base, "base")
+        elif word == "DEFAULT":
+            yield _frame("moving", "Moving frame", statement.moving, "moving")
+            yield from _times(statement, has_speed=True, unit=self._unit("time"), speed="")
+            yield _units_field(statement)
+            yield _frame("base", "Base frame", statement.base, "base")
+        else:
+            yield from self._of_other(statement, word)
+        yield _comment(statement)
+
+    def _of_command(self, statement: Statement, spec: CommandSpec) -> Iterator[Placed]:
+        meant = meanings(statement)
+        of_joints = all(one.of_joints for one in meant)
+        if meant and (statement.moving is not None or not of_joints):
+            yield _frame("moving", "Moving frame", statement.moving, "moving")
+        yield from self._points(statement, meant)
+        if not spec.is_motion:
+            return
+        if statement.time or statement.units or statement.base or statement.options:
+            yield from self._tail(statement, spec, meant)
+            return
+        # most lines of a long program leave all of that to DEFAULT
+        key = (spec.name, of_joints)
+        if key not in self._tails:
+            self._tails[key] = tuple(self._tail(statement, spec, meant))
+        yield from self._tails[key]
+
+    def _tail(self, statement: Statement, spec: CommandSpec, meant: tuple[Values, ...]) -> Iterator[Placed]:
+        length, time = self._unit("length"), self._unit("time")
+        yield from _times(statement, has_speed=spec.moves_frame, unit=time, speed=f"{length}/{time}")
+        yield _units_field(statement)
+        if meant and (statement.base is not None or not all(one.of_joints for one in meant)):
+            yield _frame("base", "Base frame", statement.base, "base")
+        yield from _options(statement, spec, meant, length)
+
+    def _points(self, statement: Statement, meant: tuple[Values, ...]) -> Iterator[Placed]:
+        if statement.name.name == "START" and statement.index is None:
+            meant = (Values.JOINTS,) * len(statement.waypoints)
+        for number, (meaning, point) in enumerate(zip(meant, statement.waypoints, strict=False), 1):
+            if number > _COUNTED:
+                return
+            values = own_values(statement, point)
+            front = f"{number}." if len(meant) > 1 else ""
+            if len(values) == 1 and isinstance(word := values[0], Word):
+                field = Field(f"{front}target", f"{front}Target", "joints", word.text)
+                yield Placed(field, "value", word.place)
+                continue
+            columns = self._columns(meaning, len(values))
+            if len(columns) == len(values):
+                for (label, unit), value in zip(columns, values, strict=True):
+                    name = front + label if front else label
+                    yield Placed(Field(name, name, "number", value.text, unit), "value", value.place)
+
+    def _columns(self, meaning: Values, count: int) -> tuple[tuple[str, str], ...]:
+        """Return label and unit of each value."""
+        key = (meaning, count, *self._units.values())
+        if key not in self._known:
+            labels = meaning.labels(self._joints or _JOINTS[:count])
+            self._known[key] = tuple((one, self._value_unit(meaning, one)) for one in labels)
+        return self._known[key]
+
+    def _value_unit(self, meaning: Values, label: str) -> str:
+        if meaning.of_joints or label in ("qx", "qy", "qz", "qw"):
+            return ""
+        return self._unit("length" if label in ("x", "y", "z") else "angle")
+
+    def _unit(self, kind: Kind) -> str:
+        return self._units.get(kind, "")
+
+    def _of_other(self, statement: Statement, word: str) -> Iterator[Placed]:
+        values = [value for point in statement.waypoints for value in point.values]
+        if word == "SET" and len(values) == 2:
+            yield _value("signal", "Output", "signal", values[0])
+            yield _value("value", "Value", "choice", values[1], ("ON", "OFF"))
+        elif word == "WAIT":
+            if len(values) == 2:
+                yield _value("signal", "Input", "signal", values[0])
+                yield _value("value", "Value", "choice", values[1], ("ON", "OFF"))
+            place = statement.time.place if statement.time else None
+            field = Field(
+                "time", "At most" if values else "Time", "number", _inner(statement), self._unit("time")
+            )
+            yield Placed(field, "time", place, "[@]")
+            yield _units_field(statement)
+        elif word == "HOLD" and len(values) == 1:
+            text = values[0]
+            yield Placed(Field("text", "Text", "text", text.text.strip('"')), "value", text.place, '"@"')
+        elif word == "CALL" and values:
+            yield _value("sub", "SUB", "choice", values[0])
+            for number, value in enumerate(values[1:], 1):
+                yield _value(str(number), f"Argument {number}", "text", value)
+        elif word == "REPEAT" and values:
+            yield _value("count", "Times", "number", values[-1])
+        elif word == "WHEN" and len(values) == 2:
+            yield _value("signal", "Input", "signal", values[0])
+            yield _value("value", "Value", "choice", values[1], ("ON", "OFF"))
+        elif word in ("LET", "IF") and statement.expression is not None:
+            yield self._expression(statement, word)
+
+    def _expression(self, statement: Statement, word: str) -> Placed:
+        assert statement.expression is not None
+        place = _whole(self._sketch, statement)
+        text = self._sketch.source.line(statement.line + place.row)[place.start - 1 : place.end - 1]
+        name, label = ("value", "Value") if word == "LET" else ("condition", "Condition")
+        return Placed(Field(name, label, "text", text), "value", place)
+
+
+def _whole(sketch: Sketch, statement: Statement) -> Place:
+    """Return the place of the expression of a LET or an IF: all of the code after the equals sign or the word."""
+    from yarclang.syntax.lines import code_of
+
+    code = code_of(sketch.source.line(statement.line)).rstrip()
+    begin = statement.name.place.end - 1
+    if statement.name.name == "LET":
+        begin = code.index("=", begin) + 1
+    begin += len(code[begin:]) - len(code[begin:].lstrip())
+    return Place(0, begin + 1, len(code) + 1)
+
+
+def _units(statement: Statement) -> dict[Kind, str]:
+    items = statement.units.items if statement.units else ()
+    named = [UNITS.get(one.text.lower()) for one in items]
+    return {unit.kind: unit.name for unit in named if unit is not None}
+
+
+def _value(name: str, label: str, kind: FieldKind, value: Value, choices: tuple[str, ...] = ()) -> Placed:
+    return Placed(Field(name, label, kind, value.text, choices=choices), "value", value.place)
+
+
+def _frame(name: str, label: str, frame: FrameName | None, part: Part) -> Placed:
+    if frame is None:
+        return _absent(name, label, "frame", "", part, "{@}")
+    return Placed(Field(name, label, "frame", frame.name), part, frame.place, "{@}")
+
+
+@cache
+def _absent(
+    name: str, label: str, kind: FieldKind, unit: str, part: Part, form: str, choices: tuple[str, ...] = ()
+) -> Placed:
+    """Return a part that isn't there: of most commands most aren't."""
+    return Placed(Field(name, label, kind, "", unit, choices), part, None, form)
+
+
+def _units_field(statement: Statement) -> Placed:
+    units = statement.units
+    if units is None:
+        return _absent("units", "Units", "text", "", "units", "(@)")
+    text = ",".join(one.text for one in units.items)
+    return Placed(Field("units", "Units", "text", text), "units", units.place, "(@)")
+
+
+def _inner(statement: Statement) -> str:
+    return " ".join(one.text for one in statement.time.items) if statement.time else ""
+
+
+def _times(statement: Statement, *, has_speed: bool, unit: str, speed: str) -> Iterator[Placed]:
+    """Yield time, share of the limits and speed: one of them stands in the square brackets."""
+    if statement.time is None:
+        yield _absent("time", "Time", "number", unit, "time", "[@]", ("MIN",))
+        yield _absent("percent", "Speed, share of the limits", "percent", "%", "time", "[@%]")
+        if has_speed:
+            yield _absent("speed", "Speed", "number", speed, "time", "[V @]")
+        return
+    text, place = _inner(statement), statement.time.place
+    is_speed = text[:1].upper() == "V"
+    is_share = text.endswith("%")
+    plain = "" if is_speed or is_share else text
+    yield Placed(Field("time", "Time", "number", plain, unit, ("MIN",)), "time", place, "[@]")
+    share = text.rstrip("% ") if is_share else ""
+    yield Placed(Field("percent", "Speed, share of the limits", "percent", share, "%"), "time", place, "[@%]")
+    if has_speed:
+        value = text[1:].strip() if is_speed else ""
+        yield Placed(Field("speed", "Speed", "number", value, speed), "time", place, "[V @]")
+
+
+def _options(
+    statement: Statement, spec: CommandSpec, meant: tuple[Values, ...], length: str
+) -> Iterator[Placed]:
+    given = {option.word.name: option for option in statement.options}
+    of_joints = bool(meant) and all(one.of_joints for one in meant)
+    yield _option(given, "BLEND", "Blend", "number", "" if of_joints else length)
+    yield _option(given, "ACC", "Share of acceleration", "percent", "%")
+    yield _option(given, "TOL", "Tolerance", "number", length)
+    if "NEAR" in given or (not spec.moves_frame and not of_joints):
+        yield _option(given, "NEAR", "Near", "joints", "")
+
+
+def _option(given: dict[str, Option], word: str, label: str, kind: FieldKind, unit: str) -> Placed:
+    form = f"{word} @%" if kind == "percent" else f"{word} @"
+    option = given.get(word)
+    if option is None:
+        return _absent(word.lower(), label, kind, unit, "option", form)
+    argument = option.argument
+    text = argument.text if argument is not None else ""
+    end = argument.place if argument is not None else option.word.place
+    place = Place(option.word.place.row, option.word.place.start, end.end)
+    if end.row != place.row:
+        place = end
+    shown = text.rstrip("% ") if kind == "percent" else text
+    return Placed(Field(word.lower(), label, kind, shown, unit), "option", place, form)
+
+
+def _comment(statement: Statement) -> Placed:
+    first = next((one for one in statement.comments if one.place.row == 0), None)
+    if first is None:
+        return _absent("comment", "Comment", "text", "", "comment", "! @")
+    return Placed(
+        Field("comment", "Comment", "text", first.text.lstrip("!").strip()), "comment", first.place, "! @"
+    )

@@ -1,0 +1,331 @@
+"""Forms for new commands, made from the commands' descriptions and the modules' documentation; and the lines that come of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from yarclang.assist.vocabulary import ACTIONS
+from yarclang.commands.registry import commands
+from yarclang.commands.spec import CommandSpec, Values
+from yarclang.hir import Output
+from yarclang.pipeline.modules import library_folder, modules_in
+from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.scope import Input, JointPosition
+from yarclang.syntax.ast import Module
+from yarclang.teaching.declaring import check_name, place_of_declarations, units_part
+from yarclang.teaching.edits import Draft, Edited
+from yarclang.teaching.fields import Field
+from yarclang.teaching.holding import Around, holding
+from yarclang.teaching.lines import insert
+from yarclang.teaching.wording import checked
+from yarclang.units import Kind
+
+COMMENT = "!"
+_STATES = ("ON", "OFF")
+_MOST_MODULES = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """What is asked for a new command.
+
+    Attributes:
+        command: its name; of a CALL with the SUB: `CALL PICKPLACE.PICK`; "!" for a comment.
+        label: for people.
+        summary: what it does.
+        fields: what is asked, with what is proposed.
+    """
+
+    command: str
+    label: str
+    summary: str
+    fields: tuple[Field, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Names that may be chosen.
+
+    Attributes:
+        inputs: names of inputs.
+        outputs: names of outputs.
+        frames: names of frames that stand still, without braces.
+        tools: names of frames that the robot moves, likewise.
+        joints: names of joint positions.
+        subs: documentation by the modules' names; "" is the program itself.
+    """
+
+    inputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
+    frames: tuple[str, ...] = ()
+    tools: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    subs: Mapping[str, ModuleText] | None = None
+
+
+def known(around: Around) -> Known:
+    """Return the names that a program, its cell and its modules know."""
+    scope, folder = around.scope, around.program
+    frames = {name: scope.frame(name) for name in scope.frame_names()}
+    texts = {"": describe_module(folder.sketch.module)}
+    load = around.request.load
+    used = {one.name for one in folder.sketch.names.symbols if one.kind == "module"}
+    names = dict.fromkeys([*sorted(used), *(path.stem.upper() for path in modules_in(library_folder()))])
+    for name in list(names)[:_MOST_MODULES]:
+        module: Module | None = load(name).value if load is not None else None
+        if module is not None:
+            texts[name] = describe_module(module)
+    return Known(
+        tuple(scope.names(Input)),
+        tuple(scope.names(Output)),
+        tuple(name for name, one in frames.items() if one is not None and not one.on_flange),
+        tuple(name for name, one in frames.items() if one is not None and one.on_flange),
+        tuple(scope.names(JointPosition)),
+        texts,
+    )
+
+
+def forms(names: Known, robot: Robot | None = None) -> tuple[Form, ...]:
+    """Return all forms.
+
+    Args:
+        names: that may be chosen.
+        robot: whose joints are asked for; None: of six joints.
+    """
+    joints = robot.joint_names if robot is not None else tuple(f"J{number}" for number in range(1, 7))
+    return (
+        *_of_actions(names),
+        *(_of_motion(spec, names, joints) for spec in commands().values()),
+        *_of_calls(names),
+    )
+
+
+def _of_actions(names: Known) -> Iterator[Form]:
+    def summary(word: str) -> str:
+        return ACTIONS[word].summary
+
+    output = Field("signal", "Output", "signal", _first(names.outputs), choices=names.outputs)
+    state = Field("value", "Value", "choice", "ON", choices=_STATES)
+    yield Form("SET", "Set an output", summary("SET"), (output, state))
+    fields = (
+        Field("signal", "Input", "signal", "", choices=names.inputs),
+        replace(state, value=""),
+        Field("time", "Time", "number", "1", "s"),
+    )
+    yield Form("WAIT", "Wait", summary("WAIT"), fields)
+    yield Form("HOLD", "Hold", summary("HOLD"), (Field("text", "Text", "text", "look, then resume"),))
+    yield Form(COMMENT, "Comment", "a line for people", (Field("comment", "Comment", "text"),))
+    name = Field("name", "Name", "signal")
+    variable = Field("variable", "Variable of the controller, such as M1", "signal")
+    safe = Field("safe", "Value at a stop (none: it stays)", "choice", "", choices=("", *_STATES))
+    yield Form("OUTPUT", "New output", "names an output of the controller", (name, variable, safe))
+    yield Form("INPUT", "New input", "names an input of the controller", (name, variable))
+
+
+def _of_motion(spec: CommandSpec, names: Known, joints: tuple[str, ...]) -> Form:
+    fields: list[Field] = []
+    values = spec.targets.get("")
+    if values is not None:
+        count = max(spec.waypoints[0], len(spec.leading) + 1)
+        for number in range(1, count + 1):
+            meaning = spec.leading[number - 1] if number <= len(spec.leading) else values
+            front = f"{number}." if count > 1 else ""
+            if meaning is Values.JOINTS:
+                label = f"{front}target"
+                fields.append(Field(label, f"{front}Target", "joints", "", choices=names.joints))
+            fields += [
+                Field(f"{front}{one}", f"{front}{one}", "number", "", _unit(meaning, one))
+                for one in meaning.labels(joints)
+            ]
+    if spec.is_motion:
+        fields.append(Field("time", "Time", "number", "", "s", ("MIN",)))
+        fields.append(Field("percent", "Speed, share of the limits", "percent", "", "%"))
+    if spec.moves_frame:
+        fields.append(Field("speed", "Speed", "number", "", "mm/s"))
+        fields.append(Field("moving", "Moving frame", "frame", "", choices=names.tools))
+        axes = (*names.frames, *names.tools) if spec.frames_may_move else names.frames
+        fields.append(Field("base", "Base frame", "frame", "", choices=axes))
+    return Form(spec.name, spec.name, spec.summary, tuple(fields))
+
+
+def _unit(meaning: Values, label: str) -> str:
+    return "" if meaning.of_joints else "mm" if label in ("x", "y", "z") else "deg"
+
+
+def _of_calls(names: Known) -> Iterator[Form]:
+    for module, text in (names.subs or {}).items():
+        for sub in text.subs:
+            called = f"{module}.{sub.name}" if module else sub.name
+            yield Form(f"CALL {called}", called, sub.purpose, tuple(_parameters(sub, names)))
+
+
+def _parameters(sub: SubText, names: Known) -> Iterator[Field]:
+    given = sub.example.split()[2:]
+    proposed = given if len(given) == len(sub.parameters) else [""] * len(sub.parameters)
+    for one, value in zip(sub.parameters, proposed, strict=True):
+        yield _parameter(one, value, names)
+
+
+def _parameter(one: ParameterText, value: str, names: Known) -> Field:
+    """Return the field of a parameter: what its meaning speaks of chooses the names that are proposed."""
+    word, _, unit = one.name.partition(" (")
+    label = f"{word}: {one.meaning}" if one.meaning else word
+    if word.startswith("{"):
+        is_tool = "tool" in one.meaning.lower() and "place" not in one.meaning.lower()
+        choices = names.tools if is_tool else names.frames
+        inner = word.strip("{}")
+        shown = value.strip("{}").upper()
+        return Field(inner, label, "frame", shown if shown in choices else _last(choices), choices=choices)
+    if unit:
+        return Field(word, label, "number", value, unit.rstrip(")"))
+    meaning = one.meaning.lower()
+    for begins, choices in (("input", names.inputs), ("output", names.outputs)):
+        if meaning.startswith(begins):
+            return Field(
+                word, label, "signal", value if value in choices else _first(choices), choices=choices
+            )
+    if meaning.startswith("joint position"):
+        return Field(word, label, "joints", _first(names.joints), choices=names.joints)
+    return Field(word, label, "text", value)
+
+
+def _first(names: tuple[str, ...]) -> str:
+    return names[0] if names else ""
+
+
+def _last(names: tuple[str, ...]) -> str:
+    return names[-1] if names else ""
+
+
+def put_in(around: Around, after: int, command: str, fields: Mapping[str, str]) -> Edited:
+    """Put a command in that a form was filled in for.
+
+    Args:
+        around: the program.
+        after: the line after which it stands.
+        command: of the form.
+        fields: what was filled in, by the fields' names.
+
+    Raises:
+        Trouble: something is missing, or can't be so.
+    """
+    command = " ".join(command.split())
+    if command.upper().startswith("CALL ") or command == COMMENT:
+        form = next(
+            (one for one in forms(known(around), around.robot) if one.command == command.upper()), None
+        )
+    else:
+        form = next((one for one in forms(Known(), around.robot) if one.command == command.upper()), None)
+    if form is None:
+        raise Trouble(f"there is no form for {command[:60]!r}", "ask for the forms", "form")
+    strangers = [name for name in fields if name not in {one.name for one in form.fields}]
+    if strangers:
+        known_ones = ", ".join(one.name for one in form.fields)
+        raise Trouble(
+            f"{form.command} has no field {strangers[0][:40]!r}", f"its fields are {known_ones}", "field"
+        )
+    given = {
+        one.name: checked(one.name.rpartition(".")[2], one.kind, fields.get(one.name, ""))
+        for one in form.fields
+    }
+    if form.command == COMMENT:
+        return insert(around.program, after, f"! {given['comment']}".rstrip(), has_index=False)
+    if form.command.startswith("CALL "):
+        return _call(around, after, form, given)
+    if form.command in ("OUTPUT", "INPUT"):
+        return _declared(around, form, given)
+    code = _code(around, after, form, given)
+    return insert(around.program, after, code)
+
+
+def _declared(around: Around, form: Form, given: Mapping[str, str]) -> Edited:
+    _need(form, given, "name", "variable")
+    name = check_name(around, given["name"], is_frame=False)
+    line = " ".join(filter(None, (form.command, name, given["variable"].upper(), given.get("safe", ""))))
+    draft = Draft(around.program)
+    after = place_of_declarations(around.program, around.program.size + 1)
+    draft.add(after, line)
+    return draft.finished(draft.new_line(after) + len(draft.added[after]) - 1, f"declared {name}")
+
+
+def _call(around: Around, after: int, form: Form, given: Mapping[str, str]) -> Edited:
+    called = form.command.removeprefix("CALL ")
+    missing = [one.label for one in form.fields if not given[one.name]]
+    if missing:
+        raise Trouble(f"{missing[0][:80]} is missing", "fill it in", "field")
+    arguments = [f"{{{given[one.name]}}}" if one.kind == "frame" else given[one.name] for one in form.fields]
+    module, dot, _ = called.partition(".")
+    return insert(around.program, after, " ".join((form.command, *arguments)), use=module if dot else "")
+
+
+def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> str:
+    """Return the line of a command that isn't a CALL, without its index."""
+    word = form.command
+    if word == "HOLD":
+        return f'HOLD "{given["text"]}"'
+    if word == "SET":
+        _need(form, given, "signal", "value")
+        return f"SET {given['signal']} {given['value']}"
+    holds = holding(around.program, after + 1)
+    if word == "WAIT":
+        if not given["signal"]:
+            _need(form, given, "time")
+        elif not given["value"]:
+            given = {**given, "value": "ON"}
+        unit = () if not given["time"] else units_part({"time": holds.unit("time")}, holds)
+        time = f"[{given['time']}]" if given["time"] else ""
+        return " ".join(
+            filter(None, ("WAIT", given["signal"], given["value"] if given["signal"] else "", time, *unit))
+        )
+    spec = commands()[word]
+    if not spec.targets:
+        return word
+    values, needs_numbers = _waypoints(form, spec, given, around.robot)
+    timed = [name for name in ("time", "percent", "speed") if given.get(name)]
+    if len(timed) > 1:
+        raise Trouble(
+            f"{timed[0]} and {timed[1]} can't both stand in a line", "leave one of them empty", "field"
+        )
+    written = {"time": "[{}]", "percent": "[{}%]", "speed": "[V {}]"}
+    time = written[timed[0]].format(given[timed[0]]) if timed else "" if holds.time else "[50%]"
+    kinds: list[Kind] = []
+    of_joints = spec.targets[""].of_joints
+    if needs_numbers:
+        joint_kinds: list[Kind] = [
+            "length" if one == "mm" else "angle" for one in around.robot.axis_unit_names
+        ]
+        kinds = joint_kinds if of_joints else ["length", "angle"]
+    if timed and timed[0] != "percent" and given[timed[0]].upper() != "MIN":
+        kinds.append("time")
+    units = units_part({kind: holds.unit(kind) for kind in kinds}, holds)
+    moving = given.get("moving") or ("" if holds.moving or of_joints else around.tool)
+    base = given.get("base") or ("" if holds.base or of_joints else "B")
+    frames = [f"{{{name}}}" if name else "" for name in (moving, base)]
+    return " ".join(filter(None, (word, frames[0], values, time, *units, frames[1])))
+
+
+def _waypoints(form: Form, spec: CommandSpec, given: Mapping[str, str], robot: Robot) -> tuple[str, bool]:
+    """Return the way-points as text, and whether numbers are among them."""
+    count = max(spec.waypoints[0], len(spec.leading) + 1)
+    points, has_numbers = [], False
+    for number in range(1, count + 1):
+        meaning = spec.leading[number - 1] if number <= len(spec.leading) else spec.targets[""]
+        front = f"{number}." if count > 1 else ""
+        if given.get(f"{front}target"):
+            points.append(given[f"{front}target"])
+            continue
+        names = [f"{front}{one}" for one in meaning.labels(robot.joint_names)]
+        _need(form, given, *names)
+        points.append(" ".join(given[name] for name in names))
+        has_numbers = True
+    return "; ".join(points), has_numbers
+
+
+def _need(form: Form, given: Mapping[str, str], *names: str) -> None:
+    for name in names:
+        if not given.get(name):
+            label = next(one.label for one in form.fields if one.name == name)
+            raise Trouble(f"{label[:80]} is missing", "fill it in", "field")

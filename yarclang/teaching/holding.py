@@ -1,0 +1,255 @@
+"""What holds at a line: the units, frames and times that DEFAULT gives, and where frames and the robot are there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.pipeline.inputs import Options, open_source
+from yarclang.pipeline.stages import Request, context_of
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.scope import BASE, Frame, Scope
+from yarclang.semantics.unroll import declared_names
+from yarclang.source import SourceFile
+from yarclang.syntax.ast import Statement, Word
+from yarclang.teaching.edits import Program
+from yarclang.transforms import roll_pitch_yaw
+from yarclang.units import DEG, MM, UNITS, Kind
+
+_FINEST: Mapping[Kind, float] = {"length": 0.01 * MM, "angle": 0.001 * DEG}
+"""What the last digit of a taught number counts [m or rad]."""
+
+_DIGITS_OF_QUATERNION = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Holding:
+    """What a line need not say.
+
+    Attributes:
+        moving: the moving frame, without braces; empty: the line has to name one.
+        base: the base frame, likewise.
+        time: the motion time in its brackets; empty likewise.
+        units: names of units by their kinds, as far as they are given.
+    """
+
+    moving: str
+    base: str
+    time: str
+    units: Mapping[Kind, str]
+
+    def unit(self, kind: Kind) -> str:
+        """Return the unit in which values of a kind are written."""
+        return self.units.get(kind, {"length": "mm", "angle": "deg", "time": "s"}[kind])
+
+
+def holding(program: Program, line: int, *, declares: bool = False) -> Holding:
+    """Return what DEFAULT gives to a line.
+
+    Args:
+        program: the program.
+        line: the line, which DEFAULT may stand below if it is a command's.
+        declares: whether it is a declaration's.
+    """
+    default = program.sketch.default
+    if default is None:
+        return Holding("", "", "", {})
+    if declares and default.line >= line:
+        return Holding(default.moving.name if default.moving else "", "", "", {})
+    return Holding(
+        default.moving.name if default.moving else "",
+        default.base.name if default.base else "",
+        program.content(default.line + default.time.place.row)[
+            default.time.place.start : default.time.place.end - 2
+        ].strip()
+        if default.time
+        else "",
+        units_of(default),
+    )
+
+
+def units_of(statement: Statement) -> dict[Kind, str]:
+    """Return the units that a statement names, by their kinds."""
+    items = statement.units.items if statement.units else ()
+    named = [UNITS.get(one.text.lower()) for one in items if isinstance(one, Word)]
+    return {unit.kind: unit.name for unit in named if unit is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class Around:
+    """A program with its robot and its names.
+
+    Attributes:
+        program: the program.
+        robot: that it moves.
+        request: by which it is compiled.
+        scope: what its names mean outside of blocks.
+    """
+
+    program: Program
+    robot: Robot
+    request: Request
+    scope: Scope
+
+    def frame(self, name: str, line: int, *, moves: bool) -> Frame:
+        """Return what a frame's name means in a line.
+
+        Args:
+            name: without braces.
+            line: the line; the number after the last one for the end.
+            moves: whether it has to be one that the robot moves; else it has to stand still.
+
+        Raises:
+            Trouble: it isn't known where it is.
+        """
+        symbol = self.program.sketch.names.meant(name, True, line)
+        if symbol is not None and symbol.kind == "parameter":
+            what = f"{{{name}}} is a parameter of {symbol.inside}: where it is depends on the CALL"
+            raise Trouble(what, "teach outside of the SUB, or in another frame", "frame")
+        if symbol is not None and not self._is_outside(symbol.statement):
+            what = f"{{{name}}} is declared in a block, in line {symbol.span.line}: it may be another one in each round"
+            raise Trouble(what, "teach in a frame that is declared outside of blocks", "frame")
+        found = self.scope.frame(name)
+        declared = self.program.sketch.names.declared(name, True)
+        if symbol is None and declared is not None and declared.span.line >= line:
+            what = f"{{{name}}} is declared only below, in line {declared.span.line}"
+            raise Trouble(what, "move the declaration up", "frame")
+        if found is None:
+            what = f"the frame {{{name}}} can't be resolved: no frame of this name can be read"
+            raise Trouble(what, "look at its declaration, the CELL line and the modules", "frame")
+        if found.on_flange != moves:
+            what = f"{{{name}}} {'stands still: it is' if moves else 'moves with the robot: it is'} no {'moving' if moves else 'base'} frame"
+            raise Trouble(what, "name another frame in the line or DEFAULT", "frame")
+        return found
+
+    def _is_outside(self, statement: Statement) -> bool:
+        return any(one is statement for one in self.program.sketch.nodes)
+
+    def pose(self, joints: Array, moving: str, base: str, line: int) -> Array:
+        """Return (4, 4) base_from_moving [m] with the robot at joint positions (n,) [rad or m].
+
+        Args:
+            joints: where it stands.
+            moving: the moving frame.
+            base: the base frame.
+            line: in which both are named.
+
+        Raises:
+            Trouble: one of them isn't known there.
+        """
+        tool, axes = self.frame(moving, line, moves=True), self.frame(base, line, moves=False)
+        stands: Array = flange_poses(self.robot.chain, joints[None])[0] @ tool.transform
+        return np.asarray(np.linalg.inv(axes.transform) @ stands)
+
+    @property
+    def tool(self) -> str:
+        """The moving frame of a line whose program names none: {TCP}, else {FLANGE}."""
+        return "TCP" if "TCP" in self.robot.flange_from_frame else "FLANGE"
+
+
+def around(program: Program, folder: Path, robot: Robot) -> Around:
+    """Find a program's names; motions aren't planned, and what is wrong with them doesn't matter.
+
+    Args:
+        program: the program.
+        folder: that it belongs to.
+        robot: that stands there.
+
+    Raises:
+        Trouble: the program is for another robot, or it can't be opened.
+    """
+    source, module = program.source, program.sketch.module
+    if not module.statements and not module.unreadable_lines:
+        source = SourceFile(source.name, "DEFAULT {FLANGE}\n")  # an empty text has the project's names
+    opened = open_source(source, folder, Options())
+    if opened.value is None:
+        opened = open_source(source, folder, Options(robot=str(robot.folder / "robot.toml")))
+    if opened.value is None:
+        first = opened.diagnostics[0]
+        where = f" in line {first.span.line}" if first.span else ""
+        raise Trouble(f"the program can't be opened: {first.message}{where}", first.help, first.code)
+    request = opened.value.request
+    if request.robot.fingerprint != robot.fingerprint:
+        what = f"the program is for {request.robot.name}, and this robot is {robot.name}"
+        raise Trouble(what, "teach at the robot that the ROBOT line or yarc.toml names", "robot")
+    return Around(program, request.robot, request, declared_names(opened.value.module, context_of(request)))
+
+
+def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> list[str]:
+    """Return joint positions (n,) [rad or m] as they are written, within the robot's limits.
+
+    Args:
+        robot: whose.
+        joints: where they stand.
+        units: in which they are written, by their kinds.
+    """
+    made = []
+    for at, (kind, value) in enumerate(zip(joint_kinds(robot), joints.tolist(), strict=True)):
+        unit = units[kind]
+        factor, digits = UNITS[unit].factor, _digits(kind, unit) + (kind == "length")
+        lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
+        step = 10.0**-digits
+        shown = round(value / factor, digits)
+        if shown > upper + 1e-9 and value / factor <= upper + step:
+            shown = math.floor(upper / step + 1e-6) * step
+        elif shown < lower - 1e-9 and value / factor >= lower - step:
+            shown = math.ceil(lower / step - 1e-6) * step
+        made.append(written(shown, digits))
+    return made
+
+
+def joint_kinds(robot: Robot) -> list[Kind]:
+    """Return the kind of unit of each joint."""
+    return ["length" if unit == "mm" else "angle" for unit in robot.axis_unit_names]
+
+
+def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = False) -> list[str]:
+    """Return a pose (4, 4) [m] as it is written: x y z roll pitch yaw, or x y z qx qy qz qw.
+
+    Args:
+        pose: the pose.
+        units: in which it is written, by their kinds.
+        quaternion: whether the orientation is a quaternion.
+    """
+    place = position_numbers(pose[:3, 3], units)
+    if quaternion:
+        return [*place, *(written(one, _DIGITS_OF_QUATERNION) for one in quaternion_of(pose[:3, :3]))]
+    unit = units["angle"]
+    angles = roll_pitch_yaw(pose[:3, :3]) / UNITS[unit].factor
+    return [*place, *(written(one, _digits("angle", unit)) for one in angles.tolist())]
+
+
+def position_numbers(position: Array, units: Mapping[Kind, str]) -> list[str]:
+    """Return a position (3,) [m] as it is written."""
+    unit = units["length"]
+    return [written(one, _digits("length", unit)) for one in (position / UNITS[unit].factor).tolist()]
+
+
+def quaternion_of(rotation: Array) -> list[float]:
+    """Return x y z w of a rotation (3, 3); w isn't negative."""
+    from scipy.spatial.transform import Rotation
+
+    found: list[float] = Rotation.from_matrix(rotation).as_quat(canonical=True).tolist()
+    return found
+
+
+def written(value: float, digits: int) -> str:
+    """Return a number without needless zeros, and without a minus before a zero."""
+    text = f"{round(value, digits) + 0.0:.{max(digits, 0)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def _digits(kind: Kind, unit: str) -> int:
+    """Return how many digits after the point a unit needs."""
+    return max(0, math.ceil(-math.log10(_FINEST[kind] / UNITS[unit].factor) - 1e-9))
+
+
+def base_name(name: str) -> str:
+    """Return a frame's name without braces; {B} for none."""
+    return name.strip("{} ").upper() or BASE

@@ -1,0 +1,207 @@
+"""A text as a list of commands, however broken it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal
+
+from yarclang.assist.vocabulary import command_of
+from yarclang.frozen import frozen
+from yarclang.source import SourceFile
+from yarclang.syntax.ast import Block, Node, Statement
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
+from yarclang.teaching.edits import Program
+from yarclang.teaching.fields import Field, Reader
+from yarclang.teaching.indices import index_of, shown_index
+from yarclang.teaching.points import meanings, point_of
+
+ListedKind = Literal["motion", "set", "wait", "hold", "call", "declaration", "block", "end", "other"]
+
+_LONGEST = 200
+_KINDS: dict[str, ListedKind] = {"SET": "set", "WAIT": "wait", "HOLD": "hold", "CALL": "call"}
+
+
+@frozen
+class Listed:
+    """A command, a declaration, a comment line or a line that can't be read.
+
+    Attributes:
+        line: its first line.
+        rows: how many lines it has.
+        depth: of blocks around it.
+        kind: what it is; comment lines and what can't be read are "other".
+        index: as it is written; empty: none.
+        name: the command's name in upper case; "!" of a comment, "?" of what can't be read.
+        title: what it does: its name and values.
+        detail: time, units, base frame, options, comment.
+        target: what the end of a motion is written as; None if it has none.
+        taught: whether it can be touched up.
+        fields: the parts that can be changed.
+    """
+
+    line: int
+    rows: int
+    depth: int
+    kind: ListedKind
+    index: str
+    name: str
+    title: str
+    detail: str
+    target: Literal["joints", "pose"] | None
+    taught: bool
+    fields: tuple[Field, ...] = ()
+
+
+def listing(
+    source: SourceFile, joints: tuple[str, ...] | None = None, lines: tuple[int, int] | None = None
+) -> tuple[Listed, ...]:
+    """List a text.
+
+    Args:
+        source: the text.
+        joints: names of the robot's joints; None: J1 and so on.
+        lines: the first and the last line whose fields are wanted; None: all, unless there are more than `MOST_WITH_FIELDS` lines.
+    """
+    program = Program(source)
+    if lines is None:
+        lines = (1, program.size) if program.size <= MOST_WITH_FIELDS else (0, -1)
+    return tuple(_Lister(program, joints, lines).all())
+
+
+MOST_WITH_FIELDS = 1_000
+"""Of a longer text fields are listed where they are asked for: nobody looks at all of them, and a browser would read megabytes after each edit."""
+
+
+class _Lister:
+    def __init__(self, program: Program, joints: tuple[str, ...] | None, lines: tuple[int, int]) -> None:
+        self._program = program
+        self._first, self._last = lines
+        self._reader = Reader(program.sketch, joints)
+        self._depths: dict[int, int] = {}
+        self._note(program.sketch.nodes, 0)
+
+    def _note(self, nodes: tuple[Node, ...], depth: int) -> None:
+        for node in nodes:
+            if not isinstance(node, Block):
+                self._depths[node.line] = depth
+                continue
+            self._depths[node.head.line] = depth
+            for one in (node.otherwise_head, node.end):
+                if one is not None:
+                    self._depths[one.line] = depth
+            self._note((*node.body, *(node.otherwise or ())), depth + 1)
+
+    def all(self) -> Iterator[Listed]:
+        """Yield all that is listed, in the order of the text."""
+        program = self._program
+        found: list[tuple[int, Statement | str | None]] = [
+            *((one.line, one) for one in program.sketch.module.statements),
+            *program.sketch.module.comment_lines,
+            *((line, None) for line in program.unreadable),
+        ]
+        depth = 0
+        for line, one in sorted(found, key=lambda entry: entry[0]):
+            if isinstance(one, Statement):
+                # what belongs to no block has no depth of its own
+                depth = self._depths.get(line, depth)
+                yield self._statement(one, depth)
+                depth += one.name.name in BLOCK_HEADS or one.name.name == "ELSE"
+            elif one is not None:
+                yield Listed(line, 1, depth, "other", "", "!", _cut(one.lstrip("! ")), "", None, False)
+            else:
+                yield self._unreadable(line, depth)
+
+    def _unreadable(self, line: int, depth: int) -> Listed:
+        text = self._program.content(line)
+        number = index_of(text)
+        return Listed(
+            line,
+            self._program.unreadable[line],
+            depth,
+            "other",
+            "" if number is None else shown_index(number),
+            "?",
+            _cut(text),
+            "this line can't be read",
+            None,
+            False,
+        )
+
+    def _statement(self, one: Statement, depth: int) -> Listed:
+        meant = meanings(one)
+        kind = kind_of(one)
+        targets = meant[-1:] if kind == "motion" else ()
+        point = point_of(self._program.sketch, one, 0, meant) if meant else None
+        title, detail = self._texts(one)
+        return Listed(
+            one.line,
+            one.rows,
+            depth,
+            kind,
+            one.index.name if one.index else "",
+            one.name.name,
+            title,
+            detail,
+            ("joints" if _is_joints(one, targets[0].of_joints) else "pose") if targets else None,
+            point is not None and not (kind == "declaration" and _is_tool(one)),
+            tuple(placed.field for placed in self._reader.placed(one))
+            if self._first <= one.line <= self._last
+            else (),
+        )
+
+    def _texts(self, one: Statement) -> tuple[str, str]:
+        """Return title and detail: the code in front of time, units, base frame and options, and the rest with the comment."""
+        if one.rows == 1:
+            return self._text(one)
+        rows = [self._program.content(one.line + row) for row in range(min(one.rows, 20))]
+        begin = one.name.place.start - 1
+        behind = [part.place for part in (one.time, one.units, one.base) if part is not None]
+        behind += [option.word.place for option in one.options]
+        code = [code_of(row) for row in rows]
+        if behind and behind[0].row < len(rows):
+            row, cut = behind[0].row, behind[0].start - 1
+            title = " ".join((*code[:row], code[row][:cut]))
+            detail = " ".join((code[row][cut:], *code[row + 1 :]))
+        else:
+            title, detail = " ".join(code), ""
+        comments = " ".join(comment.text for comment in one.comments[:3])
+        return _cut(title[begin:]), _cut(f"{detail} {comments}")
+
+    def _text(self, one: Statement) -> tuple[str, str]:
+        text = self._program.content(one.line)
+        begin = one.name.place.start - 1
+        end = len(code_of(text))
+        part = one.time or one.units or one.base or (one.options[0].word if one.options else None)
+        middle = part.place.start - 1 if part is not None else end
+        return _cut(text[begin:middle]), _cut(text[middle:])
+
+
+def _is_joints(one: Statement, of_joints: bool) -> bool:
+    """Return True if a motion ends at joint values: a name stands for them after any suffix."""
+    values = one.waypoints[-1].values if one.waypoints else ()
+    return of_joints or (len(values) == 1 and type(values[0]).__name__ == "Word")
+
+
+def _is_tool(one: Statement) -> bool:
+    return one.base is not None and one.base.name in ("FLANGE", "TCP")
+
+
+def kind_of(one: Statement) -> ListedKind:
+    """Return what a statement is."""
+    word = one.name.name
+    if word in BLOCK_HEADS:
+        return "block"
+    if word in ("END", "ELSE"):
+        return "end"
+    if word in _KINDS:
+        return _KINDS[word]
+    if word in DECLARATIONS:
+        return "declaration"
+    found = command_of(word)
+    return "motion" if found is not None and found[0].is_motion else "other"
+
+
+def _cut(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

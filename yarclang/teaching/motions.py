@@ -1,0 +1,218 @@
+"""Motions that are taught: lines made of where the robot stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.scope import BASE
+from yarclang.teaching.before import blocks_around, flange_before
+from yarclang.teaching.declaring import put_declaration, units_part
+from yarclang.teaching.edits import Draft, Edited, Program
+from yarclang.teaching.holding import (
+    Around,
+    Holding,
+    holding,
+    joint_kinds,
+    joint_numbers,
+    pose_numbers,
+    position_numbers,
+)
+from yarclang.teaching.indices import indentation, index_for, shown_index
+from yarclang.units import Kind
+
+Motion = Literal["MOVEJ", "MOVEL", "MOVEC", "DMOVE"]
+Target = Literal["joints", "pose"]
+
+_TIME = "50%"
+"""Motion time where neither DEFAULT nor the person says one."""
+
+_HEADERS = ("ROBOT", "CELL", "DEFAULT", "START")
+
+
+@dataclass(frozen=True, slots=True)
+class Taught:
+    """A motion to be taught.
+
+    Attributes:
+        motion: what kind.
+        target: how its end is written: joint values or a pose. Of the Cartesian ones: a pose.
+        via: (n,) where the robot stood at the point that MOVEC goes through [rad or m].
+        name: under which the end is declared; empty: it stands in the line.
+        axes: of DMOVE: "base" for the base frame that holds, "tool" for the moving frame.
+        time: what stands in the square brackets; empty: what DEFAULT gives, else [50%].
+    """
+
+    motion: Motion
+    target: Target = "pose"
+    via: Array | None = None
+    name: str = ""
+    axes: Literal["base", "tool"] = "base"
+    time: str = ""
+
+
+def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
+    """Add a motion to where the robot stands.
+
+    Args:
+        around: the program.
+        after: the line after which it stands; 0 is the beginning.
+        taught: what is wanted.
+        joints: (n,) where the robot stands [rad or m].
+
+    Raises:
+        Trouble: it can't be taught there, and why.
+    """
+    program = around.program
+    if taught.target == "joints" and taught.motion != "MOVEJ":
+        raise Trouble(
+            f"{taught.motion} leads a frame to a pose", "teach it as a pose, or teach a MOVEJ", "target"
+        )
+    if taught.name and taught.motion == "DMOVE":
+        raise Trouble("DMOVE goes by an increment, which has no name", "teach it without a name", "target")
+    draft = Draft(program)
+    after = place_of_command(draft, after)
+    holds = holding(program, after + 1)
+    if taught.name:
+        what = "joints" if taught.target == "joints" else "frame"
+        put_declaration(draft, around, what, taught.name, joints, _outermost(program, after))
+    maker = _Maker(around, holds, after)
+    code = maker.line(taught, joints)
+    number = index_for(draft, after)
+    draft.add(after, f"{indentation(program, after)}{shown_index(number)} {code}")
+    line = draft.new_line(after) + len(draft.added[after]) - 1
+    return draft.finished(line, f"taught {shown_index(number)} {taught.motion} where the robot stands")
+
+
+def place_of_command(draft: Draft, after: int) -> int:
+    """Return the line after which a command can stand that is to follow a line: outside of way-point lists, and below ROBOT, CELL, DEFAULT and START.
+
+    Args:
+        draft: the changes, which take a note of another place.
+        after: the line that was named.
+
+    Raises:
+        Trouble: there is no such line.
+    """
+    program = draft.program
+    if after:
+        program.check_line(after)
+    wanted, after = after, program.last_row(after) if after else 0
+    headers = [
+        one
+        for one in program.sketch.module.statements
+        if one.index is None and one.name.name in _HEADERS and one.line > wanted
+    ]
+    if headers:
+        last = headers[-1]
+        after = last.line + last.rows - 1
+        draft.notes.append(f"it stands after {last.name.name}, which comes before all commands")
+    return after
+
+
+def _outermost(program: Program, after: int) -> int:
+    """Return the first line of the outermost block that is open behind a line, else the next line."""
+    return next((one.head.line for one in blocks_around(program.sketch.nodes, after)), after + 1)
+
+
+class _Maker:
+    """Writes lines that stand after a line, as short as DEFAULT allows."""
+
+    def __init__(self, around: Around, holds: Holding, after: int) -> None:
+        self._around = around
+        self._holds = holds
+        self._after = after
+        self._moving = holds.moving or around.tool
+        self._base = holds.base or BASE
+
+    def line(self, taught: Taught, joints: Array) -> str:
+        """Return the code of a motion without its index.
+
+        Args:
+            taught: what is wanted.
+            joints: (n,) where the robot stands [rad or m].
+        """
+        if taught.target == "joints":
+            units: dict[Kind, str] = {}
+            if taught.name:
+                return self._joined(
+                    "MOVEJ", taught.name.upper(), self._time(taught), *self._units(units, taught)
+                )
+            units = {kind: self._holds.unit(kind) for kind in joint_kinds(self._around.robot)}
+            numbers = " ".join(joint_numbers(self._around.robot, joints, units))
+            return self._joined("MOVEJ", numbers, self._time(taught), *self._units(units, taught))
+        named = taught.name.strip("{} ").upper()
+        units = {"length": self._holds.unit("length"), "angle": self._holds.unit("angle")}
+        pose = self._around.pose(joints, self._moving, self._base, self._after + 1)
+        values = " ".join(["0"] * 6 if named else pose_numbers(pose, units))
+        word: str = taught.motion
+        base = named or ("" if self._holds.base else self._base)
+        if taught.motion == "MOVEJ":
+            word = "MOVEJ_RPY"
+        elif taught.motion == "MOVEC":
+            values = f"{self._via(taught, units, named, joints)}; {values}"
+        elif taught.motion == "DMOVE":
+            values, base = self._increment(taught, units, joints)
+        frame = "" if self._holds.moving else f"{{{self._moving}}}"
+        end = f"{{{base}}}" if base else ""
+        return self._joined(word, frame, values, self._time(taught), *self._units(units, taught), end)
+
+    @staticmethod
+    def _joined(*parts: str) -> str:
+        return " ".join(filter(None, parts))
+
+    def _units(self, units: dict[Kind, str], taught: Taught) -> tuple[str, ...]:
+        """Return the units that the line has to name; a time of its own needs one as well."""
+        time = taught.time.upper()
+        if time and time != "MIN" and not time.endswith("%"):
+            units = {**units, "time": self._holds.unit("time")}
+        return units_part(units, self._holds)
+
+    def _time(self, taught: Taught) -> str:
+        given = self._holds.time
+        if taught.motion == "MOVEJ" and taught.time[:1].upper() == "V":
+            raise Trouble(
+                "MOVEJ leads no frame, and has no speed", "give a time, or a share of the limits", "time"
+            )
+        if taught.time:
+            return f"[{taught.time}]"
+        if not given or (taught.motion == "MOVEJ" and given[:1].upper() == "V"):
+            return f"[{_TIME}]"
+        return ""
+
+    def _via(self, taught: Taught, units: dict[Kind, str], named: str, joints: Array) -> str:
+        if taught.via is None:
+            raise Trouble(
+                "an arc needs a point on its way as well",
+                "move to it, remember it as the via point, then go to the end",
+                "via",
+            )
+        around, line = self._around, self._after + 1
+        via = around.pose(taught.via, self._moving, self._base, line)
+        end = around.pose(joints, self._moving, self._base, line)
+        if float(np.linalg.norm(via[:3, 3] - end[:3, 3])) < 1e-6:
+            raise Trouble("the via point is the end of the arc", "move on from the via point first", "via")
+        if named:  # the end is its own frame
+            via = np.linalg.inv(end) @ via
+        return " ".join(position_numbers(via[:3, 3], units))
+
+    def _increment(self, taught: Taught, units: dict[Kind, str], joints: Array) -> tuple[str, str]:
+        """Return the increments of DMOVE, and the base frame that the line has to name."""
+        around, line = self._around, self._after + 1
+        tool = around.frame(self._moving, line, moves=True).transform
+        stood = flange_before(around, self._after) @ tool
+        stands = flange_poses(around.robot.chain, joints[None])[0] @ tool
+        if taught.axes == "tool":
+            axes, base = stood[:3, :3], self._moving
+        else:
+            axes = around.frame(self._base, line, moves=False).transform[:3, :3]
+            base = "" if self._holds.base else self._base
+        delta = np.eye(4)
+        delta[:3, 3] = axes.T @ (stands[:3, 3] - stood[:3, 3])
+        delta[:3, :3] = axes.T @ stands[:3, :3] @ stood[:3, :3].T @ axes
+        return " ".join(pose_numbers(delta, units)), base

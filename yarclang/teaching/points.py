@@ -1,0 +1,223 @@
+"""Points of motions that can be taught again where the robot stands, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from yarclang.assist.sketch import Sketch
+from yarclang.assist.symbols import Symbol
+from yarclang.assist.vocabulary import command_of
+from yarclang.commands.spec import Values
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Trouble
+from yarclang.semantics.scope import BASE
+from yarclang.syntax.ast import Number, Statement, Value, WayPoint, Word
+from yarclang.teaching.edits import Draft, Edited, Program
+from yarclang.teaching.holding import (
+    Around,
+    holding,
+    joint_kinds,
+    joint_numbers,
+    pose_numbers,
+    position_numbers,
+    units_of,
+)
+from yarclang.units import Kind
+
+_DECLARED: Mapping[str, Values] = {
+    "FRAME": Values.POSE_RPY,
+    "FRAME_QUAT": Values.POSE_QUAT,
+    "JOINTS": Values.JOINTS,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A point that can be taught again: numbers of a statement, or a declaration that is meant by its name.
+
+    Attributes:
+        statement: whose numbers they are.
+        values: the numbers.
+        meaning: what they mean.
+        symbol: the declaration, if the numbers are its.
+    """
+
+    statement: Statement
+    values: tuple[Number, ...]
+    meaning: Values
+    symbol: Symbol | None = None
+
+
+def meanings(statement: Statement) -> tuple[Values, ...]:
+    """Return what the values of each way-point of a statement mean; empty if it isn't a motion or a declaration with a place."""
+    word = statement.name.name
+    if statement.index is None and word in _DECLARED:
+        return (_DECLARED[word],) * min(len(statement.waypoints), 1)
+    found = command_of(word)
+    if found is None:
+        return ()
+    spec, target, _ = found
+    values = spec.targets.get(target)
+    if values is None:
+        return ()
+    count, leading = len(statement.waypoints), spec.leading
+    return (*leading[:count], *(values,) * (count - len(leading)))
+
+
+def point_of(
+    sketch: Sketch, statement: Statement, number: int = 0, meant: tuple[Values, ...] = ()
+) -> Point | None:
+    """Return a point of a statement that can be taught again; None if it can't be.
+
+    Args:
+        sketch: of the text.
+        statement: a motion, or a declaration of a frame or of joints.
+        number: of the way-point, from 1; 0: the last.
+        meant: what its way-points mean, if that is known already.
+    """
+    meant = meant or meanings(statement)
+    if not meant or not -1 <= number - 1 < len(meant):
+        return None
+    meaning, waypoint = meant[number - 1], statement.waypoints[number - 1]
+    if meaning.is_delta:
+        return None
+    values = own_values(statement, waypoint)
+    if len(values) == 1 and isinstance(word := values[0], Word):
+        return _declared(sketch, sketch.names.meant(word.name, False, statement.line), Values.JOINTS)
+    if not all(isinstance(one, Number) for one in values) or not values:
+        return None
+    numbers = tuple(one for one in values if isinstance(one, Number))
+    if (
+        statement.index is not None
+        and statement.base is not None
+        and not any(one.value for one in numbers[:6])
+    ):
+        symbol = sketch.names.meant(statement.base.name, True, statement.line)
+        if symbol is not None and len(statement.waypoints) == 1 and not meaning.is_quaternion:
+            return _declared(sketch, symbol, None)
+    return Point(statement, numbers, meaning)
+
+
+def own_values(statement: Statement, waypoint: WayPoint) -> tuple[Value, ...]:
+    """Return the values of a way-point; of JOINTS those after its name."""
+    if statement.index is None and statement.name.name == "JOINTS":
+        return waypoint.values[1:]
+    return waypoint.values
+
+
+def _declared(sketch: Sketch, symbol: Symbol | None, wanted: Values | None) -> Point | None:
+    """Return the point of a declaration outside of blocks, if its values are numbers."""
+    if symbol is None or symbol.inside or sketch.names.declared(symbol.name, symbol.is_frame) is not symbol:
+        return None
+    statement = symbol.statement
+    meaning = _DECLARED.get(statement.name.name)
+    if meaning is None or wanted not in (None, meaning) or not statement.waypoints:
+        return None
+    values = own_values(statement, statement.waypoints[0])
+    numbers = tuple(one for one in values if isinstance(one, Number))
+    return Point(statement, numbers, meaning, symbol) if len(numbers) == len(values) else None
+
+
+def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edited:
+    """Write where the robot stands into a motion, or into the declaration that the motion names.
+
+    Args:
+        around: the program.
+        line: of the motion or declaration.
+        joints: (n,) where the robot stands [rad or m].
+        number: of the way-point, from 1; 0: the last.
+
+    Raises:
+        Trouble: it can't be touched up, and why.
+    """
+    program = around.program
+    statement = program.statement(line)
+    point = point_of(program.sketch, statement, number)
+    if point is None:
+        raise Trouble(
+            f"line {line} can't be touched up: {_why_not(program, statement, number)}",
+            "teach a new motion, or change the line by hand",
+            "taught",
+        )
+    wanted = _numbers(around, statement, point, joints)
+    if len(wanted) != len(point.values):
+        raise Trouble(
+            f"line {point.statement.line} has {len(point.values)} values, {len(wanted)} are needed",
+            "correct the line first",
+            "taught",
+        )
+    draft = Draft(program)
+    pairs = [(one, new) for one, new in zip(point.values, wanted, strict=True) if _differs(one, new)]
+    for one, new in reversed(pairs):
+        at, old = point.statement.line + one.place.row, one.place
+        text = draft.content(at)
+        draft.changed[at] = f"{text[: old.start - 1]}{new}{text[old.end - 1 :]}"
+    return draft.finished(point.statement.line, _told(program, line, point, len(pairs)))
+
+
+def _differs(one: Number, new: str) -> bool:
+    """Return True if a number says something else than another text."""
+    return one.value != float(new)
+
+
+def _told(program: Program, line: int, point: Point, changed: int) -> str:
+    if not changed:
+        return f"line {point.statement.line} says already where the robot stands"
+    if point.symbol is None:
+        return f"touched line {line} up"
+    symbol = point.symbol
+    uses = sum(one.symbol is symbol for one in program.sketch.names.uses)
+    name = f"{{{symbol.name}}}" if symbol.is_frame else symbol.name
+    others = f", which {uses} line{'s' * (uses != 1)} use{'s' * (uses == 1)}" if uses else ""
+    return f"touched up the declaration of {name} in line {point.statement.line}{others}"
+
+
+def _why_not(program: Program, statement: Statement, number: int) -> str:
+    meant = meanings(statement)
+    if not meant:
+        return f"{statement.name.name} has no target"
+    if not -1 <= number - 1 < len(meant):
+        return f"it has {len(meant)} way-points"
+    if meant[number - 1].is_delta:
+        return "its values are increments"
+    values = own_values(statement, statement.waypoints[number - 1])
+    if len(values) == 1 and isinstance(word := values[0], Word):
+        symbol = program.sketch.names.meant(word.name, False, statement.line)
+        if symbol is None:
+            return f"{word.name} isn't declared in this file"
+        return f"{word.name} is a {'parameter' if symbol.kind == 'parameter' else 'name'} that isn't declared as numbers outside of blocks"
+    return "its target isn't written as numbers"
+
+
+def _numbers(around: Around, asked: Statement, point: Point, joints: Array) -> list[str]:
+    """Return the numbers that are to stand there."""
+    statement, line = point.statement, point.statement.line
+    is_declaration = statement.index is None and statement.name.name in _DECLARED
+    holds = holding(around.program, line, declares=is_declaration)
+    own = {**holds.units, **units_of(statement)}
+
+    def units(*kinds: Kind) -> dict[Kind, str]:
+        return {kind: own.get(kind, holds.unit(kind)) for kind in kinds}
+
+    if point.meaning.of_joints:
+        return joint_numbers(around.robot, joints, units(*joint_kinds(around.robot)))
+    used = asked if is_declaration and asked is not statement else None
+    moving = holds.moving or around.tool
+    if used is not None and used.moving is not None:
+        moving = used.moving.name
+    elif not is_declaration and statement.moving is not None:
+        moving = statement.moving.name
+    base = statement.base.name if statement.base else holds.base or BASE
+    if is_declaration and used is None:
+        frame = around.scope.frame(statement.moving.name) if statement.moving else None
+        if frame is not None and frame.on_flange:
+            raise Trouble(
+                f"line {line} declares a tool, which isn't where the robot stands",
+                "calibrate the tool, or change the line by hand",
+                "taught",
+            )
+    pose = around.pose(joints, moving, base, line)
+    if point.meaning is Values.POSITION:
+        return position_numbers(pose[:3, 3], units("length"))
+    return pose_numbers(pose, units("length", "angle"), quaternion=point.meaning.is_quaternion)

@@ -1,0 +1,175 @@
+"""Small changes of a TOML text: of a value, a table, an entry of an array of tables. All else stays as it is, to the byte.
+
+Each change is read back, and is refused where it would say anything else than what was meant.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+from yarclang.source import SourceFile
+from yarclang.toml.places import Path, Places, find_places
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+class ChangeError(ValueError):
+    """The file is written in a form that a small change can't reach: somebody has to change it by hand."""
+
+
+def printed(value: object) -> str:
+    """Return a value as TOML, in one line: a text, a truth value, a number, a list or a table of such.
+
+    Raises:
+        ChangeError: TOML has no such value.
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return str(int(value)) if value.is_integer() else repr(value)
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{_key(key)} = {printed(one)}' for key, one in value.items())} }}"
+    if isinstance(value, Sequence):
+        return f"[{', '.join(map(printed, value))}]"
+    raise ChangeError(f"{value!r:.40} can't be written into a TOML file")
+
+
+def with_value(source: SourceFile, path: Path, value: object) -> str:
+    """Return the text with another value; a key that isn't there becomes the last one of its table, which is made where it isn't there either.
+
+    Args:
+        source: a text that tomllib accepts.
+        path: of the value.
+        value: that it has then.
+
+    Raises:
+        ChangeError: the file's form doesn't allow it.
+    """
+    places = find_places(source)
+    lines = source.text.split("\n")  # a carriage return stays at its line's end
+    if span := places.values.get(path):
+        behind = lines[span.end_line - 1][span.end_column - 1 :]
+        before = lines[span.line - 1][: span.column - 1]
+        lines[span.line - 1 : span.end_line] = (before + printed(value) + behind).split("\n")
+    elif (last := _last_line(places, lines, path[:-1])) is not None:
+        ending = "\r" if source.text.endswith("\r\n") or "\r\n" in source.text else ""
+        if last >= len(lines):
+            lines.append("")
+            lines[last - 1] += ending
+        lines.insert(last, f"{_key(str(path[-1]))} = {printed(value)}{ending}")
+    else:
+        return with_table(source, path[:-1], {str(path[-1]): value})
+    return _checked(source.text, "\n".join(lines), path, value)
+
+
+def with_table(source: SourceFile, path: Path, values: Mapping[str, object]) -> str:
+    """Return the text with a new table at its end; a path that ends in a number is that of a new entry of an array of tables.
+
+    Args:
+        source: a text that tomllib accepts.
+        path: of the table, which isn't there yet.
+        values: of its keys.
+
+    Raises:
+        ChangeError: the file's form doesn't allow it.
+    """
+    text = source.text
+    ending = "\r\n" if "\r\n" in text else "\n"
+    is_entry = bool(path) and isinstance(path[-1], int)
+    name = ".".join(_key(str(one)) for one in path if not isinstance(one, int))
+    header = f"[[{name}]]" if is_entry else f"[{name}]"
+    if text and not text.endswith("\n"):
+        text += ending
+    made = [header, *(f"{_key(key)} = {printed(value)}" for key, value in values.items()), ""]
+    text += (ending if text else "") + ending.join(made)
+    return _checked(source.text, text, path, dict(values))
+
+
+def without(source: SourceFile, path: Path) -> str:
+    """Return the text without a key, a table, or an entry of an array of tables. Comments above a table stay.
+
+    Args:
+        source: a text that tomllib accepts.
+        path: of what goes.
+
+    Raises:
+        ChangeError: the file's form doesn't allow it, or nothing is there.
+    """
+    places = find_places(source)
+    lines = source.text.split("\n")
+    if path not in places.keys:
+        raise ChangeError(f"{_said(path)} isn't in {source.name}")
+    first = places.keys[path].line
+    if path in places.values:
+        last = places.values[path].end_line
+    else:
+        last = max(
+            span.end_line
+            for table in (places.keys, places.values)
+            for one, span in table.items()
+            if one[: len(path)] == path
+        )
+        if last < len(lines) and not lines[last].strip():
+            last += 1
+    del lines[first - 1 : last]
+    return _checked(source.text, "\n".join(lines), path, None)
+
+
+def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
+    """Return the line (from 1) behind which a table takes another key; None where it has no header of its own."""
+    if not table:
+        tops = [span.end_line for path, span in places.values.items() if len(path) == 1]
+        return max(tops, default=0)
+    header = places.keys.get(table)
+    if header is None or not lines[header.line - 1].lstrip().startswith("["):
+        return None
+    own = [span.end_line for path, span in places.values.items() if path[:-1] == table]
+    return max([header.line, *own])
+
+
+def _checked(old: str, new: str, path: Path, value: object) -> str:
+    """Return the new text if it says what the old one does, but for what is at `path` (None: nothing)."""
+    try:
+        wanted, found = tomllib.loads(old), tomllib.loads(new)
+        _put(wanted, path, value)
+    except (tomllib.TOMLDecodeError, KeyError, IndexError, TypeError) as error:
+        raise ChangeError(f"{_said(path)} can't be changed where it stands: {error}") from None
+    if wanted != found:
+        raise ChangeError(f"{_said(path)} can't be changed where it stands")
+    return new
+
+
+def _put(data: dict[str, Any], path: Path, value: object) -> None:
+    here: Any = data
+    for one, below in pairwise(path):
+        if isinstance(one, str) and one not in here:
+            here[one] = [] if isinstance(below, int) else {}
+        here = here[one]
+    last = path[-1]
+    if value is None:
+        del here[last]
+        # the last entry of an array of tables takes the array with it
+        if not here and isinstance(last, int):
+            _put(data, path[:-1], None)
+    elif isinstance(last, int) and last == len(here):
+        here.append(copy.deepcopy(value))
+    else:
+        here[last] = copy.deepcopy(value)
+
+
+def _key(name: str) -> str:
+    return name if _BARE.fullmatch(name) else printed(name)
+
+
+def _said(path: Path) -> str:
+    return ".".join(map(str, path))

@@ -1,0 +1,122 @@
+"""Levels of detail of a path: which of its points are drawn, so that neither its shape nor its colours are seen to differ."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array
+from yarclang.view.stage import Rows, Way
+
+FINEST = 5e-5
+"""Drawn lines may leave the path by this much [m], unless there are too many."""
+_FINEST_SHADE, _COARSEST_SHADE = 0.02, 0.2
+"""Colours may differ by this share of their scale, and by that where there are too many lines: a short slow place stays seen."""
+MOST_LINES = 20_000
+"""Lines of a path that a browser draws without effort, also without a graphics card."""
+_TOGETHER = 1e-9
+"""Points that are nearer to each other are one place [m]."""
+_BLOCK = 512
+"""Points that are thinned out by themselves."""
+
+
+@frozen(eq=False)
+class Drawn:
+    """The lines that are drawn of a path: from its points `first` (L,) to its points `second`. They leave it by at most `off` [m]."""
+
+    first: Rows
+    second: Rows
+    off: float
+
+
+def drawn_lines(way: Way, values: Array | None = None, most: float = 1.0, lines: int = MOST_LINES) -> Drawn:
+    """Choose the lines that are drawn of a path.
+
+    Args:
+        way: the path.
+        values: (N,), by which its points are coloured; None: by nothing.
+        most: the value at the end of the scale of colours.
+        lines: how many there may be; where the path consists of more pieces than this that don't hang together, there are as many as these.
+
+    Returns:
+        Lines in the order of the path.
+    """
+    begins, ends = _runs(way)
+    shades = np.zeros(len(way.points)) if values is None else np.clip(values / max(most, 1e-12), 0.0, 1.0)
+    coarser = 1.0
+    while True:
+        shade = min(_FINEST_SHADE * coarser, _COARSEST_SHADE)
+        kept = _kept(way.points, shades, begins, ends, FINEST * coarser, shade)
+        rows = np.flatnonzero(kept)
+        joined = ~np.isin(rows[:-1], ends)
+        if joined.sum() <= lines or coarser > _COARSEST:
+            return Drawn(rows[:-1][joined], rows[1:][joined], FINEST * coarser)
+        coarser *= 2.0
+
+
+_COARSEST = 4_096.0
+
+
+def exact_lines(way: Way) -> Rows:
+    """Return which points (L,) begin a line that leads to the next one."""
+    first = np.arange(max(len(way.points) - 1, 0))
+    kept: Rows = first[~np.isin(first + 1, way.breaks)]
+    return kept
+
+
+def _runs(way: Way) -> tuple[Rows, Rows]:
+    """Return the first and the last points of what is drawn in one go: stretches that begin where the one before ends."""
+    inner = way.breaks[1:-1]
+    apart = np.abs(way.points[inner] - way.points[inner - 1]).max(axis=1, initial=0.0) > _TOGETHER
+    cuts = inner[apart]
+    return np.concatenate((way.breaks[:1], cuts)), np.concatenate((cuts, way.breaks[-1:])) - 1
+
+
+def _kept(
+    points: Array, shades: Array, begins: Rows, ends: Rows, off: float, shade: float
+) -> NDArray[np.bool_]:
+    """Return which points are kept (N,), so that straight lines between them differ by no more than `off` [m], and by no more than `shade` in colour."""
+    kept = np.zeros(len(points), dtype=np.bool_)
+    kept[begins] = kept[ends] = True
+    kept[::_BLOCK] = True
+    rows = np.flatnonzero(kept)
+    pairs = ~np.isin(rows[:-1], ends)
+    first, second = rows[:-1][pairs], rows[1:][pairs]
+    while True:
+        long = second - first > 1
+        first, second = first[long], second[long]
+        if not len(first):
+            return kept
+        go_on()
+        sizes = second - first - 1
+        line = np.repeat(np.arange(len(first)), sizes)
+        begin = np.cumsum(sizes) - sizes
+        inside = np.arange(len(line)) - begin[line] + first[line] + 1
+        wrong = _wrong(points, shades, first[line], second[line], inside, off, shade)
+        worst = np.maximum.reduceat(wrong, begin)
+        split = np.flatnonzero(worst > 1.0)
+        if not len(split):
+            return kept
+        _, where = np.unique(np.append(line[wrong == worst[line]], -1), return_index=True)
+        middle = inside[wrong == worst[line]][where[1:]][split]
+        kept[middle] = True
+        first, second = (
+            np.concatenate((first[split], middle)),
+            np.concatenate((middle, second[split])),
+        )
+
+
+def _wrong(
+    points: Array, shades: Array, first: Rows, second: Rows, inside: Rows, off: float, shade: float
+) -> Array:
+    """Return how far points (M,) are from lines, in place or colour, as multiples of what is allowed."""
+    chord, arm = points[second] - points[first], points[inside] - points[first]
+    square = np.einsum("ni,ni->n", chord, chord)
+    share = np.einsum("ni,ni->n", chord, arm) / np.where(square > 0.0, square, 1.0)
+    share = np.clip(share, 0.0, 1.0)
+    away = np.linalg.norm(arm - share[:, None] * chord, axis=1)
+    between = shades[first] + share * (shades[second] - shades[first])
+    wrong: Array = np.maximum(away / off, np.abs(shades[inside] - between) / shade)
+    return wrong

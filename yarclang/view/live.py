@@ -1,0 +1,193 @@
+"""A running robot in a browser: what its coordinator tells is drawn 20 times a second, and inputs are set; it is waited for while it is away."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+
+from yarclang.coordinator.attached import There
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.events import Missed
+from yarclang.coordinator.messages.replies import Surroundings
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.transports.runs import Run
+from yarclang.view.door import Door, opened
+from yarclang.view.live_page import LivePage
+from yarclang.view.live_parts import LiveParts
+from yarclang.view.of_live import Live
+from yarclang.view.panel import Order
+from yarclang.view.reaching import Place, Whose, read_place
+
+_RATE = 20.0
+"""Pictures in a second while the robot moves."""
+_LOOKS_EACH, _LOOKS_EACH_REAL = 0.2, 1.0
+"""Time between two questions for inputs and outputs [s], of a simulated and of a real controller."""
+_SILENT = 2.0
+"""After so long without a word the robot may be anywhere [s]."""
+_AGAIN_EACH = 1.0
+"""How often a robot that is away is looked for [s]."""
+
+
+def show_live(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> None:
+    """Serve the picture of a running robot until it is interrupted (KeyboardInterrupt).
+
+    Args:
+        whose: which robot.
+        door: where to serve the picture; port 0 takes a free one.
+        ready: called with the real door and the name of the run once both are there.
+
+    Raises:
+        Trouble: the robot isn't there, or its files can't be read.
+        PortTakenError: something else listens there, or the address isn't one of this machine.
+    """
+    asyncio.run(_show(whose, door, ready))
+
+
+class _Link:
+    """A connection to a coordinator: a client that watches, and what it was told at first."""
+
+    def __init__(self, run: Run, there: There, around: Surroundings, place: Place) -> None:
+        self.run, self.there, self.around, self.place = run, there, around, place
+
+    @classmethod
+    async def attach(cls, run: Run) -> _Link:
+        """Become a client that watches.
+
+        Raises:
+            Trouble: it isn't there, is of another version, or its files can't be read.
+        """
+        there = await There.attach(run.path, "view")
+        try:
+            around = await cls._asked(there, run)
+            place = await asyncio.to_thread(read_place, there.welcome, around)
+        except BaseException:
+            await there.leave()
+            raise
+        return cls(run, there, around, place)
+
+    @staticmethod
+    async def _asked(there: There, run: Run) -> Surroundings:
+        try:
+            return await there.ask(orders.AskSurroundings())
+        except Trouble as trouble:
+            if there.is_gone:
+                raise
+            what = f"{run.name} can't be shown: it denies what is around its robot"
+            raise Trouble(
+                what, "is it an older yarclang? End it, and serve the robot with this one"
+            ) from trouble
+
+    @property
+    def subtitle(self) -> str:
+        """Who tells of the robot."""
+        welcome = self.there.welcome
+        what = "simulated" if welcome.simulated else f"at {welcome.status.controller}"
+        return f"{what}, told by {self.run.name}"
+
+
+async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> None:
+    link = await _Link.attach(await asyncio.to_thread(whose.first))
+    loop = asyncio.get_running_loop()
+    given: asyncio.Queue[Order] = asyncio.Queue()
+
+    def give(order: Order) -> None:  # in a thread of the server
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            loop.call_soon_threadsafe(given.put_nowait, order)
+
+    try:
+        with opened(door) as server:
+            page = LivePage(server, give)
+            ready(Door(door.host, server.get_port()), link.run.name)
+            while True:
+                try:
+                    await _Watch(link, page, given).watch()
+                except Trouble as trouble:
+                    page.lose(trouble.what)
+                await link.there.leave()
+                link = await _again(whose, link.run, page, given)
+    finally:
+        await link.there.leave()
+
+
+async def _again(whose: Whose, before: Run, page: LivePage, given: asyncio.Queue[Order]) -> _Link:
+    """Wait until the robot is served again."""
+    while True:
+        try:
+            return await _Link.attach(await asyncio.to_thread(whose.again, before))
+        except Trouble as trouble:
+            page.lose(trouble.what)
+        await asyncio.sleep(_AGAIN_EACH)
+        while not given.empty():
+            page.take(given.get_nowait())
+
+
+class _Watch:
+    """Watches a robot through one connection."""
+
+    def __init__(self, link: _Link, page: LivePage, given: asyncio.Queue[Order]) -> None:
+        self._link, self._page, self._given = link, page, given
+        self._there = link.there
+        self._missed = False
+        self._parts: LiveParts | None = None
+        self._live = Live(link.place.robot, self._there.welcome.status)
+
+    async def watch(self) -> None:
+        """Draw what happens until the connection ends.
+
+        Raises:
+            Trouble: it has ended, and why.
+        """
+        self._page.attach(self._live, self._link.place, self._link.subtitle)
+        self._page.show_around(self._link.around)
+        with await self._there.listen() as stream:
+            looking = asyncio.create_task(self._look())
+            loop = asyncio.get_running_loop()
+            due = loop.time()
+            try:
+                while not looking.done():
+                    for event in stream.waiting():
+                        self._missed |= isinstance(event, Missed)
+                        self._live.hear(event)
+                    while not self._given.empty():
+                        self._take(self._given.get_nowait())
+                    silent = self._there.silence
+                    self._page.draw(f"nothing was heard for {silent:.0f} s" if silent > _SILENT else "")
+                    due = max(due + 1.0 / _RATE, loop.time())
+                    await asyncio.sleep(due - loop.time())
+                looking.result()
+            finally:
+                looking.cancel()
+
+    async def _look(self) -> None:
+        """Ask for inputs, outputs and the cell again and again."""
+        each = _LOOKS_EACH if self._there.welcome.simulated else _LOOKS_EACH_REAL
+        while True:
+            if self._missed:
+                self._missed = False
+                self._live.look(await self._there.ask(orders.AskStatus()))
+            around = await self._there.ask(orders.AskSurroundings())
+            if around.cell != self._link.around.cell:
+                place = await asyncio.to_thread(read_place, self._there.welcome, around)
+                self._page.attach(self._live, place, self._link.subtitle)
+            self._link.around = around
+            self._page.show_around(around)
+            await self._look_for_parts(around)
+            await asyncio.sleep(each)
+
+    async def _look_for_parts(self, around: Surroundings) -> None:
+        """Ask where the parts are as soon as nothing is under way: before, the coordinator doesn't know of what is carried out."""
+        parts, is_busy = self._live.parts, self._live.is_under_way
+        if parts is None or (is_busy and parts is self._parts) or around.cell is None:
+            return
+        told = await self._there.ask(orders.AskParts(cell=around.cell))
+        if is_busy == self._live.is_under_way and parts is self._live.parts:
+            parts.told(told, is_late=is_busy)
+            self._parts = parts
+
+    def _take(self, order: Order) -> None:
+        if order.kind != "input":
+            self._page.take(order)
+            return
+        wanted = orders.SetInput(name=order.value, value="ON" if order.more else "OFF")
+        self._there.send(wanted, lambda trouble: self._page.refuse(order.value, trouble))

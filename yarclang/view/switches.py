@@ -1,0 +1,124 @@
+"""What can be hidden in a picture: each node belongs to groups, and is visible if none of them is switched off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from yarclang.view.stage import Item
+
+GROUPS = {
+    "robot": "robot",
+    "tool": "tool",
+    "planned": "planned robot",
+    "obstacle": "obstacles",
+    "part": "parts",
+    "zone": "zones",
+    "shape": "collision shapes",
+    "axes": "frames",
+    "other_axes": "other frames",
+    "way": "path",
+    "planned_way": "planned path",
+    "marks": "findings",
+    "names": "names",
+    "grid": "floor",
+}
+"""What can be hidden, and what people call it."""
+OFF_AT_FIRST = frozenset({"other_axes", "shape"})
+_OF_RUN = {"robot": "actual robot", "way": "actual path"}
+"""Names of groups in a picture that has a planned robot, too."""
+
+
+class Switches:
+    """The groups of a picture's nodes.
+
+    Args:
+        hidden: the groups that are switched off.
+    """
+
+    def __init__(self, hidden: Iterable[str] = OFF_AT_FIRST) -> None:
+        self._hidden = set(hidden)
+        self._nodes: dict[str, list[tuple[Any, tuple[str, ...]]]] = {name: [] for name in GROUPS}
+
+    @property
+    def groups(self) -> dict[str, str]:
+        """The groups that have nodes, and what people call them."""
+        found = {name: text for name, text in GROUPS.items() if self._nodes[name]}
+        return found | {name: text for name, text in _OF_RUN.items() if "planned" in found and name in found}
+
+    @property
+    def hidden(self) -> frozenset[str]:
+        """The groups that are switched off."""
+        return frozenset(self._hidden)
+
+    def is_shown(self, *groups: str) -> bool:
+        """Return True if none of some groups is switched off."""
+        return self._hidden.isdisjoint(groups)
+
+    def add(self, node: Any, *groups: str) -> None:
+        """Add a node to its groups."""
+        for name in groups:
+            self._nodes[name].append((node, groups))
+        if not self.is_shown(*groups):
+            node.visible = False
+
+    def switch(self, name: str, is_shown: bool) -> None:
+        """Switch a group on or off; its nodes follow, except those of parts, which `Parts` shows."""
+        (self._hidden.discard if is_shown else self._hidden.add)(name)
+        for node, groups in self._nodes[name]:
+            if "part" not in groups:
+                node.visible = self.is_shown(*groups)
+
+    def forget(self, name: str) -> None:
+        """Take the nodes of a group out of all groups: they are removed from the picture. The group keeps its switch."""
+        for each, nodes in self._nodes.items():
+            self._nodes[each] = [(node, groups) for node, groups in nodes if name not in groups]
+
+
+class Parts:
+    """The nodes of the parts, of which those are visible that are there at a time. A node hears only of changes.
+
+    Args:
+        switches: of the picture.
+    """
+
+    def __init__(self, switches: Switches) -> None:
+        self._switches = switches
+        self._nodes: list[tuple[Any, tuple[str, ...]]] = []
+        self._begins: list[float] = []
+        self._ends: list[float] = []
+        self._visible = self._switched = np.zeros(0, dtype=np.bool_)
+        self._time = 0.0
+
+    def give(self, item: Item, node: Any, *groups: str) -> None:
+        """Add a node of a part, which isn't visible yet."""
+        self._nodes.append((node, groups))
+        self._begins.append(item.begins)
+        self._ends.append(item.ends)
+        self._visible = np.append(self._visible, False)
+        self._switched = np.append(self._switched, self._switches.is_shown(*groups))
+        self._switches.add(node, *groups)
+
+    def move_to(self, time: float) -> None:
+        """Show the parts that are there at a time [s]."""
+        self._time = time
+        wanted = (np.array(self._begins) <= time) & (time < np.array(self._ends)) & self._switched
+        for number in np.flatnonzero(wanted != self._visible).tolist():
+            self._nodes[number][0].visible = bool(wanted[number])
+        self._visible = wanted
+
+    def look(self) -> None:
+        """Show what the switches let be seen now."""
+        shown = [self._switches.is_shown(*groups) for _, groups in self._nodes]
+        self._switched = np.array(shown, dtype=np.bool_)
+        self.move_to(self._time)
+
+    def clear(self) -> None:
+        """Remove all parts."""
+        for node, _ in reversed(self._nodes):  # a name hangs on its part
+            node.remove()
+        self._switches.forget("part")
+        self._nodes, self._begins, self._ends = [], [], []
+        self._visible = self._switched = np.zeros(0, dtype=np.bool_)

@@ -1,0 +1,77 @@
+"""Which frames are drawn: each place has one triad, and each name is written once."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.robot.model import Array
+from yarclang.view.labels import spots
+from yarclang.view.stage import Axes
+
+_SAME = 1e-6
+"""Frames whose poses differ by less coincide [m, and entries of rotation matrices]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Triad:
+    """Axes at `base_from_frame` (4, 4) with all joints at zero, which `joint` joints move.
+
+    `matters` says that one of the frames there does.
+    """
+
+    joint: int
+    base_from_frame: Array
+    matters: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Name:
+    """A text at a place (3,) with all joints at zero, which `joint` joints move."""
+
+    joint: int
+    place: Array
+    matters: bool
+    text: str
+
+
+def triads_of(axes: Sequence[Axes]) -> list[Triad]:
+    """Return one triad for all frames that coincide. Those that matter come first, so that none of the others hides them."""
+    found: list[Triad] = []
+    for one in sorted(axes, key=lambda one: not one.matters):
+        if not any(_coincide(triad, one) for triad in found):
+            found.append(Triad(one.joint, one.base_from_frame, one.matters))
+    return found
+
+
+def _coincide(triad: Triad, one: Axes) -> bool:
+    return triad.joint == one.joint and bool(
+        np.abs(triad.base_from_frame - one.base_from_frame).max() < _SAME
+    )
+
+
+def names_of(axes: Sequence[Axes], apart: float) -> list[Name]:
+    """Return what is written at frames: each name once, where it is first, and joined where places are nearer than `apart` [m].
+
+    A frame that has several places says at how many, "{CELL} 1 of 24".
+    """
+    counts = Counter(one.name for one in axes)
+    firsts: dict[str, Axes] = {}
+    for one in sorted(axes, key=lambda one: not one.matters):
+        firsts.setdefault(one.name, one)
+    found: list[Name] = []
+    chosen = [one for one in axes if firsts[one.name] is one]
+    for kind in dict.fromkeys((one.joint, one.matters) for one in chosen):
+        alike = [one for one in chosen if (one.joint, one.matters) == kind]
+        places = np.array([one.base_from_frame[:3, 3] for one in alike])
+        for spot in spots(places, apart):
+            texts = [_text(alike[one].name, counts[alike[one].name]) for one in spot]
+            found.append(Name(kind[0], places[spot[0]], kind[1], " ".join(texts)))
+    return found
+
+
+def _text(name: str, count: int) -> str:
+    return f"{{{name}}}" if count == 1 else f"{{{name}}} 1 of {count}"

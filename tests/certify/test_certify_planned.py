@@ -225,9 +225,10 @@ P0040 DMOVE 0 60 0 0 5 0
 SHORT_WAY = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ 20 0 0 0 -30 0 [2]\nP0020 DMOVE 0 0 -6 0 0 0 [V 500]\n"
 
 
-def speed_judged(kept):
+def speed_judged(kept, least=None):
+    """Judge the short way as if these shares of its speed were claimed: the same for both without `least`."""
     made = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6").value
-    claims = replace(claims_of(made.plan), kept=kept)
+    claims = replace(claims_of(made.plan), kept=kept, least=kept if least is None else least)
     return certify(made.text, made.program, made.plan.robot, made.plan.robot.tolerance, claims)
 
 
@@ -255,3 +256,13 @@ def test_a_wrong_claim_about_a_speed_is_refused(factor):
 @pytest.mark.parametrize("kept", [{}, {1: 0.0}, {1: -1.0}, {1: float("nan")}, {1: 2.0}, {0: 0.5}])
 def test_without_a_claim_the_text_is_held_to_the_programmed_speed(kept):
     assert "Y1167" in codes(speed_judged(kept))
+
+
+@pytest.mark.parametrize("factor", [1.01, 2.0, 9.0])
+def test_a_share_that_is_claimed_too_large_is_told_as_it_is(factor):
+    """The speed may lie between the two shares that are claimed; what is said of it is what was proved."""
+    made = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6").value
+    share = made.plan.motions[1].kept
+    (finding,) = speed_judged({1: share * factor}, {1: share}).diagnostics
+    assert finding.code == "Y0610"
+    assert f"goes at {share * 100:.3g} % of it" in finding.message

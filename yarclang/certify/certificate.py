@@ -81,6 +81,10 @@ class Loads:
         """Return the hash of all loads."""
         return hash(self._all)
 
+    def __repr__(self) -> str:
+        """Return this command's loads, without those of the others."""
+        return f"Loads{self._all}"
+
     @property
     def _all(self) -> tuple[Load, ...]:
         return tuple(map(self.of, QUANTITIES))

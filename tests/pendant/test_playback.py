@@ -186,6 +186,7 @@ def test_a_loop_is_held_and_resumed(place):
     if shown(browser, ".ask"):  # the robot isn't at the program's start yet
         press(browser, ".ask", "Move there")
     until(lambda: "Pass 1 of 2" in shown(browser, ".doing"))
+    until(lambda: state(place) == "move")  # before that, a hold would end it
     press(browser, ".actions", "Hold")
     until(lambda: "Held" in shown(browser, ".doing"))
     press(browser, ".actions", "Resume")

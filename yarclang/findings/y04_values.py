@@ -150,6 +150,16 @@ FINDINGS = (
         "INPUT CLOSED M11\nOUTPUT GRIP M1\nP0010 SET GRIP ON",
     ),
     Finding(
+        "Y0417",
+        "bad-timetable",
+        "error",
+        "the way-points of a timetable have no sound times",
+        "Each way-point of MOVEJ_TIMED has its time in square brackets, counted from the start of the motion, and times grow. VEL, and behind it ACC, stand at all way-points or at none; "
+        "the motion ends at rest.",
+        "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [1] (deg,s)",
+        "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [4] (deg,s)",
+    ),
+    Finding(
         "Y0420",
         "no-circle",
         "error",

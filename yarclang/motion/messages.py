@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 from yarclang.diagnostics import Edit, Fix
-from yarclang.hir import Motion, Origin
+from yarclang.hir import Motion, Origin, TimedMove
 from yarclang.motion.cruise import CruiseBroken
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
 from yarclang.motion.profile import NoLaw
 from yarclang.motion.singular import Nearest
+from yarclang.motion.timed import Broken, Missed
 from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
 from yarclang.units import DEG, MM, MS, UNITS
@@ -54,6 +55,36 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     if near is not None:
         message += f"; {_beside(robot, near)}"
     return code, message, span, help_, fix
+
+
+def timetable_too_fast(robot: Robot, broken: Broken, step: TimedMove, stretch: float | None) -> Message:
+    """A timetable that breaks a limit."""
+    origin = step.origin
+    code = "Y0912" if broken.demand.watch is not None else "Y0616"
+    message = f"{_excess(robot, step, broken.demand, broken.share)}, {broken.time:.4g} s after the start"
+    if stretch is None:
+        help_ = "no STRETCH is found that works: look at the velocities and accelerations there"
+        return code, message, origin.span, help_, None
+    help_ = f"the shortest STRETCH that works is {stretch:.10g}"
+    edit = None
+    if origin.stretch_span is not None:
+        edit = Edit(origin.stretch_span, f"{stretch:.10g}")
+    elif origin.end_span is not None:
+        edit = Edit(origin.end_span, f" STRETCH {stretch:.10g}")
+    fix = None if edit is None else Fix(f"write STRETCH {stretch:.10g}", (edit,))
+    return code, message, origin.span, help_, fix
+
+
+def timetable_not_held(robot: Robot, missed: Missed, step: TimedMove) -> Message:
+    """A timetable that the controller's segments can't follow."""
+    name, unit = robot.joint_names[missed.joint], robot.axis_unit_names[missed.joint]
+    factor = robot.axis_units[missed.joint]
+    message = (
+        f"{name} would be {missed.off / factor:.3g} {unit} from the path of the timetable, {missed.time:.4g} s after the start, with the shortest "
+        f"segments of {missed.segment / MS:.4g} ms; allowed are {step.within[missed.joint] / factor:.3g} {unit}"
+    )
+    help_ = "look at the velocities and accelerations there, or allow more with TOL; STRETCH makes all bends softer"
+    return "Y0617", message, step.origin.span, help_, None
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:

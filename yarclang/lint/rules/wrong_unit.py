@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Array, Motion, PoseGoal, PoseSplineMove, Program, Reading, SplineMove
+from yarclang.hir import Array, Motion, PoseGoal, PoseSplineMove, Program, Reading, SplineMove, TimedMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.units import DEG, MM
@@ -71,7 +71,7 @@ def _points(step: Motion) -> list[Array]:
     return [one.base_from_moving[:3, 3] for one in goals if isinstance(one, PoseGoal)]
 
 
-_THROUGH_MANY = (SplineMove, PoseSplineMove)
+_THROUGH_MANY = (SplineMove, PoseSplineMove, TimedMove)
 
 
 def _speed(speed: Reading) -> tuple[str, str] | None:

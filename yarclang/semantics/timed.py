@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,14 +14,14 @@ from yarclang.semantics.amounts import AmountError
 from yarclang.semantics.evaluate import LARGEST_NUMBER
 from yarclang.semantics.goals import goals_of
 from yarclang.semantics.line import Line
-from yarclang.semantics.poses import check_limits
+from yarclang.semantics.trajectory_file import TrajectoryFile
 from yarclang.semantics.units import amount, joint_kinds, number_fault
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Computed, Number, Option, Place, Rate, Statement, Text, Time, Value, WayPoint
 from yarclang.transforms import constant
-from yarclang.units import Kind
+from yarclang.units import UNITS, Kind
 
-Load = Callable[[str, SourceFile, tuple[str, ...]], Result[Timetable]]
+Load = Callable[[str, SourceFile | None], Result[TrajectoryFile]]
 
 _WITHIN = {"angle": 1e-4, "length": 1e-4}
 """How far a joint may be from the path of a timetable [rad], [m] if TOL doesn't say it."""
@@ -340,29 +341,17 @@ def _from_file(line: Line, load: Load | None) -> Timetable | None:
             "Y0417", f"no file can be read here: {text.text}", span, "write the way-points in the program"
         )
         return None
-    loaded = load(text.text.strip('"'), findings.source, robot.joint_names)
-    findings.found += loaded.diagnostics
+    source = findings.source
+    loaded = load(text.text.strip('"'), source if source.module else None)
+    findings.found += [
+        one if one.source is not None else replace(one, source=source, span=span)
+        for one in loaded.diagnostics
+    ]
     if loaded.value is None or has_errors(loaded.diagnostics) or line.units is None:
         return None
-    factors = np.ones(len(robot.joint_names))
-    for joint, kind in enumerate(joint_kinds(robot)):
-        if kind not in line.units:
-            line.missing(kind, span)
-            return None
-        factors[joint] = line.units[kind].factor
-    table = loaded.value
-    velocities = None if table.velocities is None else table.velocities * factors
-    accelerations = None if table.accelerations is None else table.accelerations * factors
-    positions = table.positions * factors
-    beyond = (
-        np.maximum(robot.limits.lower - positions, positions - robot.limits.upper) / robot.axis_units
-    ).max(axis=1)
-    check_limits(robot, positions[int(np.argmax(beyond))], findings, span)
-    if not _rests(line, velocities, span):
-        return None
-    return Timetable(
-        constant(table.times),
-        constant(positions),
-        None if velocities is None else constant(velocities),
-        None if accelerations is None else constant(accelerations),
+    own = frozenset(
+        UNITS[item.text.lower()].kind for item in (statement.units.items if statement.units else ())
     )
+    read = loaded.value.table(robot, line.units, own)
+    findings.found += read.diagnostics
+    return read.value

@@ -13,7 +13,7 @@ from yarclang.lasting import Lasting
 from yarclang.robot.model import Tolerance
 from yarclang.units import DEG, MM, MS
 
-Kind = Literal["joint", "avoid", "line", "arc", "spline", "pose_spline"]
+Kind = Literal["joint", "avoid", "line", "arc", "spline", "pose_spline", "timed"]
 Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_velocity", "hold", "torque"]
 
 

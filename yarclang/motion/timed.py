@@ -176,9 +176,10 @@ def _broken(demand: Demand, segment: float) -> Broken:
 def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
     """Return the number of segments and their time [s], near to `wanted`, that last as long as a table, or longer by no more than `LATE`."""
     steps = duration / grid.quantum
-    least = max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9))
+    most = max(FEWEST_SEGMENTS, math.floor(duration / grid.smallest + 1e-9))
+    least = min(most, max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9)))
     # a few thousand numbers: of a long motion, one in twenty has segments whose steps fit
-    numbers = least + np.arange(1 if least * grid.quantum <= LATE else 4096)
+    numbers = np.arange(least, min(most, least + 4096) + 1)
     each = np.ceil(steps / numbers - 1e-9)
     each = np.maximum(each, math.ceil(grid.smallest / grid.quantum - 1e-6))
     late = (each * numbers - steps) * grid.quantum

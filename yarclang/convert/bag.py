@@ -31,6 +31,8 @@ _WITH_TRAJECTORIES = (
 _STATES = "sensor_msgs/msg/JointState"
 _MOST_MESSAGES = 2_000_000
 _LISTED = 8
+_SECOND = 1_000_000_000
+"""In nanoseconds."""
 
 
 def is_bag(path: Path) -> bool:
@@ -128,9 +130,9 @@ def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any
         {
             "positions": one.position.tolist(),
             "velocities": one.velocity.tolist() if has_rates else [],
-            "time_from_start": {"sec": 0, "nanosec": int(stamp - stamps[0])},
+            "time_from_start": dict(zip(("sec", "nanosec"), divmod(int(since), _SECOND), strict=True)),
         }
-        for (_, one), stamp, is_later in zip(messages, stamps, later, strict=True)
+        for (_, one), since, is_later in zip(messages, stamps - stamps[0], later, strict=True)
         if is_later
     ]
     return [{"joint_names": names[0], "points": points}]
@@ -139,7 +141,7 @@ def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any
 def _nanoseconds(message: Any, received: int) -> int:
     """Return the time of a message's header; if it has none, that at which it was recorded."""
     stamp = message.header.stamp
-    sent = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+    sent = int(stamp.sec) * _SECOND + int(stamp.nanosec)
     return sent or received
 
 

@@ -66,8 +66,9 @@ def _refusal(path: str, folder: Path) -> Diagnostic | None:
     if not path.lower().endswith(SUFFIX) or not path.isprintable():
         message = f"{path[-60:]!r} isn't called {SUFFIX}, as files of trajectories are"
         return Diagnostic("Y1385", message, help='name a CSV file beside the program, for example "path.csv"')
-    place = file_of(folder / path)
-    if Path(path).is_absolute() or not place.is_relative_to(file_of(folder)):
+    whole = file_of(folder)
+    place = file_of(whole / path)
+    if Path(path).is_absolute() or not place.is_relative_to(whole):
         message = f"{path[-60:]!r} isn't in the folder of the file that names it"
         return Diagnostic("Y1385", message, help=f'copy it there, and write "{place.name}"')
     return None

@@ -69,7 +69,7 @@ def timetable_too_fast(robot: Robot, broken: Broken, step: TimedMove, stretch: f
     edit = None
     if origin.stretch_span is not None:
         edit = Edit(origin.stretch_span, f"{stretch:.10g}")
-    elif origin.end_span is not None:
+    elif origin.end_span is not None and step.stretch == 1.0:
         edit = Edit(origin.end_span, f" STRETCH {stretch:.10g}")
     fix = None if edit is None else Fix(f"write STRETCH {stretch:.10g}", (edit,))
     return code, message, origin.span, help_, fix

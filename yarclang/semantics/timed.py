@@ -99,9 +99,9 @@ def _options(line: Line) -> tuple[Array, float]:
 
 
 def stretch_span(statement: Statement) -> Span | None:
-    """Return where the factor of STRETCH stands; None where there is none."""
+    """Return where the factor of STRETCH stands; None where there is none, or where it is computed."""
     for option in statement.options:
-        if option.word.name == "STRETCH" and option.argument is not None:
+        if option.word.name == "STRETCH" and isinstance(option.argument, Number):
             return statement.span(option.argument.place)
     return None
 

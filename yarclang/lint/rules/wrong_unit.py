@@ -67,11 +67,13 @@ def _placed(away: float, arm: float) -> tuple[str, str]:
 
 def _points(step: Motion) -> list[Array]:
     """The positions of its poses."""
+    if isinstance(step, TimedMove):
+        return []
     goals = step.waypoints if isinstance(step, _THROUGH_MANY) else (step.goal,)
     return [one.base_from_moving[:3, 3] for one in goals if isinstance(one, PoseGoal)]
 
 
-_THROUGH_MANY = (SplineMove, PoseSplineMove, TimedMove)
+_THROUGH_MANY = (SplineMove, PoseSplineMove)
 
 
 def _speed(speed: Reading) -> tuple[str, str] | None:

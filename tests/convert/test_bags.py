@@ -7,19 +7,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from programs import codes, robot_of
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.convert.conversions import commands, timetables
 from yarclang.cli.yarc import main
 from yarclang.convert.bag import is_bag
 from yarclang.convert.convert import convert_bag
 from yarclang.convert.course import Wishes
-
-rosbags = pytest.importorskip("rosbags", reason="the extra `bags` isn't installed")
-
-from rosbags.rosbag1 import Writer as Writer1  # noqa: E402
-from rosbags.rosbag2 import StoragePlugin  # noqa: E402
-from rosbags.rosbag2 import Writer as Writer2  # noqa: E402
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402
 
 JOINTS = [f"J{number}" for number in range(1, 7)]
 GOAL = "control_msgs/msg/FollowJointTrajectoryGoal"

@@ -57,34 +57,39 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     return code, message, span, help_, fix
 
 
-def timetable_too_fast(robot: Robot, broken: Broken, step: TimedMove, stretch: float | None) -> Message:
-    """A timetable that breaks a limit."""
-    origin = step.origin
-    code = "Y0912" if broken.demand.watch is not None else "Y0616"
-    message = f"{_excess(robot, step, broken.demand, broken.share)}, {broken.time:.4g} s after the start"
+def timetable_refused(
+    robot: Robot, refused: Broken | Missed, step: TimedMove, stretch: float | None
+) -> Message:
+    """A timetable that breaks a limit, or that the controller's segments can't follow; `stretch` is the shortest that works."""
+    origin, when = step.origin, f"{refused.time:.4g} s after the start"
+    if isinstance(refused, Broken):
+        code = "Y0912" if refused.demand.watch is not None else "Y0616"
+        message = f"{_excess(robot, step, refused.demand, refused.share)}, {when}"
+        other = ""
+    else:
+        name, unit = robot.joint_names[refused.joint], robot.axis_unit_names[refused.joint]
+        factor = robot.axis_units[refused.joint]
+        code = "Y0617"
+        message = (
+            f"{name} would be {refused.off / factor:.3g} {unit} from the path of the timetable, {when}, with the shortest segments of "
+            f"{refused.segment / MS:.4g} ms; allowed are {step.within[refused.joint] / factor:.3g} {unit}"
+        )
+        other = "; or allow more with TOL"
     if stretch is None:
-        help_ = "no STRETCH is found that works: look at the velocities and accelerations there"
-        return code, message, origin.span, help_, None
-    help_ = f"the shortest STRETCH that works is {stretch:.10g}"
+        return (
+            code,
+            message,
+            origin.span,
+            f"no STRETCH is found that works: look at positions, velocities and accelerations there{other}",
+            None,
+        )
     edit = None
     if origin.stretch_span is not None:
         edit = Edit(origin.stretch_span, f"{stretch:.10g}")
     elif origin.end_span is not None and step.stretch == 1.0:
         edit = Edit(origin.end_span, f" STRETCH {stretch:.10g}")
     fix = None if edit is None else Fix(f"write STRETCH {stretch:.10g}", (edit,))
-    return code, message, origin.span, help_, fix
-
-
-def timetable_not_held(robot: Robot, missed: Missed, step: TimedMove) -> Message:
-    """A timetable that the controller's segments can't follow."""
-    name, unit = robot.joint_names[missed.joint], robot.axis_unit_names[missed.joint]
-    factor = robot.axis_units[missed.joint]
-    message = (
-        f"{name} would be {missed.off / factor:.3g} {unit} from the path of the timetable, {missed.time:.4g} s after the start, with the shortest "
-        f"segments of {missed.segment / MS:.4g} ms; allowed are {step.within[missed.joint] / factor:.3g} {unit}"
-    )
-    help_ = "look at the velocities and accelerations there, or allow more with TOL; STRETCH makes all bends softer"
-    return "Y0617", message, step.origin.span, help_, None
+    return code, message, origin.span, f"the shortest STRETCH that works is {stretch:.10g}{other}", fix
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:

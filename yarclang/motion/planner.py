@@ -288,15 +288,13 @@ class _Planner:
                 # it has no law, and flows into nothing
                 profile = load_profile(_NO_JERK_LIMIT)
                 return Link(path, profile, None, None, bounds, tolerance, None, fitted)
-            case Broken():
+            case Broken() | Missed():
 
                 def path_at(stretch: float) -> TimedPath:
                     return along(step.table.stretched(stretch), path.start)
 
                 stretch = shortest_stretch(path_at, fitted, step.within, bounds, grid, step.stretch)
-                findings.add(*messages.timetable_too_fast(self.robot, fitted, step, stretch))
-            case Missed():
-                findings.add(*messages.timetable_not_held(self.robot, fitted, step))
+                findings.add(*messages.timetable_refused(self.robot, fitted, step, stretch))
             case TooLong():
                 findings.add(*messages.too_long(self.robot, fitted, step.origin, None))
         return None

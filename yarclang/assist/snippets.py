@@ -58,7 +58,8 @@ def command_snippet(view: View, name: str) -> str:
     elif spec.is_motion and not (default and default.time):
         parts.append(f"[{numbers.hole('MIN')}]")
     if values is not None and not (default and default.units):
-        parts.append(f"({'deg' if values.of_joints else 'mm' if values.is_quaternion else 'mm,deg'})")
+        time = ",s" if spec.is_timed else ""
+        parts.append(f"({'deg' + time if values.of_joints else 'mm' if values.is_quaternion else 'mm,deg'})")
     if values is not None and not values.of_joints and not (default and default.base):
         parts.append(_braced(numbers.hole("B")))
     return " ".join(parts)

@@ -12,11 +12,11 @@ from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
 from yarclang.motion.profile import NoLaw
 from yarclang.motion.singular import Nearest
-from yarclang.motion.timed import Broken, Missed
+from yarclang.motion.timed import Broken, Refused, TooShort
 from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
 from yarclang.units import DEG, MM, MS, UNITS
-from yarclang.written import slower
+from yarclang.written import slower, stretch_fix
 
 
 def no_motion(origin: Origin) -> Message:
@@ -57,34 +57,36 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     return code, message, span, help_, fix
 
 
-def timetable_too_fast(robot: Robot, broken: Broken, step: TimedMove, stretch: float | None) -> Message:
-    """A timetable that breaks a limit."""
+def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: float | None) -> Message:
+    """A timetable that breaks a limit, or that the controller's segments can't follow; `stretch` is the shortest that works."""
     origin = step.origin
-    code = "Y0912" if broken.demand.watch is not None else "Y0616"
-    message = f"{_excess(robot, step, broken.demand, broken.share)}, {broken.time:.4g} s after the start"
+    when = "" if isinstance(refused, TooShort) else f"{refused.time:.4g} s after the start"
+    if isinstance(refused, TooShort):
+        code, other = "Y0617", ""
+        message = f"the timetable lasts {refused.duration:.4g} s; the fewest segments, {FEWEST_SEGMENTS}, last {refused.shortest:.4g} s"
+    elif isinstance(refused, Broken):
+        code = "Y0912" if refused.demand.watch is not None else "Y0616"
+        message = f"{_excess(robot, step, refused.demand, refused.share)}, {when}"
+        other = ""
+    else:
+        name, unit = robot.joint_names[refused.joint], robot.axis_unit_names[refused.joint]
+        factor = robot.axis_units[refused.joint]
+        code = "Y0617"
+        message = (
+            f"{name} would be {refused.off / factor:.3g} {unit} from the path of the timetable, {when}, with the shortest segments of "
+            f"{refused.segment / MS:.4g} ms; allowed are {step.within[refused.joint] / factor:.3g} {unit}"
+        )
+        other = "; or allow more with TOL"
     if stretch is None:
-        help_ = "no STRETCH is found that works: look at the velocities and accelerations there"
-        return code, message, origin.span, help_, None
-    help_ = f"the shortest STRETCH that works is {stretch:.10g}"
-    edit = None
-    if origin.stretch_span is not None:
-        edit = Edit(origin.stretch_span, f"{stretch:.10g}")
-    elif origin.end_span is not None and step.stretch == 1.0:
-        edit = Edit(origin.end_span, f" STRETCH {stretch:.10g}")
-    fix = None if edit is None else Fix(f"write STRETCH {stretch:.10g}", (edit,))
-    return code, message, origin.span, help_, fix
-
-
-def timetable_not_held(robot: Robot, missed: Missed, step: TimedMove) -> Message:
-    """A timetable that the controller's segments can't follow."""
-    name, unit = robot.joint_names[missed.joint], robot.axis_unit_names[missed.joint]
-    factor = robot.axis_units[missed.joint]
-    message = (
-        f"{name} would be {missed.off / factor:.3g} {unit} from the path of the timetable, {missed.time:.4g} s after the start, with the shortest "
-        f"segments of {missed.segment / MS:.4g} ms; allowed are {step.within[missed.joint] / factor:.3g} {unit}"
-    )
-    help_ = "look at the velocities and accelerations there, or allow more with TOL; STRETCH makes all bends softer"
-    return "Y0617", message, step.origin.span, help_, None
+        return (
+            code,
+            message,
+            origin.span,
+            f"no STRETCH is found that works: look at positions, velocities and accelerations there{other}",
+            None,
+        )
+    help_ = f"the shortest STRETCH that works is {stretch:.10g}{other}"
+    return code, message, origin.span, help_, stretch_fix(step, stretch)
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:

@@ -31,7 +31,7 @@ from yarclang.motion.profile import NoLaw, load_profile
 from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
-from yarclang.motion.timed import Broken, Missed, fit_timed, shortest_stretch
+from yarclang.motion.timed import Broken, Missed, TooShort, fit_timed, shortest_stretch
 from yarclang.motion.together import Tried, TriedAhead
 from yarclang.motion.zones import SlowZones, moving_of, slow_zones
 from yarclang.progress import tell
@@ -288,15 +288,13 @@ class _Planner:
                 # it has no law, and flows into nothing
                 profile = load_profile(_NO_JERK_LIMIT)
                 return Link(path, profile, None, None, bounds, tolerance, None, fitted)
-            case Broken():
+            case Broken() | Missed() | TooShort():
 
                 def path_at(stretch: float) -> TimedPath:
                     return along(step.table.stretched(stretch), path.start)
 
                 stretch = shortest_stretch(path_at, fitted, step.within, bounds, grid, step.stretch)
-                findings.add(*messages.timetable_too_fast(self.robot, fitted, step, stretch))
-            case Missed():
-                findings.add(*messages.timetable_not_held(self.robot, fitted, step))
+                findings.add(*messages.timetable_refused(self.robot, fitted, step, stretch))
             case TooLong():
                 findings.add(*messages.too_long(self.robot, fitted, step.origin, None))
         return None

@@ -51,17 +51,31 @@ class Broken:
 
 @frozen
 class Missed:
-    """The path can't be held: in `joint` by `off` [rad or m], `time` [s] after the start, at the shortest segments, of `segment` [s]."""
+    """The path can't be held: in `joint` by `off` [rad or m], `time` [s] after the start, at the shortest segments, of `segment` [s].
+
+    `share` is how much of what is allowed it uses.
+    """
 
     joint: int
     off: float
     time: float
     segment: float
+    share: float
 
 
-def fit_timed(
-    path: TimedPath, within: Array, bounds: Bounds, grid: Grid
-) -> Curve | Broken | Missed | TooLong:
+@frozen
+class TooShort:
+    """A table ends, after `duration` [s], before the fewest segments could: these last `shortest` [s]."""
+
+    duration: float
+    shortest: float
+
+
+Refused = Broken | Missed | TooShort
+"""Why a timetable can't be carried out as it is; a slower one can."""
+
+
+def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
     """Choose segments and control points of a motion along a timetable.
 
     Args:
@@ -79,14 +93,21 @@ def fit_timed(
     for _ in range(_ROUNDS):
         go_on()
         segments, segment = _divided(path.duration, wanted, grid)
+        if segments * segment > path.duration + LATE:
+            return broken or TooShort(path.duration, FEWEST_SEGMENTS * grid.smallest)
         if segments > MOST_SEGMENTS:
             return broken or TooLong(path.duration)
-        is_last = segment <= grid.smallest * (1.0 + 1e-9) or segments * grid.smallest >= path.duration
+        is_last = (
+            wanted <= grid.smallest * (1.0 + 1e-9) or (segments + 1) * grid.smallest > path.duration + LATE
+        )
         trial = _Trial.of(path, within, segments)
         points, excess = trial.solved(0.0)
         if excess > _SHARE:
             if is_last:
-                return broken or trial.missed(points, segment)
+                # what is so fast that no segments are short enough breaks a limit first of all
+                demand = max(bounds.demands(points), key=lambda one: one.segment)
+                found = _broken(demand, segment) if demand.segment > segment else None
+                return broken or found or trial.missed(points, segment)
             # where the acceleration jumps, the distance falls with the square of the segment time
             wanted = max(grid.smallest, segment * max(0.3, min(0.9, 0.95 * math.sqrt(_SHARE / excess))))
             continue
@@ -114,7 +135,7 @@ FINE = 1.001
 
 def shortest_stretch(
     path_at: Callable[[float], TimedPath],
-    broken: Broken,
+    refused: Refused,
     within: Array,
     bounds: Bounds,
     grid: Grid,
@@ -124,7 +145,7 @@ def shortest_stretch(
 
     Args:
         path_at: gives the path at a stretch.
-        broken: what is broken at `stretch`.
+        refused: why `stretch` doesn't work.
         within: as of `fit_timed`.
         bounds: as of `fit_timed`.
         grid: as of `fit_timed`.
@@ -134,27 +155,34 @@ def shortest_stretch(
         A stretch of few digits that was tried and works; None where none is found.
     """
     fails, works = stretch, math.inf
-    # velocities fall with the stretch, accelerations with its square
-    nearest = stretch * broken.share ** (1.0 / _ORDERS[broken.demand.kind])
+    nearest = stretch * _needed(refused)
     for _ in range(STEPS):
         tried = _few_digits(nearest)
         if tried >= works or tried <= fails:
             break
         found = fit_timed(path_at(tried), within, bounds, grid)
+        if isinstance(found, TooLong):
+            break
         if isinstance(found, Curve):
             works = tried
-        elif isinstance(found, Broken):
-            fails = tried
-            needed = tried * found.share ** (1.0 / _ORDERS[found.demand.kind])
         else:
-            return works if math.isfinite(works) else None
-        if math.isinf(works):
-            nearest = max(needed, tried * FINE)
+            fails = tried
+        if not isinstance(found, Curve) and math.isinf(works):
+            nearest = tried * max(_needed(found), FINE)
         elif works <= fails * FINE:
             break
         else:
             nearest = math.sqrt(fails * works)
     return works if math.isfinite(works) else None
+
+
+def _needed(refused: Refused) -> float:
+    """Return about the factor by which all times have to grow: velocities fall with it, accelerations, and what the shortest segments miss, with its square."""
+    if isinstance(refused, TooShort):
+        return refused.shortest / refused.duration
+    if isinstance(refused, Missed):
+        return math.sqrt(refused.share / _SHARE)
+    return float(refused.share ** (1.0 / _ORDERS[refused.demand.kind]))
 
 
 def _few_digits(stretch: float) -> float:
@@ -225,7 +253,7 @@ class _Trial:
         off = np.abs(_looked_at(points) - self.between)
         at, joint = divmod(int(np.argmax(off / self.within)), off.shape[1])
         most = float(off[at, joint])
-        return Missed(joint, most, at / _BETWEEN * segment, segment)
+        return Missed(joint, most, at / _BETWEEN * segment, segment, most / float(self.within[joint]))
 
 
 def _looked_at(points: Array) -> Array:

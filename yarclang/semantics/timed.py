@@ -42,7 +42,7 @@ def refuse_rates(line: Line) -> None:
                 what = "a time of its own" if isinstance(part, Time) else f"{part.word.name} behind its time"
                 message = f"a way-point of {line.name.spec.name} takes no {what}".replace("no a ", "no ")
                 line.findings.add(
-                    "Y0417",
+                    "Y0421",
                     message,
                     line.statement.span(part.place),
                     "MOVEJ_TIMED is the motion with a timetable",
@@ -167,7 +167,7 @@ def _table(line: Line) -> Timetable | None:
         where = statement.span(waypoints[missing[0] - 1].place)
         more = f", nor have {len(missing) - 1} others" if len(missing) > 1 else ""
         findings.add(
-            "Y0417", f"way-point {missing[0]} of {line.name.spec.name} has no time{more}", where, _FORM
+            "Y0421", f"way-point {missing[0]} of {line.name.spec.name} has no time{more}", where, _FORM
         )
     if has_errors(findings.found[before:]) or not waypoints or line.units is None:
         return None
@@ -215,7 +215,7 @@ def _seconds(line: Line, time: Time) -> float | None:
     if len(time.items) != 1 or not isinstance(item := time.items[0], Number | Computed):
         text = " ".join(item.text for item in time.items)
         message = f"[{text}] is no time of a way-point: it is counted from the start of the motion"
-        line.findings.add("Y0417", message, span, _FORM)
+        line.findings.add("Y0421", message, span, _FORM)
         return None
     if isinstance(item, Number):
         if (fault := number_fault(item)) is not None:
@@ -233,7 +233,7 @@ def _seconds(line: Line, time: Time) -> float | None:
             return None
     if not value > 0.0:
         message = f"the time of a way-point is above 0: the motion begins at 0 where the robot stands, not at {value:.6g} s"
-        line.findings.add("Y0417", message, span, _FORM)
+        line.findings.add("Y0421", message, span, _FORM)
         return None
     return value
 
@@ -247,7 +247,7 @@ def _grows(line: Line, at: Array, times: list[Time | None]) -> bool:
     assert time is not None
     message = f"way-point {number + 1} is at {at[number]:.10g} s, and the one before at {at[number - 1]:.10g} s: times grow"
     line.findings.add(
-        "Y0417", message, line.statement.span(time.place), "times are counted from the start of the motion"
+        "Y0421", message, line.statement.span(time.place), "times are counted from the start of the motion"
     )
     return False
 
@@ -264,7 +264,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
             message = f"way-point {number} has no {word}, and others have: all have it, or none"
             span = line.statement.span(waypoint.place)
             line.findings.add(
-                "Y0417", message, span, f"write {word} and a value for each joint behind its time"
+                "Y0421", message, span, f"write {word} and a value for each joint behind its time"
             )
             return None
         row = [_plain(line, value, "a rate") for value in rate.values]
@@ -310,7 +310,7 @@ def _rests(line: Line, velocities: Array | None, span: Span) -> bool:
         return True
     unit = line.robot.axis_unit_names[joint]
     message = f"{line.robot.joint_names[joint]} goes at {last[joint]:.6g} {unit}/s at the last way-point: the motion ends at rest"
-    line.findings.add("Y0417", message, span, "let the velocities of the last way-point be 0")
+    line.findings.add("Y0421", message, span, "let the velocities of the last way-point be 0")
     return False
 
 
@@ -333,12 +333,12 @@ def _from_file(line: Line, load: Load | None) -> Timetable | None:
         if part is not None:
             message = "the file says the times of its way-points"
             findings.add(
-                "Y0417", message, statement.span(part.place), "take it away; STRETCH makes all times longer"
+                "Y0421", message, statement.span(part.place), "take it away; STRETCH makes all times longer"
             )
             return None
     if load is None:
         findings.add(
-            "Y0417", f"no file can be read here: {text.text}", span, "write the way-points in the program"
+            "Y0421", f"no file can be read here: {text.text}", span, "write the way-points in the program"
         )
         return None
     source = findings.source

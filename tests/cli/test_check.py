@@ -284,6 +284,16 @@ def test_changes(here):
     assert len(next(watch)) == 2
 
 
+def test_a_changed_table(here):
+    Path("a.yarc").write_text(GOOD)
+    Path("path.csv").write_text("time")
+    steps = iter([lambda: None, lambda: Path("path.csv").write_text("times")])
+    watch = changes(["a.yarc"], lambda: next(steps)())  # noqa: PLW0108 (each step is another)
+    assert len(next(watch)) == len(next(watch)) == 1
+    with pytest.raises(RuntimeError):
+        next(watch)  # nothing else has changed
+
+
 def test_watching(here):
     Path("a.yarc").write_text(GOOD)
     code = "import sys; from yarclang.cli.yarc import main; main(sys.argv[1:])"

@@ -1,10 +1,15 @@
 """Converting texts in tests, and what the program that comes out of it says."""
 
+from pathlib import Path
+
 import numpy as np
 from programs import checked, codes
 
 from yarclang.convert.convert import convert
 from yarclang.convert.course import Wishes
+from yarclang.hir import TimedMove
+from yarclang.pipeline.checking import check_text
+from yarclang.pipeline.inputs import Options
 from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
 from yarclang.units import UNITS
@@ -18,6 +23,12 @@ def units(text):
 
 def converted(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
     """The program's text (None where an error forbids one) and the findings."""
+    made, found = made_of(text, name, robot, said, **wishes)
+    return None if made is None else made.text, found
+
+
+def made_of(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
+    """The program with the files beside it (None where an error forbids one) and the findings."""
     result = convert(SourceFile(name, text), load_robot(robot).value, Wishes(units=units(said), **wishes))
     return result.value, result.diagnostics
 
@@ -42,7 +53,9 @@ def numbers(program):
     """All rows of numbers in a program's START and motions, without comments: (w, n)."""
     rows = []
     for line in program.splitlines():
-        code = line.partition("!")[0].partition("[")[0]
+        if '"' in line:
+            continue
+        code = line.partition("!")[0].partition("[")[0].partition("VEL")[0]
         words = code.replace(";", " ").split()
         values = [float(word) for word in words if word.replace(".", "").replace("-", "").isdigit()]
         if values and not code.startswith("DEFAULT"):
@@ -53,3 +66,18 @@ def numbers(program):
 def commands(program):
     """The words of the commands, in their order."""
     return [line.split()[1] for line in program.splitlines() if line[:1] == "P"]
+
+
+def timetables(made, robot="INDUSTRIAL6"):
+    """The timed motions of a program with the files beside it: (times, positions [rad], velocities, accelerations) of each."""
+    found = []
+    folder = Path("/nowhere")
+    texts = {folder / name: SourceFile(name, text) for name, text in made.files}
+    options = Options(robot=robot, texts=texts)
+    checked_ = check_text(SourceFile("made.yarc", made.text), folder, options, plans=False)
+    assert [one for one in checked_.diagnostics if one.is_error] == []
+    for step in checked_.program.steps:
+        if isinstance(step, TimedMove):
+            table = step.table
+            found.append((table.times, table.positions, table.velocities, table.accelerations))
+    return found

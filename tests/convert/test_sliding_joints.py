@@ -1,6 +1,7 @@
 """Joints that slide are in mm, from whatever unit of length."""
 
 import json
+import re
 from dataclasses import replace
 
 import pytest
@@ -23,7 +24,7 @@ def slider(industrial6):
 def program(robot, name, text, said=""):
     result = convert(SourceFile(name, text), robot, Wishes(units=units(said)))
     assert codes(result.diagnostics) == []
-    return result.value
+    return result.value.text
 
 
 def test_a_table(slider):
@@ -45,3 +46,19 @@ def test_a_trajectory(slider):
     points = [{"positions": [q, 0, 0, 0, 0, 0], "time_from_start": {"sec": q}} for q in (0, 1)]
     data = {"joint_names": list(slider.joint_names), "points": points}
     assert numbers(program(slider, "a.json", json.dumps(data)))[:, 0].tolist() == [0, 1000]
+
+
+def test_a_timetable_is_in_metres(slider):
+    points = [
+        {"positions": [q / 10, q, 0, 0, 0, 0], "velocities": [v / 10, v, 0, 0, 0, 0], "time_from_start": q}
+        for q, v in ((0, 0), (0.5, 1), (1, 0))
+    ]
+    data = {"joint_names": list(slider.joint_names), "points": points}
+    source = SourceFile("a.json", json.dumps(data))
+    lines = convert(source, slider, Wishes()).value.text
+    assert re.search(r"MOVEJ_TIMED +50 .* VEL 100 ", lines)
+    long = {**data, "points": [{**points[1], "time_from_start": 0.1 + 0.1 * n} for n in range(30)]}
+    long["points"][-1] = {**points[2], "time_from_start": 9}
+    ((_, text),) = convert(SourceFile("a.json", json.dumps(long)), slider, Wishes(beside="a")).value.files
+    assert text.startswith("time [s],J1 [m],J2 [rad]")
+    assert text.splitlines()[1].startswith("0.1,0.05,0.5")

@@ -61,7 +61,7 @@ def test_quaternions_need_no_unit():
 
 def test_times_make_one_motion():
     text = f"{NAMES},t [ms]\n0,0,0,0,0,0,0\n10,0,0,0,0,0,900\n20,0,0,0,0,0,4000\n"
-    program = program_of(text, said="deg")
+    program = program_of(text, said="deg", form="spline")
     assert commands(program) == ["MOVEJ_SPLINE"]
     assert program.endswith("20 0 0 0 0 0 [4]\n")
     assert "START  0 0 0 0 0 0".replace("  ", " ") in program
@@ -71,10 +71,59 @@ def test_times_make_one_motion():
     assert "[MIN]" in program_of(text, said="deg", time="MIN")
 
 
+def test_times_are_kept():
+    text = f"{NAMES},t [ms]\n0,0,0,0,0,0,500\n10,0,0,0,0,0,1400\n20,0,0,0,0,0,4500\n"
+    program = program_of(text, said="deg")
+    assert program.splitlines()[-3:] == [
+        "P0010 MOVEJ 0 0 0 0 0 0 [50%]",
+        "P0020 MOVEJ_TIMED 10 0 0 0 0 0 [0.9];",
+        "                  20 0 0 0 0 0 [4]",
+    ]
+
+
+RATES = ",".join(f"j{n}_velocity" for n in range(1, 7))
+
+
+def test_velocities_are_kept():
+    text = f"t,{RATES},{NAMES}\n0,0,0,0,0,0,0,0,0,0,0,0,0\n1,3,0,0,0,0,0,5,0,0,0,0,0\n2,0,0,0,0,0,0,8,0,0,0,0,0\n"
+    program = program_of(text, said="deg,s")
+    assert program.splitlines()[-2:] == [
+        "P0020 MOVEJ_TIMED 5 0 0 0 0 0 [1] VEL 3 0 0 0 0 0;",
+        "                  8 0 0 0 0 0 [2] VEL 0 0 0 0 0 0",
+    ]
+    own = text.replace("_velocity", "_vel [rad/s]")
+    assert "VEL 171.887339 0" in program_of(own, said="deg,s")
+
+
+def test_velocities_of_some_joints_are_told():
+    text = f"t [s],{NAMES},j1_vel [deg/s]\n0,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n3,2,0,0,0,0,0,0\n"
+    program, found = converted(text, said="deg")
+    assert (codes(found), "j1_vel" in found[0].message) == (["Y1503"], True)
+    assert "VEL" not in program
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [("[deg]", "deg is no unit of angle /s"), ("[deg/s^2]", "no unit of angle /s"), ("[mm/s]", "no unit")],
+)
+def test_units_of_velocities(column, words):
+    text = f"t [s],{NAMES},{RATES.replace('j1_velocity', 'j1_velocity ' + column)}\n" + "0," * 12 + "0\n"
+    found = refused(text, said="deg")
+    assert (found.code, words in found.message) == ("Y1506", True)
+
+
+def test_poses_have_no_timetable():
+    header = "t [s],x [mm],y [mm],z [mm],roll [deg],pitch [deg],yaw [deg]"
+    text = f"{header}\n0,900,0,900,180,0,180\n1,900,10,900,180,0,180\n2,900,30,900,180,0,180\n"
+    assert "times between aren't kept: MOVEJ_TIMED" in program_of(text)
+    assert refused(text, form="timed").code == "Y1514"
+    assert refused(f"{NAMES}\n1,2,3,4,5,6\n", said="deg", form="timed").code == "Y1514"
+
+
 def test_the_told_deviation_is_that_of_the_planned_motion():
     rows = [(0, 0), (1, 4), (5, 9), (6, 30), (9, 31)]
     text = f"{NAMES},t [s]\n" + "".join(f"{q},{-q},0,0,{q / 2},0,{time}\n" for time, q in rows)
-    program = program_of(text, said="deg")
+    program = program_of(text, said="deg", form="spline")
     told = re.search(r"passed at (\S+) s instead of (\S+) s", program)
     motions = planned(program)[0]
     times = np.linspace(0, 9, 9001)

@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from programs import checked, codes
+from programs import codes
 
-from tests.convert.conversions import commands, converted, numbers, program_of, refused
+from tests.convert.conversions import (
+    commands,
+    converted,
+    made_of,
+    numbers,
+    program_of,
+    refused,
+    timetables,
+)
 
 JOINTS = ["J1", "J2", "J3", "J4", "J5", "J6"]
 EXTRA = [*JOINTS, "finger"]
@@ -43,14 +51,13 @@ def test_both_releases_and_the_joints_order(ros):
     assert numbers(program) == pytest.approx(
         np.array([[1, 2, 3, 4, 5, 6], [0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 0]]), abs=1e-6
     )
-    assert commands(program) == ["MOVEJ_SPLINE"]
+    assert commands(program) == ["MOVEJ", "MOVEJ_TIMED"]
     assert program.endswith("[4]\n")
 
 
 def test_two_points_are_a_straight_motion():
     program = program_of(json.dumps(message(turned(0, 10))), "arm.json")
-    assert program.splitlines()[-1] == "P0010 MOVEJ 10 0 0 0 0 0 [2]"
-    assert "START  0 0 0 0 0 0".replace("  ", " ") in program
+    assert program.splitlines()[-2:] == ["P0010 MOVEJ 0 0 0 0 0 0 [50%]", "P0020 MOVEJ 10 0 0 0 0 0 [2]"]
 
 
 def test_one_point_is_reached_in_its_time():
@@ -78,7 +85,7 @@ def test_points_without_times_are_stops():
 )
 def test_inside_of_other_messages(wrap):
     program = program_of(json.dumps(wrap(message(turned(0, 5, 10)))), "arm.json")
-    assert commands(program) == ["MOVEJ_SPLINE"]
+    assert commands(program) == ["MOVEJ", "MOVEJ_TIMED"]
 
 
 def test_motions_of_other_kinds_are_not_lost():
@@ -112,14 +119,14 @@ points:
 @pytest.mark.parametrize("name", ["stream.yaml", "<stdin>"])
 def test_a_stream_goes_on_where_it_stands(name):
     lines = [line for line in program_of(STREAM, name).splitlines() if line[:1] == "P"]
-    assert [line[line.index("[") :] for line in lines] == ["[1.5]", "[2]", "[50%]", "[2.5]"]
+    assert [line[line.index("[") :] for line in lines] == ["[50%]", "[1.5]", "[2]", "[50%]", "[2.5]"]
 
 
 def test_other_names_of_the_joints():
     names = [f"shoulder_{letter}" for letter in "abcdef"]
     text = json.dumps(message(turned(0, 10), names))
     assert refused(text, "arm.json").code == "Y1511"
-    assert commands(program_of(text, "arm.json", joints=tuple(names))) == ["MOVEJ"]
+    assert commands(program_of(text, "arm.json", joints=tuple(names))) == ["MOVEJ", "MOVEJ"]
     found = refused(text, "arm.json", joints=tuple(names[:4]))
     assert found.code == "Y1511"
     assert "4 joints" in found.message
@@ -187,23 +194,153 @@ TIMES = st.lists(st.integers(1, 5_000), min_size=1, max_size=7)
 POINT = st.tuples(*[st.floats(-1.3, 1.3)] * 6)
 
 
+RATE = st.tuples(*[st.floats(-2, 2)] * 6)
+
+
 @settings(max_examples=50)
-@given(steps=TIMES, data=st.data(), order=st.permutations(range(6)))
-def test_arbitrary_trajectories_keep_their_positions_and_time(steps, data, order):
-    points = [data.draw(POINT) for _ in range(len(steps) + 1)]
-    times = np.concatenate(([0], np.cumsum(steps))) / 1000
-    shuffled = [(time, [q[joint] for joint in order]) for time, q in zip(times, points, strict=True)]
-    text = json.dumps(message(shuffled, [JOINTS[joint] for joint in order]))
-    program, found = converted(text, "arm.json")
+@given(
+    steps=TIMES,
+    data=st.data(),
+    order=st.permutations(range(6)),
+    rates=st.integers(0, 2),
+    begins=st.booleans(),
+    is_long=st.booleans(),
+)
+def test_arbitrary_trajectories_keep_their_rows_and_times(steps, data, order, rates, begins, is_long):
+    times = np.cumsum([0 if begins else 7, *steps]) / 1000
+    if is_long:
+        times = np.concatenate((times, times[-1] + np.arange(1, 31) / 8))
+    drawn = [
+        [data.draw(POINT if rate == 0 else RATE) for _ in steps] + [(0,) * 6] for rate in range(1 + rates)
+    ]
+    values = [np.resize(some, (len(times), 6)) for some in drawn]
+    values[0][-1] = 0.5
+    for some in values[1:2]:
+        some[-1] = 0.0
+        some[0] = 0.0 if begins else some[0]
+    names = [JOINTS[joint] for joint in order]
+    text = message(zip(times, values[0][:, order].tolist(), strict=True), names)
+    for word, some in zip(("velocities", "accelerations"), values[1:], strict=False):
+        for point, row in zip(text["points"], some[:, order].tolist(), strict=True):
+            point[word] = row
+    made, found = made_of(json.dumps(text), "arm.json", beside="arm")
     assert [one for one in found if one.is_error] == []
-    assert [one for one in checked(program)[1] if one.is_error] == []
-    degrees = np.degrees(points)
-    kept = [0, *(n for n in range(1, len(points)) if np.abs(degrees[n] - degrees[n - 1]).max() > 1e-6)]
-    rows = numbers(program)
-    if len(kept) > 1:
-        assert np.abs(rows - degrees[kept]).max() <= 5.1e-7
-        total = float(program.rpartition("[")[2].rstrip("]\n"))
-        assert total == pytest.approx(times[kept[-1]], abs=1e-6)
+    tables = timetables(made)
+    if not tables:  # a motion of one leg, or none
+        assert begins
+        assert commands(made.text)[-1] in {"MOVEJ", "WAIT"}
+        assert made.text.endswith(f"[{times[-1]:.6f}".rstrip("0").rstrip(".") + "]\n")
+        return
+    ((at, *rows),) = tables
+    is_file = bool(made.files)
+    assert is_file == (len(times) - begins > 20 or bool(begins and rates == 2 and values[2][0].any()))
+    first = int(begins and not is_file)
+    assert at == pytest.approx(times[first:], abs=1e-12)
+    for order_, (asked, kept) in enumerate(zip((*values, None, None), rows, strict=False)):
+        if asked is None:
+            assert kept is None
+            continue
+        assert np.abs(kept - asked[first:]).max() <= (1e-15 if is_file else 1e-8) * (
+            1 + np.abs(asked).max()
+        ), order_
+
+
+def in_motion(**points):
+    """A trajectory of three points with velocities, some of them others."""
+    data = message(turned(0, 10, 20))
+    for number, point in enumerate(data["points"]):
+        point["velocities"] = [0.1 * (number == 1), 0, 0, 0, 0, 0]
+    for number, velocity in points.items():
+        data["points"][int(number[1:])]["velocities"][0] = velocity
+    return data
+
+
+def test_velocities_are_kept():
+    program = program_of(json.dumps(in_motion()), "arm.json")
+    assert program.splitlines()[-2:] == [
+        "P0020 MOVEJ_TIMED 10 0 0 0 0 0 [2] VEL 5.729578 0 0 0 0 0;",
+        "                  20 0 0 0 0 0 [4] VEL 0.000000 0 0 0 0 0",
+    ]
+    assert "cubic polynomial" in program
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ({"p0": 0.5}, "it begins in motion: J1 moves at 28.6479 deg/s at 0 s"),
+        ({"p2": -0.5}, "it ends in motion: J1 moves at -28.6479 deg/s at 4 s"),
+    ],
+)
+def test_motion_at_an_end(points, words):
+    found = refused(json.dumps(in_motion(**points)), "arm.json")
+    assert (found.code, found.message) == ("Y1513", words)
+    assert commands(program_of(json.dumps(in_motion(**points)), "arm.json", form="spline")) == [
+        "MOVEJ_SPLINE"
+    ]
+
+
+def test_noise_at_rest_is_said():
+    program = program_of(json.dumps(in_motion(p0=1e-6, p2=2e-6)), "arm.json")
+    assert "Velocities up to 0.00011 deg per s at rest are taken as 0." in program
+    ((_, _, velocities, _),) = timetables(made_of(json.dumps(in_motion(p0=1e-6, p2=2e-6)), "arm.json")[0])
+    assert not velocities[-1].any()
+
+
+def test_velocities_of_some_points_are_left_out():
+    data = in_motion()
+    data["points"][1]["velocities"] = []
+    program = program_of(json.dumps(data), "arm.json")
+    assert "Velocities of only 2 of 3 points are given, and left out." in program
+    assert "VEL" not in program
+
+
+@pytest.mark.parametrize(
+    ("velocities", "code", "words"),
+    [
+        ([0.0] * 5, "Y1509", "point 2 has 5 velocities, there are 6 joints"),
+        ([0, 0, float("nan"), 0, 0, 0], "Y1505", "point 2: the velocity of J3 is 'nan'"),
+    ],
+)
+def test_bad_velocities(velocities, code, words):
+    data = in_motion()
+    data["points"][1]["velocities"] = velocities
+    found = refused(json.dumps(data), "arm.json")
+    assert (found.code, words in found.message) == (code, True)
+
+
+def test_an_acceleration_at_the_start_needs_a_file():
+    data = in_motion()
+    for point in data["points"]:
+        point["accelerations"] = [0.2, 0, 0, 0, 0, 0]
+    made, _ = made_of(json.dumps(data), "arm.json", beside="arm")
+    assert commands(made.text) == ["MOVEJ", "MOVEJ_TIMED"]
+    assert made.text.endswith('MOVEJ_TIMED "arm_path.csv"\n')
+    ((times, _, _, accelerations),) = timetables(made)
+    assert (times.tolist(), accelerations[:, 0].tolist()) == ([0, 2, 4], [0.2] * 3)
+    program = program_of(json.dumps(data), "arm.json")  # where no file can be written
+    assert "accelerations aren't 0 at the start, and are left out: the path differs by up to" in program
+    assert "ACC" not in program
+
+
+def test_several_long_trajectories_have_a_file_each():
+    points = [(0.1 * n, [0.01 * n, 0, 0, 0, 0, 0]) for n in range(40)]
+    back = [(0.1 * n, [0.39 - 0.01 * n, 0, 0, 0, 0, 0]) for n in range(40)]
+    text = json.dumps(message(points)) + "---" + json.dumps(message(back))
+    made, found = made_of(text, "arm.json", beside="arm")
+    assert codes(found) == []
+    assert commands(made.text) == ["MOVEJ", "MOVEJ_TIMED", "MOVEJ_TIMED"]
+    assert [name for name, _ in made.files] == ["arm_path1.csv", "arm_path2.csv"]
+    assert [len(times) for times, *_ in timetables(made)] == [40, 40]
+
+
+def test_a_trajectory_begins_where_the_robot_stands():
+    points = [(0.5, [0.1, 0, 0, 0, 0, 0]), (1.5, [0.2, 0, 0, 0, 0, 0])]
+    assert commands(program_of(json.dumps(message(points)), "arm.json")) == ["MOVEJ_TIMED"]
+
+
+def test_standing_still_is_waiting():
+    program = program_of(json.dumps(message(turned(5, 5, 5))), "arm.json")
+    assert program.splitlines()[-2:] == ["P0010 MOVEJ 5 0 0 0 0 0 [50%]", "P0020 WAIT [4]"]
 
 
 def srdf(states):

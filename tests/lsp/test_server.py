@@ -116,6 +116,25 @@ def test_descriptions_and_their_users(tmp_path: Path):
     run(work, capabilities(pull=True, refresh=False))
 
 
+def test_users_of_a_changed_table(tmp_path: Path):
+    """A table of way-points counts as it is open; what is wrong with it is said in the programs that name it."""
+    rows = "time,J1,J2,J3,J4,J5,J6\n1,5,0,0,0,0,0\n3,9,0,0,0,0,0\n"
+    (tmp_path / "path.csv").write_text(rows)
+
+    async def work(one: Editor) -> None:
+        user = one.open(tmp_path / "a.yarc", HEAD + 'P0010 MOVEJ_TIMED "path.csv" (deg,s)\n')
+        assert codes(await one.pulled(user)) == []
+        table = one.open(tmp_path / "path.csv", rows)
+        assert codes(await one.pulled(table)) == []
+        one.write(table, rows.replace("9", "nine"))
+        (found,) = await one.pulled(user)
+        assert (found.code, "path.csv:3: 'nine' is not a number" in found.message) == ("Y1382", True)
+        one.write(table, rows)
+        assert codes(await one.pulled(user)) == []
+
+    run(work, capabilities(pull=True, refresh=False))
+
+
 def test_users_of_a_changed_robot_and_project(tmp_path: Path):
     """A robot.toml and a yarc.toml count as they are open, before they are saved."""
     library = Path(__file__).resolve().parents[2] / "stdlib" / "robots" / "industrial6"

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from yarclang.cli.paths import SUFFIX, programs
 
-_BESIDE = (SUFFIX, ".toml", ".urdf")
-"""What a program is made of besides itself: modules, cells, settings, robots."""
+_BESIDE = (SUFFIX, ".toml", ".urdf", ".csv")
+"""What a program is made of besides itself: modules, cells, settings, robots, tables of way-points."""
 
 
 def changes(paths: Sequence[str], pause: Callable[[], None]) -> Iterator[list[str]]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from pathlib import PurePath
+from pathlib import Path, PurePath
 
-from yarclang.convert.course import Content, Wishes
+from yarclang.convert.bag import read_bag
+from yarclang.convert.course import Content, Converted, Wishes
 from yarclang.convert.documents import read_json, read_yaml
 from yarclang.convert.from_table import content_of_table
 from yarclang.convert.srdf import content_of_srdf
@@ -27,7 +28,7 @@ _KINDS = {
 _YAML_KEY = re.compile(r"\s*-?\s*[a-z_]+:(\s|$)")
 
 
-def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[str]:
+def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converted]:
     """The program that a table, a trajectory or an SRDF becomes; None where an error forbids it.
 
     The kind of file is known by the end of its name, else by how it begins.
@@ -36,16 +37,38 @@ def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[str]:
     if not source.text.strip():
         findings.add("Y1504", "the file is empty", None, "check which file was given")
         return Result(None, tuple(findings.found))
-    if wishes.joints and len(wishes.joints) != robot.size:
-        message = f"--joints names {len(wishes.joints)} joints, {robot.name} has {robot.size}"
-        help_ = f"give the file's names of {', '.join(robot.joint_names)}, in this order"
-        findings.add("Y1511", message, None, help_)
-        return Result(None, tuple(findings.found))
-    content = _content(source, robot, wishes, findings)
+    if (refusal := _other_joints(robot, wishes, findings)) is not None:
+        return refusal
+    return _made(source.name, _content(source, robot, wishes, findings), robot, wishes, findings)
+
+
+def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
+    """The program that the trajectories of a bag become; None where an error forbids it."""
+    findings = Collector(SourceFile(str(path), ""))
+    if (refusal := _other_joints(robot, wishes, findings)) is not None:
+        return refusal
+    documents = read_bag(path, wishes.topic, findings)
+    content = None if documents is None else content_of_documents(documents, robot, wishes, findings)
+    return _made(path.name, content, robot, wishes, findings)
+
+
+def _other_joints(robot: Robot, wishes: Wishes, findings: Collector) -> Result[Converted] | None:
+    """Refuse --joints that names too many or too few."""
+    if not wishes.joints or len(wishes.joints) == robot.size:
+        return None
+    message = f"--joints names {len(wishes.joints)} joints, {robot.name} has {robot.size}"
+    help_ = f"give the file's names of {', '.join(robot.joint_names)}, in this order"
+    findings.add("Y1511", message, None, help_)
+    return Result(None, tuple(findings.found))
+
+
+def _made(
+    name: str, content: Content | None, robot: Robot, wishes: Wishes, findings: Collector
+) -> Result[Converted]:
     if content is None:
         return Result(None, tuple(findings.found))
-    text = program_text(PurePath(source.name).name, content, robot, wishes, findings)
-    return Result(text, tuple(findings.found))
+    made = program_text(PurePath(name).name, content, robot, wishes, findings)
+    return Result(made, tuple(findings.found))
 
 
 def _content(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:

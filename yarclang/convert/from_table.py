@@ -27,7 +27,8 @@ def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings:
     columns = understand(table, robot, wishes.joints, wishes.units, findings)
     if columns is None:
         return None
-    numeric = [*columns.values, *([columns.time] if columns.time else [])]
+    rated = [*columns.velocities, *columns.accelerations]
+    numeric = [*columns.values, *rated, *([columns.time] if columns.time else [])]
     numbers = numbers_of(table, [column.number for column in numeric], findings)
     if numbers is None:
         return None
@@ -37,6 +38,11 @@ def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings:
         values, times = values[:, :-1], values[:, -1]
         if not _rising(table, times, findings):
             return None
+        times = times - times[0] if len(times) > 1 else times
+    size = len(columns.values)
+    velocities = values[:, size : 2 * size] if columns.velocities else None
+    accelerations = values[:, 2 * size : 3 * size] if columns.accelerations else None
+    values = values[:, :size]
     if columns.target == "QUAT" and not _are_rotations(table, values[:, 3:], findings):
         return None
     names = _names(table, columns, values, findings)
@@ -47,7 +53,8 @@ def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings:
         comments = tuple(row[columns.comment.number] for row in table.rows)
     what, where = ("joint position", "") if columns.target == "JOINTS" else ("pose", " of {TCP} in {B}")
     kind = f"a table of {len(table.rows):,} {what}{'s' * (len(table.rows) > 1)}{where}"
-    return Content(kind, (Course(columns.target, values, times, names, comments),))
+    course = Course(columns.target, values, times, names, comments, (), velocities, accelerations)
+    return Content(kind, (course,))
 
 
 def _factor(column: Column) -> float:

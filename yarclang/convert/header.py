@@ -10,9 +10,9 @@ from yarclang.convert.course import Target
 from yarclang.convert.table import Table, whole_line
 from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
-from yarclang.units import UNITS, Kind, Unit, units_of
+from yarclang.semantics.trajectory_file import PER_SECOND, RATES, rate_of, split_unit, unit_of
+from yarclang.units import Kind, Unit, units_of
 
-_WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 _JOINT = re.compile(r"(?:j|q|joint)[ _]?([1-9][0-9]?)", re.I)
 _PLACE = ("x", "y", "z")
 _TURNS: Mapping[Target, tuple[str, ...]] = {
@@ -33,13 +33,15 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """The columns of the values in their order, and those of time, name and comment where there are such."""
+    """The columns of the values in their order, those of the joints' velocities and accelerations, and those of time, name and comment where there are such."""
 
     target: Target
     values: tuple[Column, ...]
     time: Column | None
     name: Column | None
     comment: Column | None
+    velocities: tuple[Column, ...] = ()
+    accelerations: tuple[Column, ...] = ()
 
 
 def understand(
@@ -59,9 +61,8 @@ def understand(
     found: dict[str, tuple[int, str]] = {}
     unknown: list[str] = []
     for number, cell in enumerate(table.header):
-        split = _WITH_UNIT.fullmatch(cell)
-        name, unit = (split[1].strip(), split[2]) if split else (cell, "")
-        meaning = _meaning(name, robot, own)
+        name, unit = split_unit(cell)
+        meaning = _meaning(name.strip(), robot, own)
         if not meaning:
             unknown += [cell] if cell else []
         elif meaning in found:
@@ -73,25 +74,28 @@ def understand(
     if wanted is None:
         return None
     target, meanings = wanted
+    rates = _rates(table, robot, target, found, unknown)
     columns: dict[str, Column] = {}
     lost: list[str] = []
-    for meaning in (*meanings, "time", "name", "comment"):
+    for meaning in (*meanings, *(one for order in rates for one in order), "time", "name", "comment"):
         if meaning not in found:
             continue
         number, text = found[meaning]
-        kind = _kind(meaning, target, robot)
-        unit = None
+        base, order = rate_of(meaning)
+        kind = _kind(base, target, robot)
+        chosen: Unit | None = None
         if kind is not None:
-            unit = UNITS.get(text.lower()) if text else units.get(kind)
-            if text and (unit is None or unit.kind != kind):
-                message = f"column {table.header[number]!r}: {text} is no unit of {kind}"
-                help_ = f"the units of {kind} are {', '.join(units_of(kind))}"
+            chosen = unit_of(text, kind, order) if text else units.get(kind)
+            if text and chosen is None:
+                per = PER_SECOND[order]
+                message = f"column {table.header[number]!r}: {text} is no unit of {kind}{per and ' ' + per}"
+                help_ = f"the units are {', '.join(one + per for one in units_of(kind))}"
                 findings.add("Y1506", message, whole_line(table.source, table.header_line), help_)
                 return None
-            if unit is None:
+            if chosen is None:
                 lost.append(table.header[number])
                 continue
-        columns[meaning] = Column(number, meaning, unit)
+        columns[meaning] = Column(number, meaning, chosen)
     if lost:
         message = f"it isn't said in which unit {', '.join(lost)} {'are' if len(lost) > 1 else 'is'}"
         help_ = "write units into the header, as in `x [mm]` or `j1 (deg)`, or say --units mm,deg,s"
@@ -106,7 +110,27 @@ def understand(
         columns.get("time"),
         columns.get("name"),
         columns.get("comment"),
+        *(tuple(columns[meaning] for meaning in order) for order in rates),
     )
+
+
+def _rates(
+    table: Table, robot: Robot, target: Target, found: dict[str, tuple[int, str]], unknown: list[str]
+) -> tuple[tuple[str, ...], ...]:
+    """Return the meanings of the columns of velocities and of accelerations that are taken: of all joints, with a time, accelerations only with velocities.
+
+    The others go to `unknown`.
+    """
+    rates: list[tuple[str, ...]] = []
+    for order in (1, 2):
+        wanted = [f"{name}_{RATES[order]}" for name in robot.joint_names]
+        given = [meaning for meaning in wanted if meaning in found]
+        is_whole = len(given) == len(wanted) and target == "JOINTS" and "time" in found
+        if is_whole and len(rates) == order - 1:
+            rates.append(tuple(wanted))
+        else:
+            unknown += [table.header[found[meaning][0]] for meaning in given]
+    return tuple(rates)
 
 
 def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
@@ -114,6 +138,10 @@ def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
     low = name.lower()
     if low in own:
         return own[low]
+    base, order = rate_of(name)
+    if order:
+        joint = _meaning(base, robot, own)
+        return f"{joint}_{RATES[order]}" if joint in robot.joint_names else ""
     numbered = _JOINT.fullmatch(name)
     if numbered and int(numbered[1]) <= robot.size:
         return robot.joint_names[int(numbered[1]) - 1]
@@ -174,7 +202,7 @@ def _refuse(
     strange = f"; not recognised: {', '.join(one[:40] for one in unknown[:8])}" if unknown else ""
     help_ = (
         "columns are j1 j2 ... or the robot's joint names; or x y z with roll pitch yaw or qx qy qz qw; "
-        "and, where wanted, time, name, comment. They are divided by commas, semicolons or tabs"
+        "and, where wanted, time, j1_velocity ..., j1_acceleration ..., name, comment. They are divided by commas, semicolons or tabs"
     )
     span = whole_line(table.source, table.header_line)
     findings.add("Y1502", f"{message} ({known}{strange})", span, help_)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.convert.course import Course
+from yarclang.convert.course import Course, Form
 from yarclang.hir import Array
 from yarclang.motion.paths.spline import distinct, through
 from yarclang.robot.model import Robot
@@ -21,11 +21,11 @@ _COARSE = 50
 """A spline needs far fewer targets than straight lines do: it begins with those for so many times the tolerance."""
 
 
-def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, is_spline: bool) -> Course:
+def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, form: Form) -> Course:
     """Each `every`-th target, or as many as keep `tolerance` [deg and mm]; the first and the last always stay.
 
     The tolerance holds for all joints together (root of the sum of squares), or for a pose's place and turn together. For joint
-    splines it is kept by the spline itself, otherwise by straight lines from target to target.
+    splines it is kept by the spline itself, for targets with times by the path at these times, otherwise by straight lines from target to target.
     """
     if every > 1:
         kept = np.unique(np.append(np.arange(0, course.size, every), course.size - 1))
@@ -33,11 +33,49 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, i
     if tolerance is None or course.size < 3:
         return course
     points = _points(course)
-    if is_spline and course.target == "JOINTS":
+    if form == "timed":
+        return course.only(_in_time(course, tolerance))
+    if form == "spline" and course.target == "JOINTS":
         keep = _along_spline(points, _peucker(points, _COARSE * tolerance), tolerance, robot)
     else:
         keep = _peucker(points, tolerance)
     return course.only(np.flatnonzero(keep))
+
+
+def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
+    """Return which targets of joint values stay (m,), so that the path through them is within the tolerance of the others at their times."""
+    assert course.times is not None
+    kept = np.array([0, course.size - 1])
+    while True:
+        off = np.linalg.norm(path_in_time(course.only(kept), course.times) - course.values, axis=1)
+        off[kept] = 0.0
+        if (off <= tolerance).all():
+            return kept
+        # the worst of each leg that misses
+        leg = np.searchsorted(kept, np.arange(course.size), side="right")
+        order = np.lexsort((-off, leg))
+        worst = order[np.unique(leg[order], return_index=True)[1]]
+        kept = np.union1d(kept, worst[off[worst] > tolerance])
+
+
+def path_in_time(course: Course, times: Array) -> Array:
+    """Return where joints are at `times` (m,) [s] on the path that MOVEJ_TIMED defines through a course: (m, n) [deg, mm].
+
+    It is quintic where accelerations are given, cubic where velocities are, else the cubic spline in time that stands at both ends. A course that doesn't begin
+    at time 0 begins at its first target here, since nobody knows where the robot stands.
+    """
+    from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
+
+    assert course.times is not None
+    if course.velocities is None:
+        path = CubicSpline(course.times, course.values, bc_type="clamped")
+    elif course.accelerations is None:
+        path = CubicHermiteSpline(course.times, course.values, course.velocities)
+    else:
+        rows = np.stack((course.values, course.velocities, course.accelerations), axis=1)
+        path = BPoly.from_derivatives(course.times, rows)
+    values: Array = path(times)
+    return values
 
 
 def way_shares(points: Array) -> Array:

@@ -12,6 +12,7 @@ from yarclang.convert.course import Content, Course, Wishes, in_axis_units
 from yarclang.convert.table import LARGEST
 from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
+from yarclang.semantics.trajectory_file import RATES
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _MULTI_DOF = "multi_dof_joint_trajectory"
@@ -73,6 +74,7 @@ def _course(
         findings.add("Y1509", f"{where}there are no points", None, "check which file was given")
         return None
     q = np.empty((len(points), robot.size))
+    rates: dict[str, list[list[float]]] = {name: [] for name in RATES[1:]}
     times = np.empty(len(points))
     for number, point in enumerate(points):
         place = f"{where}point {number + 1}"
@@ -100,6 +102,11 @@ def _course(
                 findings.add("Y1505", message_, None, "positions are in rad, m for prismatic joints")
                 return None
             q[number, joint] = value
+        for name, rows in rates.items():
+            row = _rates(point, name, place, order, wanted, findings)
+            if row is None:
+                return None
+            rows.extend([row] if row else [])
         time = _time(point.get("time_from_start"))
         if time is None:
             message_ = f"{place}: time_from_start can't be read"
@@ -118,7 +125,58 @@ def _course(
         )
         findings.add("Y1509", message_, None, "the times of a trajectory rise from point to point")
         return None
-    return Course("JOINTS", values, times)
+    velocities, accelerations = (
+        in_axis_units(robot, np.array(rows)) if len(rows) == len(points) else None for rows in rates.values()
+    )
+    return Course(
+        "JOINTS",
+        values,
+        times,
+        remarks=tuple(_left_out(rates, len(points))),
+        velocities=velocities,
+        accelerations=None if velocities is None else accelerations,
+    )
+
+
+def _rates(
+    point: Mapping[str, Any],
+    name: str,
+    place: str,
+    order: list[int],
+    wanted: tuple[str, ...],
+    findings: Collector,
+) -> list[float] | None:
+    """Return the velocities or accelerations of a point in the robot's order; an empty list if there are none, None with a finding."""
+    plural = _PLURALS[name]
+    given = point.get(plural)
+    if not isinstance(given, list) or not given:
+        return []
+    if len(given) != len(order):
+        count = f"{len(given)} {name if len(given) == 1 else plural}"
+        message = f"{place} has {count}, there are {len(order)} joints"
+        findings.add("Y1509", message, None, f"a point has the {plural} of all joints, or none")
+        return None
+    row: list[float] = []
+    for joint, at in enumerate(order):
+        value = _number(given[at])
+        if value is None:
+            message = f"{place}: the {name} of {wanted[joint]} is {str(given[at])[:40]!r}, no finite number"
+            findings.add("Y1505", message, None, "it is in rad per s, m per s for prismatic joints")
+            return None
+        row.append(value)
+    return row
+
+
+_PLURALS = {"velocity": "velocities", "acceleration": "accelerations"}
+
+
+def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[str]:
+    """Say which velocities and accelerations aren't taken, since not all points have them."""
+    for name, rows in rates.items():
+        if 0 < len(rows) < count:
+            yield f"{_PLURALS[name].capitalize()} of only {len(rows):,} of {count:,} points are given, and left out."
+    if len(rates["velocity"]) < count == len(rates["acceleration"]):
+        yield "Accelerations without velocities are left out."
 
 
 def _order(

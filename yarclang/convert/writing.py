@@ -7,24 +7,30 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from yarclang.convert.course import Content, Course, Form, Wishes
+from yarclang.convert.columns import (
+    DEFAULT_TIME,
+    SAME_PLACE,
+    STEP,
+    comment_of,
+    index_text,
+    plain,
+    rows_of,
+    seconds,
+)
+from yarclang.convert.course import Content, Converted, Course, Form, Wishes
 from yarclang.convert.thinning import thinned, way_shares
+from yarclang.convert.timed import at_rest, timed_motion
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Robot
-
-_DECIMALS = {"JOINTS": (6,), "RPY": (6,), "QUAT": (6, 6, 6, 9, 9, 9, 9)}
-"""The most decimals of each value; the last number counts for the rest."""
-_STEP = 10
-"""From index to index."""
-_SAME_PLACE = 1e-6
-"""Targets nearer than this [deg, mm] are one."""
-_DEFAULT_TIME = "50%"
+from yarclang.semantics.trajectory_file import SUFFIX
 
 
-def program_text(name: str, content: Content, robot: Robot, wishes: Wishes, findings: Collector) -> str:
-    """The program.
+def program_text(
+    name: str, content: Content, robot: Robot, wishes: Wishes, findings: Collector
+) -> Converted | None:
+    """The program and the files that stand beside it; None where a finding forbids it.
 
     Args:
         name: of the file, for the first comment.
@@ -33,17 +39,40 @@ def program_text(name: str, content: Content, robot: Robot, wishes: Wishes, find
         wishes: form, time and thinning.
         findings: takes a warning where way-points are too dense.
     """
-    lines = [f"{_clean(name)}: {content.kind}."]
+    lines = [f"{plain(name)}: {content.kind}."]
     body: list[str] = []
-    index = _STEP
+    files: list[tuple[str, str]] = []
+    index = STEP
     here: Array | None = None
     for number, whole in enumerate(content.courses):
-        form: Form = wishes.form or ("spline" if whole.times is not None else "moves")
-        course = _without_repeats(thinned(whole, wishes.every, wishes.tolerance, robot, form == "spline"))
+        form = _form(whole, wishes)
+        if form == "timed" and (whole.target != "JOINTS" or whole.times is None):
+            what = "has no times" if whole.times is None else "has poses"
+            message = f"the file {what}; --as timed wants joint values with times"
+            findings.add(
+                "Y1514", message, None, "leave --as out, or give a file with a column or entries of time"
+            )
+            return None
+        course = thinned(whole, wishes.every, wishes.tolerance, robot, form)
+        if form != "timed":
+            course = _without_repeats(course)
         lines += whole.remarks
         if course.size < whole.size:
             lines.append(f"{course.size:,} of {whole.size:,} points are kept{_why_fewer(wishes)}.")
-        if form == "spline" and course.size > 1:
+        if form == "timed" and course.size > 1:
+            where = "" if len(content.courses) == 1 else f"trajectory {number + 1}: "
+            resting = at_rest(course, where, robot, findings)
+            if resting is None:
+                return None
+            timed, about = resting
+            _check_density(course, robot, wishes, findings)
+            ending = "" if len(content.courses) == 1 else f"{number + 1}"
+            file = None if wishes.beside is None else f"{wishes.beside}_path{ending}{SUFFIX}"
+            written = timed_motion(timed, index, here, robot, file)
+            lines += (*about, *written.remarks)
+            files += written.files
+            rows, index, here = written.rows, written.index, course.values[-1]
+        elif form == "spline" and course.size > 1:
             lines += _about_times(course, robot, wishes)
             _check_density(course, robot, wishes, findings)
             rows, index, here = _spline(course, index, here, is_first=number == 0, wishes=wishes)
@@ -51,7 +80,7 @@ def program_text(name: str, content: Content, robot: Robot, wishes: Wishes, find
             rows, index, here = _moves(course, index, wishes)
         body += ["", *rows]
     if content.positions:
-        body += ["", *_positions(content.positions), "", f"{_index(index)} STOP"]
+        body += ["", *_positions(content.positions), "", f"{index_text(index)} STOP"]
         lines.append("Without ROBOT and STOP it is a module, whose positions other programs USE.")
     known = any(one.folder == robot.folder for one in list_robots())
     if not known:
@@ -59,8 +88,17 @@ def program_text(name: str, content: Content, robot: Robot, wishes: Wishes, find
     frame = "{TCP}" if "TCP" in robot.flange_from_frame else "{FLANGE}"
     head = [f"! {line}" for line in lines]
     head += [f"ROBOT {robot.name}"] * known
-    head.append(f"DEFAULT {frame} [{wishes.time or _DEFAULT_TIME}] (mm,deg,s) {{B}}")
-    return "".join(f"{line}\n" for line in (*head, *body))
+    head.append(f"DEFAULT {frame} [{wishes.time or DEFAULT_TIME}] (mm,deg,s) {{B}}")
+    return Converted("".join(f"{line}\n" for line in (*head, *body)), tuple(files))
+
+
+def _form(course: Course, wishes: Wishes) -> Form:
+    """Return how a course is passed: as it is wanted, else as its values and times allow."""
+    if wishes.form is not None:
+        return wishes.form
+    if course.times is None:
+        return "moves"
+    return "timed" if course.target == "JOINTS" and wishes.time is None else "spline"
 
 
 def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, Array]:
@@ -81,7 +119,7 @@ def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, 
                 declared.setdefault(name, cell)
         rows += [*_declarations(declared, course), ""] if declared else []
     only = course.size == 1 and course.times is not None and course.times[0] > 0 and wishes.time is None
-    time = f" [{_seconds(float(course.times[0]))}]" if only and course.times is not None else ""
+    time = f" [{seconds(float(course.times[0]))}]" if only and course.times is not None else ""
     at_frame = "0 0 0 0 0 0 0 1" if course.target == "QUAT" else "0 0 0 0 0 0"
     at_frame = at_frame.removeprefix("0 ") if course.target == "QUAT" else at_frame
     for number, cell in enumerate(cells):
@@ -90,8 +128,8 @@ def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, 
         if name:
             goal = name if course.target == "JOINTS" else f"{at_frame} {{{name}}}"
         word = first if number == 0 else later
-        rows.append(f"{_index(index)} {word:{width}} {goal}{time}{_comment(course, number)}")
-        index += _STEP
+        rows.append(f"{index_text(index)} {word:{width}} {goal}{time}{comment_of(course, number)}")
+        index += STEP
     return rows, index, course.values[-1]
 
 
@@ -116,26 +154,26 @@ def _spline(
     suffix = "" if course.target == "JOINTS" else f"_{course.target}"
     rows: list[str] = []
     if course.target == "JOINTS" and is_first:
-        rows += [f"START {cells[0].strip()}{_comment(course, 0, True)}", ""]
+        rows += [f"START {cells[0].strip()}{comment_of(course, 0, True)}", ""]
     elif (
         here is None
         or len(here) != course.values.shape[1]
-        or np.abs(here - course.values[0]).max() > _SAME_PLACE
+        or np.abs(here - course.values[0]).max() > SAME_PLACE
     ):
         rows.append(
-            f"{_index(index)} MOVEJ{suffix} {cells[0].strip()} [{_DEFAULT_TIME}]{_comment(course, 0, True)}"
+            f"{index_text(index)} MOVEJ{suffix} {cells[0].strip()} [{DEFAULT_TIME}]{comment_of(course, 0, True)}"
         )
-        index += _STEP
+        index += STEP
     time = ""
     if course.times is not None and wishes.time is None:
-        time = f" [{_seconds(float(course.times[-1] - course.times[0]))}]"
+        time = f" [{seconds(float(course.times[-1] - course.times[0]))}]"
     word = f"MOVEJ{suffix}" if course.size == 2 else f"MOVEJ_SPLINE{suffix}"
-    head = f"{_index(index)} {word} "
+    head = f"{index_text(index)} {word} "
     for number in range(1, course.size):
         end = f"{time}" if number == course.size - 1 else ";"
-        rows.append(f"{head}{cells[number]}{end}{_comment(course, number, True)}")
+        rows.append(f"{head}{cells[number]}{end}{comment_of(course, number, True)}")
         head = " " * len(head)
-    return rows, index + _STEP, course.values[-1]
+    return rows, index + STEP, course.values[-1]
 
 
 def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
@@ -147,25 +185,9 @@ def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
     ]
 
 
-def rows_of(values: Array, target: str) -> list[str]:
-    """The rows of `values` (w, k) in columns, each with as many decimals as its numbers need, up to a millionth."""
-    columns: list[list[str]] = []
-    most = _DECIMALS[target]
-    for number, column in enumerate(values.T):
-        last = most[min(number, len(most) - 1)]
-        rounded = np.round(column, last) + 0.0  # no minus before a zero
-        decimals = next(
-            (fewer for fewer in range(last) if np.abs(np.round(rounded, fewer) - rounded).max() < 1e-11), last
-        )
-        texts = [f"{value:.{decimals}f}" for value in (np.round(rounded, decimals) + 0.0).tolist()]
-        widest = max(map(len, texts))
-        columns.append([text.rjust(widest) for text in texts])
-    return [" ".join(row) for row in zip(*columns, strict=True)]
-
-
 def _without_repeats(course: Course) -> Course:
     """The course without targets that equal the one before, unless they have a name."""
-    moved = np.abs(np.diff(course.values, axis=0)).max(axis=1) > _SAME_PLACE
+    moved = np.abs(np.diff(course.values, axis=0)).max(axis=1) > SAME_PLACE
     if course.names:
         moved |= np.array([bool(name) for name in course.names[1:]], dtype=bool)
     return course.only(np.flatnonzero(np.concatenate(([True], moved))))
@@ -179,7 +201,7 @@ def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
     if course.target != "JOINTS":
         yield "From pose to pose the joints follow their spline, not a straight line of the tool."
         if course.times is not None:
-            yield "The times between aren't kept."
+            yield "The times between aren't kept: MOVEJ_TIMED, which keeps them, takes joint values."
         return
     if course.times is None or wishes.time is not None:
         return
@@ -230,22 +252,3 @@ def _why_fewer(wishes: Wishes) -> str:
     if wishes.tolerance is not None:
         parts.append(f"the others are within {wishes.tolerance:g} (deg and mm) of the way")
     return f" ({', '.join(parts)})" if parts else " (the others repeat the one before)"
-
-
-def _index(number: int) -> str:
-    return f"P{number:04}"
-
-
-def _comment(course: Course, number: int, with_name: bool = False) -> str:
-    texts = [course.names[number]] if course.names and with_name else []
-    text = _clean(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
-    return f"  ! {text}" if text else ""
-
-
-def _clean(text: str) -> str:
-    """A text that stays in its line."""
-    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
-
-
-def _seconds(time: float) -> str:
-    return f"{time:.6f}".rstrip("0").rstrip(".")

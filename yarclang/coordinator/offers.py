@@ -24,6 +24,7 @@ from yarclang.pipeline.kept import Stamp, stamp_of
 from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import FILE_NAME, Project, find_project
 from yarclang.pipeline.stages import CellNow, Compiled, Request, certified, check_program, plan_checked
+from yarclang.pipeline.trajectories import TrajectoryLoader
 from yarclang.robot.kinematics.inverse import branches
 from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.model import Array, Robot
@@ -141,7 +142,14 @@ class Planner:
         self._cells = cell_loader(folder, robot)
         self._settings: Stamp = ()
         self._keeps = False
-        self._request = Request(robot, tm=tm, load=loader(folder), index_needed=False, present=present)
+        self._request = Request(
+            robot,
+            tm=tm,
+            load=loader(folder),
+            index_needed=False,
+            present=present,
+            load_table=TrajectoryLoader(folder),
+        )
         self._read()
 
     def renewed(self) -> bool:

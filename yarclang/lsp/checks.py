@@ -87,7 +87,9 @@ class Checks:
         return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale)
 
     def _described(self, document: Document) -> Checked:
-        """A cell's file, for the robot that its folder is for; or a robot's, or a project's."""
+        """Check a cell's file, for the robot that its folder is for; or a robot's, or a project's. Of a table of way-points, the programs that name it say what is wrong."""
+        if document.is_table:
+            return Checked(())
         name = document.path.name.lower() if document.path else ""
         if name == FILE_NAME:
             return Checked(in_order(check_project(document.source, document.folder, self.texts)))

@@ -14,10 +14,12 @@ from yarclang.assist.sketch import Sketch, sketch_of
 from yarclang.diagnostics import Edit, Fix
 from yarclang.lsp.positions import span_of
 from yarclang.pipeline.fixing import edited
+from yarclang.semantics.trajectory_file import SUFFIX
 from yarclang.source import SourceFile
 
 PROGRAM = ".yarc"
 DESCRIPTION = ".toml"
+TABLE = SUFFIX
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +53,13 @@ class Document:
 
     @property
     def is_program(self) -> bool:
-        """Whether it is a program or a module; else it describes a cell, a robot or a project."""
-        return not self.uri.lower().endswith(DESCRIPTION)
+        """True of a program or a module; else the text describes a cell, a robot or a project, or is a table of way-points."""
+        return not self.uri.lower().endswith((DESCRIPTION, TABLE))
+
+    @property
+    def is_table(self) -> bool:
+        """True of a table of way-points, which only a program that names it can judge."""
+        return self.uri.lower().endswith(TABLE)
 
 
 def changed(

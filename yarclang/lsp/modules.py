@@ -88,9 +88,11 @@ class Modules:
 
 
 def _may_speak_of(user: Document, used: Document) -> bool:
-    """Whether what is said of a text may depend on another one: on a module of its folder by name, on any description."""
+    """Whether what is said of a text may depend on another one: on a module of its folder by name, on any table that it names, on any description."""
     if used.path is None:
         return False
+    if used.is_table:
+        return user.is_program and used.path.name in user.text
     if used.path.suffix.lower() != PROGRAM:
         return True
     return used.folder == user.folder and user.is_program and used.path.stem.upper() in user.text.upper()

@@ -18,6 +18,7 @@ from yarclang.pipeline.modules import loader
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import CellNow, Request
+from yarclang.pipeline.trajectories import TrajectoryLoader
 from yarclang.pmac.program import Target
 from yarclang.robot.description import load_robot, read_robot
 from yarclang.robot.library import find_robot, list_robots
@@ -115,6 +116,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         target=options.target,
         load=loader(folder, options.texts),
         load_cell=load_cell,
+        load_table=TrajectoryLoader(folder, options.texts, options.memory),
         cell=cell.value,
         memory=options.memory,
         enough=options.enough,

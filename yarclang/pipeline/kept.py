@@ -1,4 +1,4 @@
-"""Robots and cells that were read before, as long as none of their files has changed.
+"""Robots, cells and trajectories that were read before, as long as none of their files has changed.
 
 They are the same values then, so that what was worked out for them holds.
 """
@@ -12,6 +12,7 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
+from yarclang.semantics.trajectory_file import TrajectoryFile
 from yarclang.shapes import Mesh, Shape
 
 Stamp = Hashable
@@ -64,6 +65,23 @@ def cell_kept(
     if cell is not None and stamp_of((path,)) == before:
         files = (path, *meshes_of(cell))
         memory.keep(key, (loaded, files, stamp_of(files)))
+    return loaded
+
+
+def trajectory_kept(
+    memory: Memory, path: Path, text: str | None, load: Callable[[], Result[TrajectoryFile]]
+) -> Result[TrajectoryFile]:
+    """A trajectory file that was read before; else as `robot_kept`."""
+    if memory is NO_MEMORY:
+        return load()
+    key = ("trajectory", path, path.absolute(), text)
+    before = stamp_of((path,))
+    kept: tuple[Result[TrajectoryFile], Stamp] | None = memory.get(key)
+    if kept is not None and (text is not None or kept[1] == before):
+        return kept[0]
+    loaded = load()
+    if loaded.value is not None and stamp_of((path,)) == before:
+        memory.keep(key, (loaded, before))
     return loaded
 
 

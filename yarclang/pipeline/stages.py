@@ -34,6 +34,7 @@ from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
 from yarclang.semantics.context import Context, GivenCell
+from yarclang.semantics.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 from yarclang.units import MS
@@ -48,7 +49,7 @@ class Request:
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
-    the modules that the program uses, `load_cell` its cell; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
+    the modules that the program uses, `load_cell` its cell, `load_table` its files of timetables; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
     keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough. `present` gives
     the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file).
     """
@@ -61,6 +62,7 @@ class Request:
     target: Target = "rotary"
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
+    load_table: Callable[[str, SourceFile | None], Result[TrajectoryFile]] | None = None
     cell: GivenCell | None = None
     index_needed: bool = True
     memory: Memory = NO_MEMORY
@@ -97,6 +99,7 @@ def context_of(request: Request) -> Context:
         request.fallback_start,
         request.load,
         request.load_cell,
+        request.load_table,
         request.cell,
         request.index_needed,
         request.memory,

@@ -12,6 +12,7 @@ from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
+from yarclang.semantics.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import FrameName, Module, Statement, Time
 from yarclang.units import Kind, Unit
@@ -61,6 +62,8 @@ class Context:
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
     """Gives the cell of a path as it stands in a module's file (None: in the program); the same one for the same file."""
+    load_table: Callable[[str, SourceFile | None], Result[TrajectoryFile]] | None = None
+    """Gives the trajectory file of a path as it stands in a module's file (None: in the program); the same one as long as the file doesn't change."""
     cell: GivenCell | None = None
     """The cell that the command line or yarc.toml names."""
     index_needed: bool = True

@@ -36,7 +36,7 @@ const panels = new Map();
 async function activate(context) {
   channel = window.createOutputChannel("YARC");
   serverChannel = window.createOutputChannel("YARC language server");
-  watcher = workspace.createFileSystemWatcher("**/*.{yarc,toml,urdf}");
+  watcher = workspace.createFileSystemWatcher("**/*.{yarc,toml,urdf,csv}");
   context.subscriptions.push(
     channel,
     serverChannel,

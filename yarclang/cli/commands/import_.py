@@ -13,7 +13,7 @@ from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
 from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:
-    from yarclang.convert.course import Wishes
+    from yarclang.convert.course import Converted, Wishes
     from yarclang.diagnostics import Diagnostic
     from yarclang.units import Kind, Unit
 
@@ -72,10 +72,10 @@ class _Time(ParamType[str]):
 @click.option(
     "--as",
     "form",
-    type=click.Choice(["moves", "spline"]),
-    help="Stop at each target, or pass all in one go (default: one go where the file has times).",
+    type=click.Choice(["moves", "spline", "timed"]),
+    help="Stop at each target, pass all in one go, or pass each at its time (default: at its time where the file has times of joint values).",
 )
-@click.option("--time", type=_Time(), help="MIN, 50% or seconds, instead of the file's times.")
+@click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
 @click.option(
     "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Take each N-th target only."
 )
@@ -83,6 +83,11 @@ class _Time(ParamType[str]):
     "--tolerance",
     type=PositiveNumber("T"),
     help="Take as few targets as keep the others within T (deg and mm) of the way.",
+)
+@click.option(
+    "--topic",
+    metavar="NAME",
+    help="The only topic of a bag that is read; one of joint states is a recording.",
 )
 def command(
     file: str,
@@ -94,10 +99,12 @@ def command(
     time: str | None,
     every: int,
     tolerance: float | None,
+    topic: str | None,
 ) -> None:
-    """Make a YARC program of FILE: a CSV table, a ROS trajectory (YAML or JSON), or an SRDF.
+    """Make a YARC program of FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
 
-    FILE.csv becomes FILE.yarc; - reads standard input. The program isn't planned: yarc check does that.
+    FILE.csv becomes FILE.yarc; - reads standard input. Way-points with times keep these; long lists go into a CSV file beside the program. The program isn't
+    planned: yarc check does that.
     """
     from yarclang.cli.show import show_findings
     from yarclang.convert.course import Wishes
@@ -108,13 +115,27 @@ def command(
     if output is None and destination != STANDARD and Path(destination).exists():
         raise click.UsageError(f"{destination} is there already; write elsewhere, or over it, with -o")
     named = tuple(name.strip() for name in joints.split(",")) if joints is not None else ()
-    wishes = Wishes(units or {}, named, form, time, every, tolerance)
-    text, diagnostics = _convert(file, robot, wishes)
-    if text is not None:
+    if form == "timed" and time is not None:
+        raise click.UsageError("--as timed keeps the file's times; leave --time out")
+    beside_it = None
+    if destination != STANDARD:
+        beside_it = re.sub(r"[^\w .-]", "_", Path(destination).name.removesuffix(".yarc"))
+    wishes = Wishes(units or {}, named, form, time, every, tolerance, beside_it, topic)
+    made, diagnostics = _convert(file, robot, wishes)
+    places: list[str] = []
+    if made is not None:
         from yarclang.cli.work import write_standard_output, write_whole
 
+        places = [str(Path(destination).parent / name) for name, _ in made.files]
+        refuse_collisions([file], [(place, "a trajectory") for place in places])
+        if output is None and (present := next((one for one in places if Path(one).exists()), None)):
+            raise click.UsageError(f"{present} is there already; write elsewhere, or over it, with -o")
+        for place, (_, content) in zip(places, made.files, strict=True):
+            diagnostics += write_whole(Path(place), content)
         diagnostics += (
-            write_standard_output(text) if destination == STANDARD else write_whole(Path(destination), text)
+            write_standard_output(made.text)
+            if destination == STANDARD
+            else write_whole(Path(destination), made.text)
         )
     show_findings(diagnostics)
     failed = any(one.is_error for one in diagnostics)
@@ -123,15 +144,26 @@ def command(
             f"{'<stdin>' if file == STANDARD else file}: {count_text(diagnostics)}; nothing written", err=True
         )
     elif destination != STANDARD:
-        click.echo(f"written to {destination}; yarc check plans it")
+        click.echo(f"written to {' and '.join((destination, *places))}; yarc check plans it")
     raise SystemExit(1 if failed else 0)
 
 
-def _convert(file: str, robot: str | None, wishes: Wishes) -> tuple[str | None, tuple[Diagnostic, ...]]:
-    from yarclang.convert.convert import convert
+def _convert(file: str, robot: str | None, wishes: Wishes) -> tuple[Converted | None, tuple[Diagnostic, ...]]:
+    from yarclang.convert.bag import is_bag
+    from yarclang.convert.convert import convert, convert_bag
     from yarclang.pipeline.inputs import robot_for
     from yarclang.pipeline.sources import LARGEST_DATA, read_source
 
+    if file != STANDARD and is_bag(Path(file)):
+        owner = robot_for(Path(file).parent, robot)
+        if owner.value is None:
+            return None, owner.diagnostics
+        of_bag = convert_bag(Path(file), owner.value, wishes)
+        return of_bag.value, (*owner.diagnostics, *of_bag.diagnostics)
+    if wishes.topic is not None:
+        raise click.UsageError(
+            "--topic is for bags: files that end in .bag, .db3 or .mcap, or the folder of one"
+        )
     read = read_source(file, LARGEST_DATA)
     if read.value is None:
         return None, read.diagnostics

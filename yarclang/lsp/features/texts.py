@@ -26,7 +26,7 @@ def _ready(server: Server, params: types.InitializedParams) -> None:  # noqa: AR
     if watches is None or not watches.dynamic_registration:
         return
     options = types.DidChangeWatchedFilesRegistrationOptions(
-        [types.FileSystemWatcher("**/*.{yarc,toml,urdf,srdf}")]
+        [types.FileSystemWatcher("**/*.{yarc,toml,urdf,srdf,csv}")]
     )
     registration = types.Registration("files", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options)
     server.client_register_capability(types.RegistrationParams([registration]))

@@ -1,0 +1,58 @@
+"""The parts of a program's text: numbers in columns, indices, times, comments."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.convert.course import Course
+from yarclang.hir import Array
+
+_DECIMALS = {"JOINTS": (6,), "RPY": (6,), "QUAT": (6, 6, 6, 9, 9, 9, 9)}
+"""The most decimals of each value; the last number counts for the rest."""
+
+STEP = 10
+"""From index to index."""
+
+SAME_PLACE = 1e-6
+"""Targets nearer than this [deg, mm] are one."""
+
+DEFAULT_TIME = "50%"
+"""What motions without a time of their own take."""
+
+
+def rows_of(values: Array, target: str) -> list[str]:
+    """The rows of `values` (w, k) in columns, each with as many decimals as its numbers need, up to a millionth."""
+    columns: list[list[str]] = []
+    most = _DECIMALS[target]
+    for number, column in enumerate(values.T):
+        last = most[min(number, len(most) - 1)]
+        rounded = np.round(column, last) + 0.0  # no minus before a zero
+        decimals = next(
+            (fewer for fewer in range(last) if np.abs(np.round(rounded, fewer) - rounded).max() < 1e-11), last
+        )
+        texts = [f"{value:.{decimals}f}" for value in (np.round(rounded, decimals) + 0.0).tolist()]
+        widest = max(map(len, texts))
+        columns.append([text.rjust(widest) for text in texts])
+    return [" ".join(row) for row in zip(*columns, strict=True)]
+
+
+def index_text(number: int) -> str:
+    """Return an index: P0010."""
+    return f"P{number:04}"
+
+
+def comment_of(course: Course, number: int, with_name: bool = False) -> str:
+    """Return the comment behind a target, with its name if wanted; empty if there is none."""
+    texts = [course.names[number]] if course.names and with_name else []
+    text = plain(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
+    return f"  ! {text}" if text else ""
+
+
+def plain(text: str) -> str:
+    """Return a text that stays in its line."""
+    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
+
+
+def seconds(time: float) -> str:
+    """Return a time [s] to the microsecond."""
+    return f"{time:.6f}".rstrip("0").rstrip(".")

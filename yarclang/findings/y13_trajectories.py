@@ -1,0 +1,62 @@
+"""Family 13, sixth part: the files of timed trajectories that stand beside programs."""
+
+from yarclang.findings.finding import Finding
+
+FINDINGS = (
+    Finding(
+        "Y1380",
+        "trajectory-columns",
+        "error",
+        "the columns of a trajectory file aren't those of the robot",
+        "The first line names the columns: time, all joints of the robot, and, for all joints or for none, their velocities and with these their accelerations. Columns are known by their "
+        "names: a joint that is missing or doubled would leave open where the arm goes.",
+        "time,J1,J2,J3,J4,J5,J5",
+        "time,J1,J2,J3,J4,J5,J6",
+    ),
+    Finding(
+        "Y1381",
+        "trajectory-units",
+        "error",
+        "the units of a trajectory file aren't clear",
+        "The header says them for all columns of a kind or for none; without them the units of the program's line or of its DEFAULT hold. Two units in one file, or two that contradict each other, would turn a joint by "
+        "57 times too much.",
+        "time [s],J1 [deg],J2 [rad]",
+        "time [s],J1 [deg],J2 [deg]",
+    ),
+    Finding(
+        "Y1382",
+        "trajectory-cells",
+        "error",
+        "a cell of a trajectory file is missing or no number",
+        "Every row has a cell for each column, and every cell is a finite decimal number. A gap, NaN or a decimal comma in the place of a joint would send the arm somewhere else.",
+        "0.5,10,0,nan,0,20,0",
+        "0.5,10,0,0,0,20,0",
+    ),
+    Finding(
+        "Y1383",
+        "trajectory-times",
+        "error",
+        "the times of a trajectory file do not increase, or it does not begin and end at rest",
+        "Each row is later than the one before. The robot stands at time 0 and in the last row: the velocities of these are 0.",
+        "0.5,10,0,0,0,20,0\n0.5,12,0,0,0,20,0",
+        "0.5,10,0,0,0,20,0\n0.6,12,0,0,0,20,0",
+    ),
+    Finding(
+        "Y1384",
+        "trajectory-empty",
+        "error",
+        "a trajectory file has no way-point",
+        "A trajectory has a header and at least one row after time 0: without one the arm has nowhere to go.",
+        "time,J1,J2,J3,J4,J5,J6",
+        "time,J1,J2,J3,J4,J5,J6\n0.5,10,0,0,0,20,0",
+    ),
+    Finding(
+        "Y1385",
+        "trajectory-place",
+        "error",
+        "a trajectory file isn't beside its program",
+        "A trajectory is a part of its program. Its file is called .csv and is in the folder of the program, or of the module that names it, or in a folder in there, so that both are copied, saved and reviewed together.",
+        'P0010 MOVEJ_TIMED "/tmp/path.csv"',
+        'P0010 MOVEJ_TIMED "path.csv"',
+    ),
+)

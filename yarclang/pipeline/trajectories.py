@@ -1,0 +1,74 @@
+"""Where the files of timed trajectories are: in the folder of the program or module that names them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.memory import NO_MEMORY, Memory
+from yarclang.pipeline.cells import file_of
+from yarclang.pipeline.kept import Stamp, stamp_of, trajectory_kept
+from yarclang.pipeline.sources import NO_TEXTS, read_source
+from yarclang.semantics.trajectory_file import SUFFIX, TrajectoryFile
+from yarclang.source import SourceFile
+
+
+class TrajectoryLoader:
+    """Reads the trajectory files of a program; a file that has changed is read again.
+
+    Args:
+        folder: of the program.
+        texts: files that are open somewhere, as for modules.
+        memory: keeps what was read.
+    """
+
+    def __init__(
+        self, folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS, memory: Memory = NO_MEMORY
+    ) -> None:
+        self._folder = folder
+        self._texts = texts
+        self._memory = memory
+        self._known: dict[Path, tuple[Stamp, Result[TrajectoryFile]]] = {}
+
+    def __call__(self, path: str, module: SourceFile | None) -> Result[TrajectoryFile]:
+        """Read the file of a line.
+
+        Args:
+            path: as the line names it.
+            module: the module that the line stands in; None: the program.
+
+        Returns:
+            None with a finding without a place if the file isn't beside the program, or can't be read as text.
+        """
+        folder = self._folder if module is None else Path(module.name).parent
+        refusal = _refusal(path, folder)
+        if refusal is not None:
+            return Result(None, (refusal,))
+        place = folder / path
+        stamp = stamp_of((place,))
+        known = self._known.get(place)
+        if known is not None and known[0] == stamp:
+            return known[1]
+        text = self._texts.get(place.absolute()) or self._texts.get(file_of(place))
+
+        def read() -> Result[TrajectoryFile]:
+            found = Result(text) if text is not None else read_source(str(place))
+            return Result(None if found.value is None else TrajectoryFile(found.value), found.diagnostics)
+
+        made = trajectory_kept(self._memory, place, None if text is None else text.text, read)
+        self._known[place] = stamp, made
+        return made
+
+
+def _refusal(path: str, folder: Path) -> Diagnostic | None:
+    """Return a finding if a path isn't that of a trajectory file beside a program."""
+    if not path.lower().endswith(SUFFIX) or not path.isprintable():
+        message = f"{path[-60:]!r} isn't called {SUFFIX}, as files of trajectories are"
+        return Diagnostic("Y1385", message, help='name a CSV file beside the program, for example "path.csv"')
+    whole = file_of(folder)
+    place = file_of(whole / path)
+    if Path(path).is_absolute() or not place.is_relative_to(whole):
+        message = f"{path[-60:]!r} isn't in the folder of the file that names it"
+        return Diagnostic("Y1385", message, help=f'copy it there, and write "{place.name}"')
+    return None

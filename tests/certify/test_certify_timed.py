@@ -1,5 +1,6 @@
 """How far a text is from a timetable at the same time: never below what dense sampling finds, hardly above it; and what isn't the table's is found."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +20,8 @@ from tests.certify.certify_bench import (
 )
 from yarclang import hir
 from yarclang.certify import certify
-from yarclang.certify.timed import programmed
+from yarclang.certify.bounds import Cubics
+from yarclang.certify.timed import largest_difference, programmed
 from yarclang.robot.model import Tolerance
 
 START = np.array([10, 20, -30, 40, 50, -60]) * DEG
@@ -192,3 +194,19 @@ def test_sliding_joints_are_held_to_lengths():
         "J4" in one.message and " mm" in one.message for one in result.diagnostics if one.code == "Y1159"
     )
     assert result.value.commands[0].tolerance == Tolerance(1e-4, 1e-3)
+
+
+def test_a_long_text_that_is_far_away_costs_no_more_memory():
+    """What is beyond at a border already isn't divided any further."""
+    rows = 3000
+    times = np.arange(1, rows + 1) * 0.1
+    table = hir.Timetable(times, np.sin(times)[:, None] * np.ones(6), None, None)
+    way = programmed(table, np.zeros(6))
+    still = np.zeros((rows, 6))
+    cubics = Cubics(still + 2.0, still, still, still, np.full(rows, 0.1))
+    tracemalloc.start()
+    most, _ = largest_difference(cubics, way, np.full(6, 1e-4))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert (most > 2.9).all()
+    assert peak < 40 * way.bezier.nbytes

@@ -2,7 +2,7 @@
 
 Between two rows the table asks for a polynomial in time, and each segment of the text is one. On each interval that neither a row nor a knot divides, the difference of both is a
 polynomial as well, and lies in the convex hull of its Bezier points: nothing is sampled. Where the hull is larger than what is allowed, the interval is
-halved, which brings the hull nearer to the curve.
+halved, which brings the hull nearer to the curve; not where the curve itself is found to be beyond.
 """
 
 from __future__ import annotations
@@ -110,7 +110,9 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
     most, when = np.zeros(off.shape[2]), np.zeros(off.shape[2])
     for _ in range(HALVINGS + 1):
         hull = np.abs(off).max(axis=1)
-        far = (hull > allowed).any(axis=1)
+        # where it is too far at an end already, a closer bound changes nothing
+        is_beyond = (np.abs(off[:, [0, -1]]) > allowed).any(axis=(1, 2))
+        far = (hull > allowed).any(axis=1) & ~is_beyond
         is_last = _ == HALVINGS
         near = hull if is_last else hull[~far]
         if len(near):

@@ -188,6 +188,16 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
     return "Y0604", message, origin.time_span or origin.span, help_, None
 
 
+def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
+    """A timetable of more segments than are planned."""
+    message = (
+        f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than {MOST_SEGMENTS:,} segments, "
+        "the most that are planned"
+    )
+    help_ = "divide it where the robot rests; a larger TOL wants fewer segments"
+    return "Y0604", message, origin.span, help_, None
+
+
 def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = None) -> Message:
     """A path along which the search for a law gives up."""
     message = f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % of the way"

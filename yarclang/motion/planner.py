@@ -296,7 +296,7 @@ class _Planner:
                 stretch = shortest_stretch(path_at, fitted, step.within, bounds, grid, step.stretch)
                 findings.add(*messages.timetable_refused(self.robot, fitted, step, stretch))
             case TooLong():
-                findings.add(*messages.too_long(self.robot, fitted, step.origin, None))
+                findings.add(*messages.too_long_a_table(fitted, step.origin))
         return None
 
     def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:

@@ -240,7 +240,7 @@ def measure_convert(number: int) -> Figures:
     if kind.startswith("the program"):
         _checked(loops(100))
         begun = time.perf_counter()
-        _checked(result.value)
+        _checked(result.value.text)
         seconds = time.perf_counter() - begun
     return {"seconds": seconds}
 

@@ -58,6 +58,8 @@ class Origin:
     """Where the name stands, for a fix that writes another one."""
     values_span: Span | None = None
     """An empty span where the values begin, for a fix that adds a way-point."""
+    stretch_span: Span | None = None
+    """Where the factor of STRETCH stands, for a fix that writes another one."""
     time_given: str = ""
     """Of a motion time that is a parameter of a SUB, what was given for it, and where."""
     place: str = ""
@@ -237,6 +239,85 @@ class SplineMove:
     blend: Reading | None = None
 
 
+@frozen(eq=False)
+class Timetable:
+    """Where all joints shall be at which times, and how fast.
+
+    Between two rows each joint goes along the quintic polynomial that has the positions, velocities and accelerations of both, where these are given; the cubic
+    polynomial with both velocities, where these are given alone; else all rows are joined by the one cubic spline in time with continuous acceleration and no velocity at both ends.
+
+    Attributes:
+        times: (k,) since the start of the motion [s], strictly increasing. The first may be 0: that row says where the motion begins.
+            Otherwise it begins where the robot stands, without velocity and acceleration.
+        positions: (k, n) [rad or m].
+        velocities: (k, n) [per s], or None for all rows. None at the last row.
+        accelerations: (k, n) [per s^2], or None for all rows; only with velocities.
+    """
+
+    times: Array
+    positions: Array
+    velocities: Array | None = None
+    accelerations: Array | None = None
+
+    @property
+    def begins(self) -> bool:
+        """True if the first row is the start, at time 0."""
+        return bool(self.times[0] == 0.0)
+
+    def stretched(self, factor: float) -> Timetable:
+        """Return the same way with all times times a factor."""
+        if factor == 1.0:
+            return self
+        parts = (
+            self.times * factor,
+            None if self.velocities is None else self.velocities / factor,
+            None if self.accelerations is None else self.accelerations / factor**2,
+        )
+        for part in parts:
+            if part is not None:
+                part.setflags(write=False)
+        times, velocities, accelerations = parts
+        assert times is not None
+        return Timetable(times, self.positions, velocities, accelerations)
+
+
+@frozen(eq=False)
+class TimedMove:
+    """All joints along a timetable, from where the robot stands to rest at its last row.
+
+    Attributes:
+        origin: the command.
+        table: the rows as they are written.
+        within: (n,) how far each joint may be from the path of the table at the same time [rad or m].
+        stretch: all times are multiplied by it.
+        timing: `duration` is the last time, stretched.
+        profile: none: the table says how fast the joints go.
+        tolerance: none: `within` says it.
+        blend: none: the motion ends at rest.
+        file: the file that has the table, as the program names it; empty if the rows stand in the program.
+    """
+
+    origin: Origin
+    table: Timetable
+    within: Array
+    stretch: float
+    timing: Timing
+    profile: str = ""
+    tolerance: float | None = None
+    blend: Reading | None = None
+    file: str = ""
+
+    @property
+    def asked(self) -> Timetable:
+        """The table with its times stretched."""
+        return self.table.stretched(self.stretch)
+
+    @property
+    def waypoints(self) -> tuple[JointGoal, ...]:
+        """The positions of all rows behind the start."""
+        return tuple(JointGoal(q) for q in self.table.positions[int(self.table.begins) :])
+
+
 @frozen
 class Signal:
     """An input or output: its name in the program, and the controller's variable, such as M11."""
@@ -323,7 +404,7 @@ class Gap:
     """A command with errors: what it does, and where the robot stands behind it, isn't known."""
 
 
-Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove
+Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
 Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
 Step = Motion | Action | Stop | Gap
 

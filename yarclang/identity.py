@@ -24,6 +24,7 @@ from yarclang.hir import (
     Program,
     Reading,
     Step,
+    TimedMove,
 )
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 
@@ -43,7 +44,8 @@ _WITHOUT_REFERENCES = 2
 
 def key_of(step: Motion) -> bytes:
     """What a motion does and what it moves, by value: all of it but where it stands in a text."""
-    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
+    # a table has them all in one array
+    goals = () if isinstance(step, TimedMove) else getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
     timing, speed = step.timing, step.timing.speed
     via: Array | None = getattr(step, "via", None)
     return flat(
@@ -55,7 +57,14 @@ def key_of(step: Motion) -> bytes:
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
         _key_of_link(step.origin.tool),
+        _key_of_table(step) if isinstance(step, TimedMove) else None,
     )
+
+
+def _key_of_table(step: TimedMove) -> Hashable:
+    table = step.table
+    arrays = (table.times, table.positions, table.velocities, table.accelerations, step.within)
+    return step.stretch, *(None if one is None else one.tobytes() for one in arrays)
 
 
 def _key_of_link(link: FrameLink | None) -> Hashable:

@@ -24,11 +24,14 @@ PROGRAMS = {
     "P0040 DMOVE 60 0 0 0 0 0\nP0050 DMOVE 0 0 80 0 0 0 [V 50]\n",
     "TOPP": HEAD
     + "P0010 MOVEJ_TOPP 40 10 -10 0 -30 0 [MIN]\nP0020 DMOVE_TOPP 0 0 -80 0 0 0 [MIN]\nP0030 MOVEJ HOME\n",
+    "timed": HEAD
+    + "P0010 MOVEJ_TIMED 20 0 0 0 -10 0 [1]; 40 10 -10 0 -30 0 [2.5] (deg,s)\nP0020 DMOVE 0 0 -60 0 0 0\n"
+    "P0030 MOVEJ_TIMED 20 0 0 0 -10 0 [1.5] VEL -10 0 0 0 10 0; 0 0 0 0 0 0 [3] VEL 0 0 0 0 0 0 (deg,s)\n",
     "prog": HEAD
     + "INPUT DOOR M11\nOUTPUT GLUE M1 OFF\nP0010 MOVEJ 20 0 0 0 -30 0\nP0020 SET GLUE ON\nP0030 WAIT DOOR ON [5]\n"
     "P0040 DMOVE 0 0 -40 0 0 0\nP0050 WAIT [0.5]\nP0060 MOVEJ HOME\n",
 }
-ROTARY = ("rotary", "barriers", "blends", "TOPP")
+ROTARY = ("rotary", "barriers", "blends", "TOPP", "timed")
 ALL = tuple(PROGRAMS)
 LIMIT = "X169.9Y0Z0A0B0C0"
 """A limit switch, almost."""

@@ -168,6 +168,26 @@ def motion(draw):
 
 
 @st.composite
+def timed_motion(draw):
+    """A motion whose way-points have times of their own, some with velocities and accelerations."""
+    parts = [draw(index), draw(word)]
+    points = []
+    for _ in range(draw(st.integers(1, 3))):
+        row = st.lists(value, min_size=1, max_size=6).map(" ".join)
+        point = f"{draw(row)}{draw(gap)}{draw(time)}"
+        if draw(st.booleans()):
+            point += f"{draw(gap)}{draw(st.sampled_from(['VEL', 'vel']))} {draw(row)}"
+            if draw(st.booleans()):
+                point += f"{draw(blank)}{draw(st.sampled_from(['ACC', 'acc']))}{draw(blank)}{draw(row)}"
+        points.append(point)
+    parts.append(draw(st.sampled_from(["; ", ";", " ;\n  ", "; ! to be continued\n"])).join(points))
+    if draw(st.booleans()):
+        parts.append(draw(units))
+    parts += draw(st.lists(st.one_of(option, number.map(lambda factor: f"STRETCH {factor}")), max_size=2))
+    return draw(blank).join(parts)
+
+
+@st.composite
 def call(draw):
     quantity = st.tuples(number, gap, unit).map(lambda parts: f"{parts[0]}{parts[1]}({parts[2]})")
     argument = st.one_of(number, computed, frame, name, quantity)
@@ -198,6 +218,7 @@ text = st.sampled_from(['"narrow plate"', '"! no comment"', '""'])
 command = st.one_of(
     motion(),
     motion(),
+    timed_motion(),
     call(),
     line(index, "STOP"),
     line(index, "HOLD", st.one_of(text, st.just(""))),

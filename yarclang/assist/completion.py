@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from yarclang.assist.candidates import Candidate, NameMaker
-from yarclang.assist.cursor import cursor_at
+from yarclang.assist.cursor import Cursor, cursor_at
 from yarclang.assist.snippets import command_snippet, declaration_snippet, next_index, plain_text
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import (
@@ -18,13 +18,16 @@ from yarclang.assist.vocabulary import (
     DECLARED,
     OPTIONS,
     OTHERS,
+    RATES,
     TIMES,
+    Entry,
     command_names,
     command_of,
     command_text,
     entry_text,
     unit_text,
 )
+from yarclang.commands.spec import CommandSpec
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
 from yarclang.semantics.scope import Input, JointPosition, Routine
@@ -140,11 +143,10 @@ class _Maker(NameMaker):
         if cursor.text == "" or cursor.kind == "open_frame":
             yield from self.frames()
         if spec.is_motion and cursor.values:
-            for name, entry in OPTIONS.items():
-                if not any(one.name == name for one in cursor.before):
-                    text = declaration_snippet(entry.example)
-                    yield self.make(name, "option", entry.summary, entry_text(name, entry), text, 1)
-        if spec.is_motion and not cursor.has("[") and cursor.values:
+            for name, entry in _options(spec, cursor):
+                text = declaration_snippet(entry.example)
+                yield self.make(name, "option", entry.summary, entry_text(name, entry), text, 1)
+        if spec.is_motion and not spec.is_timed and not cursor.has("[") and cursor.values:
             for text, entry in (("[MIN]", TIMES["MIN"]), ("[V ${1:250}]", TIMES["V"])):
                 if text != "[V ${1:250}]" or spec.moves_frame:
                     yield self.make(
@@ -215,3 +217,21 @@ class _Maker(NameMaker):
             if finding.severity != "error":
                 made = self.make(code, "finding", finding.title, finding.why, code, 0 if code in said else 1)
                 yield replace(made, span=self.span._replace(column=column))
+
+
+_OF_TABLES = ("STRETCH", "TOL")
+"""The options that a motion with a timetable takes."""
+
+
+def _options(spec: CommandSpec, cursor: Cursor) -> Iterator[tuple[str, Entry]]:
+    """Yield the options that a command may still take; behind the time of a way-point also what says how fast the joints are there."""
+    names = [one.name for one in cursor.before]
+    if spec.is_timed:
+        here = names[len(names) - names[::-1].index(";") :] if ";" in names else names
+        if "]" in here:
+            word = "ACC" if "VEL" in here else "VEL"
+            if word not in here:
+                yield word, RATES[word]
+    for name, entry in OPTIONS.items():
+        if (name in _OF_TABLES if spec.is_timed else name != "STRETCH") and name not in names:
+            yield name, entry

@@ -91,7 +91,7 @@ def _with_units(statement: Statement, names: str) -> Edit:
         return Edit(place, f",{names}" if statement.units.items else names)
     places = [statement.name.place]
     places += [statement.moving.place] if statement.moving else []
-    places += [value.place for waypoint in statement.waypoints for value in waypoint.values]
+    places += [item.place for waypoint in statement.waypoints for item in waypoint.items]
     places += [statement.time.place] if statement.time else []
     row, column = max((place.row, place.end) for place in places)
     line = statement.line + row

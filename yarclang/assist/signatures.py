@@ -86,7 +86,9 @@ def _has_frame(cursor: Cursor) -> bool:
 def _is_behind(cursor: Cursor) -> bool:
     """Whether the values are over: a time, units, the base frame or an option stand in front."""
     depth = 0
-    for number, one in enumerate(cursor.before[1:], 1):
+    # each way-point of a timetable has a time, and behind a semicolon values begin again
+    begins = max((number for number, one in enumerate(cursor.before) if one.text == ";"), default=0)
+    for number, one in enumerate(cursor.before[begins + 1 :], begins + 1):
         if one.text == "[" or (one.text == "(" and not depth):
             return cursor.head != "CALL"
         depth += (one.text in {"$(", "("}) - (one.text == ")")

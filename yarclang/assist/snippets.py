@@ -53,10 +53,13 @@ def command_snippet(view: View, name: str) -> str:
         if not values.of_joints and not (default and default.moving):
             parts.append(_braced(numbers.hole("TCP")))
         parts.append(_way_points(view, spec, values, numbers))
-    if spec.is_motion and not (default and default.time):
+    if spec.is_timed:
+        parts.append(f"[{numbers.hole('2')}]")
+    elif spec.is_motion and not (default and default.time):
         parts.append(f"[{numbers.hole('MIN')}]")
     if values is not None and not (default and default.units):
-        parts.append(f"({'deg' if values.of_joints else 'mm' if values.is_quaternion else 'mm,deg'})")
+        time = ",s" if spec.is_timed else ""
+        parts.append(f"({'deg' + time if values.of_joints else 'mm' if values.is_quaternion else 'mm,deg'})")
     if values is not None and not values.of_joints and not (default and default.base):
         parts.append(_braced(numbers.hole("B")))
     return " ".join(parts)

@@ -198,7 +198,7 @@ class _Reader:
             self._expression(statement.expression, statement)
         of_signal = statement.index is None and word in {"INPUT", "OUTPUT"}
         for waypoint in statement.waypoints:
-            for value in waypoint.values:
+            for value in waypoint.items:
                 if value is not own and not (of_signal and isinstance(value, Word)):
                     self._speak_of(value, statement)
         for item in statement.time.items if statement.time else ():

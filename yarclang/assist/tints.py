@@ -8,7 +8,7 @@ from typing import Literal
 
 from yarclang.assist.lexemes import Lexeme, lexemes_of
 from yarclang.assist.sketch import Sketch
-from yarclang.syntax.words import CONSTANTS, DECLARATIONS, FUNCTIONS, OPERATORS, OPTIONS, STATES
+from yarclang.syntax.words import CONSTANTS, DECLARATIONS, FUNCTIONS, OPERATORS, OPTIONS, RATES, STATES
 from yarclang.units import UNITS
 
 Tint = Literal[
@@ -125,7 +125,7 @@ def _plain(piece: Lexeme, *, is_head: bool, is_called: bool) -> Tint | None:
         return "keyword" if name in DECLARATIONS else "command"
     if piece.text.lower() in UNITS and name not in {"MIN"}:
         return "unit"
-    if name in OPTIONS or name in OPERATORS:
+    if name in OPTIONS or name in RATES or name in OPERATORS:
         return "keyword"
     if name in FUNCTIONS and (is_called or name != "MIN"):
         return "function"

@@ -79,12 +79,21 @@ OPTIONS: Mapping[str, Entry] = MappingProxyType(
             "how far the moving frame may be from its path, in length units, and be turned: by a degree for each millimetre",
             "TOL 0.05",
         ),
+        "STRETCH": Entry("makes all times of a timetable so many times as long", "STRETCH 1.5"),
         "NEAR": Entry(
             "of several solutions for a pose, takes the one nearest to this joint position", "NEAR HOME"
         ),
     }
 )
 """Words that begin an option."""
+
+RATES: Mapping[str, Entry] = MappingProxyType(
+    {
+        "VEL": Entry("the velocity of each joint at a way-point of a timetable", "VEL 0 0 3 0 3 0"),
+        "ACC": Entry("behind VEL, the acceleration of each joint there", "ACC 0 0 0 0 0 0"),
+    }
+)
+"""Words behind the time of a way-point."""
 
 TIMES: Mapping[str, Entry] = MappingProxyType(
     {
@@ -139,7 +148,7 @@ def command_names() -> tuple[str, ...]:
     """Every name of a command of commands/builtin, with all the suffixes that it takes."""
     names: list[str] = []
     for spec in commands().values():
-        laws = ("", *profile_names()) if spec.is_motion else ("",)
+        laws = ("", *profile_names()) if spec.is_motion and not spec.is_timed else ("",)
         targets = tuple(dict.fromkeys(("", *spec.targets)))
         avoids = ("", AVOID) if spec.may_avoid else ("",)
         names += [
@@ -176,7 +185,7 @@ def command_text(name: str) -> str:
         lines += ["", f"`_{target}`: {TARGETS[target]}"]
     if AVOID in name.split("_"):
         lines += ["", f"`_{AVOID}`: the straight way may be left to get round what is in it"]
-    if spec.is_motion:
+    if spec.is_motion and not spec.is_timed:
         lines += ["", f"`_{profile}`: {load_profile(profile).summary}"]
     lines += ["", "```yarc", *spec.examples, "```"]
     return "\n".join(lines)
@@ -199,7 +208,7 @@ def unit_text(name: str) -> str:
 
 def word_text(word: str) -> str:
     """What a word of the language means, wherever it stands, in Markdown; empty for what is none."""
-    for table in (OPTIONS, TIMES, OTHERS):
+    for table in (OPTIONS, RATES, TIMES, OTHERS):
         if word in table:
             return entry_text(word, table[word])
     return command_text(word)

@@ -87,7 +87,9 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
     for row, place in enumerate(layout.places):
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
-            if end.q is None and isinstance(place.motion, hir.JointMove | hir.AvoidMove | hir.SplineMove):
+            if end.q is None and isinstance(
+                place.motion, hir.JointMove | hir.AvoidMove | hir.SplineMove | hir.TimedMove
+            ):
                 assert ahead is not None
                 end = _End(end.flange, _joints(judged, layout, *ahead, end.flange))
             if end.q is not None:
@@ -110,6 +112,8 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
         case hir.JointMove(goal=hir.PoseGoal()):
             claimed = claimed_joints(judged, place, 1)
             end = q if claimed is None else claimed[0]
+        case hir.TimedMove(table=table):
+            end = table.positions[-1]
         case hir.SplineMove():
             claimed = claimed_joints(judged, place, len(motion.waypoints))
             end = q if claimed is None else claimed[-1]

@@ -16,6 +16,7 @@ from yarclang.certify.layout import Layout, Place, row_chunks
 from yarclang.certify.pose import distance
 from yarclang.certify.proofs import Proofs, law_of
 from yarclang.certify.spline import NaturalSpline, SplineBound, spline_deviation
+from yarclang.certify.timed import timed_move
 from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
@@ -45,8 +46,12 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
     for row, place in (*chosen[hir.SplineMove], *chosen[hir.AvoidMove]):
         go_on()
         proofs.deviations[place.step] = _spline_move(judged, layout, row, place, proofs)
+    for row, place in chosen[hir.TimedMove]:
+        go_on()
+        proofs.deviations[place.step] = timed_move(judged, layout, row, place, proofs.starts.q[row])
     for place in layout.places:
-        _judge_deviation(judged, place, proofs.deviations[place.step])
+        if not isinstance(place.motion, hir.TimedMove):
+            _judge_deviation(judged, place, proofs.deviations[place.step])
     return proofs
 
 

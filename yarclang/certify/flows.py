@@ -24,7 +24,7 @@ SHORTEST = 1e-6
 _TOGETHER = 4096
 """Corners that are looked at together."""
 
-IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove)
+IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
 
 
 @frozen

@@ -166,7 +166,11 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
 
 def moving_frame(motion: hir.Motion) -> Array:
     """Where the frame that a motion moves sits on the flange (4, 4): by its goals, else as its line says, else the flange itself."""
-    goals = motion.waypoints if isinstance(motion, hir.SplineMove | hir.PoseSplineMove) else (motion.goal,)
+    goals: tuple[object, ...] = ()
+    if isinstance(motion, hir.SplineMove | hir.PoseSplineMove):
+        goals = motion.waypoints
+    elif not isinstance(motion, hir.TimedMove):
+        goals = (motion.goal,)
     for goal in goals:
         if isinstance(goal, hir.PoseGoal | hir.PoseDelta):
             return goal.flange_from_moving

@@ -24,6 +24,7 @@ from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
 from yarclang.certify.speed import KEPT
 from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
+from yarclang.certify.timed import LATE, timed_tolerance
 from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
 from yarclang.diagnostics import Diagnostic
@@ -47,6 +48,7 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
         hir.ArcMove: "arc",
         hir.SplineMove: "spline",
         hir.PoseSplineMove: "pose_spline",
+        hir.TimedMove: "timed",
     }
 )
 GUARD_SHARE = 0.05
@@ -259,6 +261,9 @@ class Judge:
                 continue
             duration = _duration(layout, place)
             drift += duration - programmed
+            if isinstance(place.motion, hir.TimedMove):
+                self._table_time(place, duration, programmed)
+                continue
             allowed = place.size / (2.0 * TM_STEPS_PER_MS) * MS + 1e-9
             chained = place.before is not None or place.behind is not None
             if chained and place.size:
@@ -271,6 +276,15 @@ class Judge:
                     f"{programmed:.9g} s",
                     place.step,
                 )
+
+    def _table_time(self, place: Place, duration: float, programmed: float) -> None:
+        """Check that a motion takes the time of its table."""
+        if abs(duration - programmed) > LATE * (1.0 + 1e-6):
+            self.find(
+                "Y1156",
+                f"the motion takes {duration:.9g} s ({place.size} segments), its timetable {programmed:.9g} s; {LATE / MS:g} ms between are allowed",
+                place.step,
+            )
 
     def rest(self, layout: Layout) -> None:
         """Each command ends at rest."""
@@ -361,6 +375,12 @@ class Judge:
 
     # the table
 
+    def _own_tolerance(self, step: hir.Motion) -> Tolerance | None:
+        """Return the tolerance of a motion that has one of its own."""
+        if isinstance(step, hir.TimedMove):
+            return timed_tolerance(step, self.robot)
+        return None if step.tolerance is None else tolerance_of(step, self.tolerance)
+
     def command(
         self,
         layout: Layout,
@@ -398,7 +418,7 @@ class Judge:
             torque=torque,
             carries=self.handled.carried.get(place.step, ()),
             module=step.origin.source.module,
-            tolerance=None if step.tolerance is None else tolerance_of(step, self.tolerance),
+            tolerance=self._own_tolerance(step),
         )
 
 

@@ -164,6 +164,8 @@ def _end_by_itself(motion: hir.Motion) -> Array | None:
     match motion:
         case hir.JointMove(goal=hir.JointGoal(q=q)):
             return q
+        case hir.TimedMove(table=table):
+            return np.asarray(table.positions[-1])
         case hir.LineMove(goal=hir.PoseGoal() as goal) | hir.ArcMove(goal=hir.PoseGoal() as goal):
             return goal.base_from_moving
         case hir.PoseSplineMove(waypoints=waypoints):

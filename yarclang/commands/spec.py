@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Any
 
 from yarclang.frozen import frozen
-from yarclang.hir import Origin, Reading, Step, Timing
+from yarclang.hir import Array, Origin, Reading, Step, Timetable, Timing
 from yarclang.units import Kind
 
 
@@ -63,6 +63,16 @@ class Values(Enum):
         return ("length",) * 3 + ("angle",) * 3
 
 
+@frozen(eq=False)
+class Timed:
+    """The timetable of a motion: `table`, the tolerance `within` (n,) [rad or m], the factor `stretch` of all times, and the `file` that has the rows."""
+
+    table: Timetable
+    within: Array
+    stretch: float
+    file: str = ""
+
+
 @frozen
 class Arguments:
     """A checked command in SI, as its `build` gets it.
@@ -78,6 +88,8 @@ class Arguments:
     tolerance: float | None = None
     blend: Reading | None = None
     avoids: bool = False
+    timed: Timed | None = None
+    """What a command with `is_timed` has instead of goals."""
 
 
 @frozen
@@ -105,3 +117,6 @@ class CommandSpec:
     leading: tuple[Values, ...] = ()
     moves_frame: bool = False
     may_avoid: bool = False
+    is_timed: bool = False
+    """Whether each way-point has its own time: then the command takes no profile, and DEFAULT gives it no time. The way-points may stand in a file, whose path stands
+    in quotes instead of them."""

@@ -20,11 +20,14 @@ from yarclang.hir import (
     PoseSplineMove,
     Program,
     SplineMove,
+    TimedMove,
+    Timetable,
 )
 from yarclang.motion.plan import MotionPlan
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
+from yarclang.transforms import constant
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,11 +121,29 @@ def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:
         case SplineMove() if one.whole:
             places = [JointGoal(q) for q in (*one.waypoints[-2::-1], one.start)]
             return replace(step, waypoints=tuple(places))
+        case TimedMove(table=table) if one.whole:
+            return replace(step, table=_turned(table, one.start))
         case PoseSplineMove(waypoints=waypoints) if one.whole:
             first = _pose(robot, one.start, waypoints[0].flange_from_moving)
             return replace(step, waypoints=(*waypoints[-2::-1], first))
-    what = f"the robot was stopped within {step.origin.name}: what is left of a spline isn't the same curve"
+    kind = "a timetable" if isinstance(step, TimedMove) else "a spline"
+    what = f"the robot was stopped within {step.origin.name}: what is left of {kind} isn't the same curve"
     return Diagnostic("Y1614", what, help="move back by a command of its own: MOVEJ, MOVEL")
+
+
+def _turned(table: Timetable, start: Array) -> Timetable:
+    """Return a timetable backwards, from its last row to `start` (n,) [rad or m]."""
+    rows = slice(int(table.begins), None)
+    rest = np.zeros((1, len(start)))
+    whole = np.concatenate(([0.0], table.times[rows]))
+    positions = np.concatenate((start[None], table.positions[rows]))
+    velocities, accelerations = table.velocities, table.accelerations
+    if velocities is not None:
+        velocities = constant(-np.concatenate((rest, velocities[rows]))[::-1])
+    if accelerations is not None:
+        first = accelerations[:1] if table.begins else rest
+        accelerations = constant(np.concatenate((first, accelerations[rows]))[::-1])
+    return Timetable(constant(whole[-1] - whole[::-1]), constant(positions[::-1]), velocities, accelerations)
 
 
 def _pose(robot: Robot, q: Array, flange_from_moving: Array) -> PoseGoal:

@@ -158,4 +158,14 @@ FINDINGS = (
         "P0010 MOVEC {TCP} 0 1174.4 1026; 0 1174.4 926 0 0 0 [4] (mm,deg,s) {B}",
         "P0010 MOVEJ 0 -10 -40 0 -30 0 [5] (deg,s)\nP0020 MOVEC {TCP} 50 1174.4 1126; 0 1174.4 1076 0 0 0 [MIN] (mm,deg,s) {B}",
     ),
+    Finding(
+        "Y0421",
+        "bad-timetable",
+        "error",
+        "the way-points of a timetable have no sound times",
+        "Each way-point of MOVEJ_TIMED has its time in square brackets, counted from the start of the motion, and times grow. VEL, and behind it ACC, stand at all way-points or at none; "
+        "the motion ends at rest.",
+        "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [1] (deg,s)",
+        "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [4] (deg,s)",
+    ),
 )

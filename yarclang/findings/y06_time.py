@@ -101,4 +101,29 @@ FINDINGS = (
         "_TOPP searches its law numerically, from place to place. Where a path is so jagged that joints have to turn by much in no way at all, "
         "as beside a singularity, the search can give up. The message names the place. The other laws need no search.",
     ),
+    Finding(
+        "Y0615",
+        "table-begins-elsewhere",
+        "error",
+        "a timetable begins where the robot doesn't stand",
+        "A row at time 0 says where the motion begins. The robot is somewhere else then, and would have to jump there.",
+    ),
+    Finding(
+        "Y0616",
+        "timetable-too-fast",
+        "error",
+        "a timetable breaks a limit",
+        "The times, velocities and accelerations of a timetable decide how fast every joint goes. The message names the joint or motor, the time and the excess; the "
+        "factor of STRETCH is the smallest that works: it was tried.",
+        "P0010 MOVEJ_TIMED 90 0 0 0 0 0 [1] (deg,s)",
+        "P0010 MOVEJ_TIMED 90 0 0 0 0 0 [1] (deg,s) STRETCH 3",
+    ),
+    Finding(
+        "Y0617",
+        "timetable-not-held",
+        "error",
+        "a timetable can't be held within the tolerance",
+        "The controller runs a spline with segments of one duration. Where the path of a timetable bends more sharply than the shortest segments can follow, a joint is farther from it than TOL "
+        "allows. Velocities and accelerations that don't belong to the positions give such a path.",
+    ),
 )

@@ -18,6 +18,7 @@ from yarclang.syntax.words import (
     OPERATORS,
     OPTIONS,
     OTHER_COMMANDS,
+    RATES,
     STATES,
 )
 from yarclang.units import UNITS
@@ -49,7 +50,7 @@ def words() -> Words:
         declarations=_ordered(DECLARATIONS - blocks),
         commands=_ordered(names | OTHER_COMMANDS),
         suffixes=_ordered({*TARGETS, *profile_names(), AVOID}),
-        options=_ordered(OPTIONS),
+        options=_ordered(OPTIONS | RATES),
         operators=_ordered(OPERATORS),
         functions=_ordered(FUNCTIONS),
         constants=_ordered(CONSTANTS | STATES),

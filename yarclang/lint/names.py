@@ -90,7 +90,7 @@ def _read(statement: Statement, word: str, found: Names) -> None:
     if statement.expression is not None:
         _expression(statement.expression, found)
     for waypoint in statement.waypoints:
-        for value in waypoint.values:
+        for value in waypoint.items:
             if type(value) is not Number and value is not own:  # most are numbers
                 _speak_of(value, found)
     if statement.time is not None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 from yarclang.diagnostics import Edit, Fix
-from yarclang.hir import Motion, Origin
+from yarclang.hir import Motion, Origin, TimedMove
 from yarclang.motion.cruise import CruiseBroken
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
 from yarclang.motion.profile import NoLaw
 from yarclang.motion.singular import Nearest
+from yarclang.motion.timed import Broken, Missed
 from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
 from yarclang.units import DEG, MM, MS, UNITS
@@ -54,6 +55,41 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     if near is not None:
         message += f"; {_beside(robot, near)}"
     return code, message, span, help_, fix
+
+
+def timetable_refused(
+    robot: Robot, refused: Broken | Missed, step: TimedMove, stretch: float | None
+) -> Message:
+    """A timetable that breaks a limit, or that the controller's segments can't follow; `stretch` is the shortest that works."""
+    origin, when = step.origin, f"{refused.time:.4g} s after the start"
+    if isinstance(refused, Broken):
+        code = "Y0912" if refused.demand.watch is not None else "Y0616"
+        message = f"{_excess(robot, step, refused.demand, refused.share)}, {when}"
+        other = ""
+    else:
+        name, unit = robot.joint_names[refused.joint], robot.axis_unit_names[refused.joint]
+        factor = robot.axis_units[refused.joint]
+        code = "Y0617"
+        message = (
+            f"{name} would be {refused.off / factor:.3g} {unit} from the path of the timetable, {when}, with the shortest segments of "
+            f"{refused.segment / MS:.4g} ms; allowed are {step.within[refused.joint] / factor:.3g} {unit}"
+        )
+        other = "; or allow more with TOL"
+    if stretch is None:
+        return (
+            code,
+            message,
+            origin.span,
+            f"no STRETCH is found that works: look at positions, velocities and accelerations there{other}",
+            None,
+        )
+    edit = None
+    if origin.stretch_span is not None:
+        edit = Edit(origin.stretch_span, f"{stretch:.10g}")
+    elif origin.end_span is not None and step.stretch == 1.0:
+        edit = Edit(origin.end_span, f" STRETCH {stretch:.10g}")
+    fix = None if edit is None else Fix(f"write STRETCH {stretch:.10g}", (edit,))
+    return code, message, origin.span, f"the shortest STRETCH that works is {stretch:.10g}{other}", fix
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:

@@ -20,7 +20,7 @@ from yarclang.robot.model import Robot
 class PlannedMotion:
     """One motion: step number `step` of the program.
 
-    `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
+    `profile` is empty for a motion along a timetable. `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
     `curve` goes from rest to rest, or, where it flows into its neighbours, from the middle of one overlap to that of the
     next; `overlap` are the segments of the one at its end, none where both paths are kept to, None where it ends at rest. `law` are the control values of the share of the
     way over its own time from rest to rest, half an overlap longer at either side. `kept` is the share of a speed asked for that is reached, `least` that below which it doesn't fall then, as of `Piece`.
@@ -98,9 +98,11 @@ class MotionPlan:
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
-        """The steps of the motions whose law has no limit of the jerk."""
+        """The steps of the motions whose law has no limit of the jerk, or that have no law but a timetable."""
         return frozenset(
-            motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
+            motion.step
+            for motion in self.motions
+            if not motion.profile or not load_profile(motion.profile).has_jerk_limit
         )
 
     @property

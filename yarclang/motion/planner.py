@@ -9,7 +9,7 @@ from functools import partial
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.frozen import frozen
-from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Step, Stop
+from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Step, Stop, TimedMove
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
@@ -25,11 +25,13 @@ from yarclang.motion.leading.led import FrameWay
 from yarclang.motion.limits import Bounds, Grid, bounds_of
 from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
+from yarclang.motion.paths.timed import TimedPath, along
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.motion.profile import NoLaw, load_profile
 from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
+from yarclang.motion.timed import Broken, Missed, fit_timed, shortest_stretch
 from yarclang.motion.together import Tried, TriedAhead
 from yarclang.motion.zones import SlowZones, moving_of, slow_zones
 from yarclang.progress import tell
@@ -227,8 +229,13 @@ class _Planner:
         if zones is not None:
             bounds = replace(bounds, zones=zones)
         # inverse kinematics and sums come back to a place but for rounding: far below a count, nothing moves
-        if isinstance(path, JointPath) and bool((path.slope <= NO_WAY * self.robot.axis_units).all()):
+        is_still = isinstance(path, JointPath | TimedPath) and bool(
+            (path.slope <= NO_WAY * self.robot.axis_units).all()
+        )
+        if is_still:
             findings.add(*messages.no_motion(step.origin))
+        if isinstance(step, TimedMove) and isinstance(path, TimedPath):
+            return self._timed(step, path, bounds, tolerance, findings)
         profile = load_profile(step.profile)
         full: float | None = None
         grid = self.settings.grid
@@ -270,10 +277,34 @@ class _Planner:
                 findings.add(*messages.not_held(fitted, grid.smallest, step.origin))
         return None
 
+    def _timed(
+        self, step: TimedMove, path: TimedPath, bounds: Bounds, tolerance: Tolerance, findings: Collector
+    ) -> Link | None:
+        """Plan a motion along a timetable; None with a finding if it can't be done so."""
+        grid = self.settings.grid
+        fitted = fit_timed(path, step.within, bounds, grid)
+        match fitted:
+            case Curve():
+                # it has no law, and flows into nothing
+                profile = load_profile(_NO_JERK_LIMIT)
+                return Link(path, profile, None, None, bounds, tolerance, None, fitted)
+            case Broken() | Missed():
+
+                def path_at(stretch: float) -> TimedPath:
+                    return along(step.table.stretched(stretch), path.start)
+
+                stretch = shortest_stretch(path_at, fitted, step.within, bounds, grid, step.stretch)
+                findings.add(*messages.timetable_refused(self.robot, fitted, step, stretch))
+            case TooLong():
+                findings.add(*messages.too_long(self.robot, fitted, step.origin, None))
+        return None
+
     def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:
         """Return a motion of which nothing is worked out yet but its path; None where more has to be known."""
+        if not isinstance(path, CartesianPath):
+            return None
         timing, profile = step.timing, load_profile(step.profile)
-        if not isinstance(path, CartesianPath) or not profile.has_cruise or timing.duration is not None:
+        if not profile.has_cruise or timing.duration is not None:
             return None
         full = None
         if timing.speed is not None:
@@ -373,6 +404,9 @@ ENOUGH_LINKED = 12
 """Motions without a stop between them that are planned of a program with errors. What is found there besides are stops at corners and times that
 aren't kept, and a long chain takes seconds.
 """
+
+_NO_JERK_LIMIT = "TOPP"
+"""A profile whose law has no limit of the jerk, as a timetable has none."""
 
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""

@@ -33,6 +33,7 @@ from yarclang.hir import (
     PoseSplineMove,
     SplineMove,
     Step,
+    TimedMove,
     When,
 )
 from yarclang.identity import key_of
@@ -41,7 +42,7 @@ from yarclang.motion.chains.corners import long_chains
 from yarclang.motion.leading import messages
 from yarclang.motion.leading.ahead import WaysAhead
 from yarclang.motion.leading.frame_motions import frame_motion, frame_way
-from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion
+from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion, timed_motion
 from yarclang.motion.leading.led import FrameWay, Led
 from yarclang.motion.leading.reached import ReachedAhead
 from yarclang.motion.leading.solving import Solver, flange_at, is_free
@@ -321,6 +322,8 @@ class Router:
                 return avoiding_motion(solver, step, q, findings, taken)
             case SplineMove():
                 return spline_motion(solver, step, q, findings, taken)
+            case TimedMove():
+                return timed_motion(solver, step, q, findings)
             case LineMove() | ArcMove() | PoseSplineMove():
                 return frame_motion(solver, step, q, findings)
 
@@ -342,6 +345,8 @@ class Router:
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> tuple[Array | None, Array | None, FrameWay | None]:
         """Return where a motion from an unknown place leads: joint positions (n,) if they are written, the flange's pose (4, 4), and the way of its frame."""
+        if isinstance(step, TimedMove):
+            return step.table.positions[-1], None, None
         goals = step.waypoints if isinstance(step, SplineMove | PoseSplineMove) else (step.goal,)
         way = None
         if before.flange is not None and isinstance(step, LineMove | ArcMove | PoseSplineMove):
@@ -371,6 +376,8 @@ def _joint_goal(step: Motion) -> JointGoal | JointDelta | PoseGoal | None:
     """Return where a motion of the joints leads; None for motions of a frame."""
     if isinstance(step, JointMove | AvoidMove):
         return step.goal
+    if isinstance(step, TimedMove):
+        return JointGoal(step.table.positions[-1])
     return step.waypoints[-1] if isinstance(step, SplineMove) else None
 
 

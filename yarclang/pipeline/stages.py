@@ -19,7 +19,7 @@ from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
 from yarclang.diagnostics import Result, grouped, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step
+from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step, Timetable
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
@@ -48,7 +48,7 @@ class Request:
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
-    the modules that the program uses, `load_cell` its cell; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
+    the modules that the program uses, `load_cell` its cell, `load_table` the timetables in files; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
     keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough. `present` gives
     the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file).
     """
@@ -61,6 +61,7 @@ class Request:
     target: Target = "rotary"
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
+    load_table: Callable[[str, SourceFile, tuple[str, ...]], Result[Timetable]] | None = None
     cell: GivenCell | None = None
     index_needed: bool = True
     memory: Memory = NO_MEMORY
@@ -97,6 +98,7 @@ def context_of(request: Request) -> Context:
         request.fallback_start,
         request.load,
         request.load_cell,
+        request.load_table,
         request.cell,
         request.index_needed,
         request.memory,

@@ -28,7 +28,7 @@ def name_arguments(statement: Statement, findings: Collector, since: int, given:
     computed = [
         item
         for item in (
-            *(value for waypoint in statement.waypoints for value in waypoint.values),
+            *(item for waypoint in statement.waypoints for item in waypoint.items),
             *(statement.time.items if statement.time else ()),
             *(option.argument for option in statement.options),
         )

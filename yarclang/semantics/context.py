@@ -8,7 +8,7 @@ from dataclasses import field, replace
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
-from yarclang.hir import Array
+from yarclang.hir import Array, Timetable
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
 from yarclang.semantics.scope import Scope
@@ -61,6 +61,8 @@ class Context:
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
     """Gives the cell of a path as it stands in a module's file (None: in the program); the same one for the same file."""
+    load_table: Callable[[str, SourceFile, tuple[str, ...]], Result[Timetable]] | None = None
+    """Gives the timetable of a path as it stands in a file of the program, for joints of these names: numbers as the table has them, times in s."""
     cell: GivenCell | None = None
     """The cell that the command line or yarc.toml names."""
     index_needed: bool = True

@@ -86,7 +86,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
             target = suffix
         elif position == bool(target) and spec.may_avoid and suffix == AVOID:
             avoids = True
-        elif position == len(suffixes) - 1 and spec.is_motion and suffix in profiles:
+        elif position == len(suffixes) - 1 and _has_law(spec) and suffix in profiles:
             profile = suffix
         else:
             findings.add(
@@ -120,12 +120,17 @@ def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool
     return None, (), False
 
 
+def _has_law(spec: CommandSpec) -> bool:
+    """Return True if a command takes a profile: a timetable has no other law."""
+    return spec.is_motion and not spec.is_timed
+
+
 def _wrong_suffix(spec: CommandSpec, suffix: str, suffixes: tuple[str, ...], profiles: Iterable[str]) -> str:
     if suffix in suffixes[: suffixes.index(suffix)] or suffixes.count(suffix) > 1:
         return f"the suffix _{suffix} stands twice"
     if (
         suffix in spec.targets
-        or (spec.is_motion and suffix in profiles)
+        or (_has_law(spec) and suffix in profiles)
         or (spec.may_avoid and suffix == AVOID)
     ):
         return f"_{suffix} stands in the wrong place in {spec.name}_{'_'.join(suffixes)}"
@@ -135,7 +140,7 @@ def _wrong_suffix(spec: CommandSpec, suffix: str, suffixes: tuple[str, ...], pro
 def _taken(spec: CommandSpec, profiles: Iterable[str]) -> str:
     targets = [f"_{target}" for target in spec.targets if target]
     avoids = [f"_{AVOID}"] if spec.may_avoid else []
-    laws = [f"_{profile}" for profile in profiles] if spec.is_motion else []
+    laws = [f"_{profile}" for profile in profiles] if _has_law(spec) else []
     if not targets and not laws:
         return f"{spec.name} takes no suffix"
     kinds = [

@@ -29,6 +29,9 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
             )
         elif word == "TOL":
             tolerance = _tolerance(line, option)
+        elif word == "STRETCH":
+            message = "STRETCH stretches the times of a timetable: only MOVEJ_TIMED takes it"
+            line.findings.add("Y0412", message, span, "take it away, and write another motion time")
         elif word == "BLEND":
             blend = _blend(line, option)
     return timing, tolerance, blend

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from yarclang.commands.spec import Arguments
 from yarclang.diagnostics import Collector
@@ -15,6 +16,7 @@ from yarclang.semantics.names import ResolvedName
 from yarclang.semantics.options import limited
 from yarclang.semantics.parts import ALL_PARTS, refuse_parts
 from yarclang.semantics.scope import Scope
+from yarclang.semantics.timed import refuse_rates, stretch_span, timed_of
 from yarclang.semantics.times import resolve_time
 from yarclang.semantics.units import resolve_units
 from yarclang.source import Span
@@ -46,6 +48,19 @@ def to_step(
     else:
         line = Line(statement, name, name.values, context.robot, defaults, scope, units, findings)
         moved = moved_by(line)
+        refuse_rates(line)
+        if name.spec.is_timed:
+            timed = timed_of(line, context.load_table)
+            if timed is None:
+                return None
+            duration = float(timed.table.times[-1]) * timed.stretch
+            # its time is that of one way-point: no other one will do
+            origin = replace(
+                origin_of(statement, name.full, findings, units, moved),
+                time_span=None,
+                stretch_span=stretch_span(statement),
+            )
+            return name.spec.build(Arguments(origin, (), "", Timing(duration), timed=timed))
         goals = goals_of(line, moved.frames)
         timing = (
             resolve_time(statement, units, defaults, scope, findings, has_speed=name.spec.moves_frame)

@@ -30,7 +30,7 @@ from yarclang.semantics.recalling import step_before
 from yarclang.semantics.repeats import counted, repeats
 from yarclang.semantics.scope import Scope, Where
 from yarclang.semantics.to_hir import origin_of, to_step
-from yarclang.syntax.ast import Block, Module, Node, Statement
+from yarclang.syntax.ast import Block, Module, Node, Statement, Text
 from yarclang.syntax.words import DECLARATIONS
 
 
@@ -322,7 +322,8 @@ class _Unroller:
         def make(defaults: Defaults, names: Scope) -> Step | None:
             return to_step(statement, name, context, defaults, names, findings)
 
-        if not is_alone or isinstance(context.memory, Forgetful):
+        # what a command takes from a file isn't in its text
+        if not is_alone or isinstance(context.memory, Forgetful) or _names_file(statement):
             return make(file.defaults, scope)
         return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
 
@@ -332,6 +333,11 @@ class _Unroller:
         error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))
         if error is not None:
             self._tell_too_much(error)
+
+
+def _names_file(statement: Statement) -> bool:
+    """Return True if a text in quotes stands instead of a command's way-points."""
+    return len(statement.waypoints) == 1 and isinstance(statement.waypoints[0].values[0], Text)
 
 
 def _last_line(node: Node) -> int:

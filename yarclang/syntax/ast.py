@@ -26,6 +26,7 @@ __all__ = [
     "Percent",
     "Place",
     "Quantity",
+    "Rate",
     "Statement",
     "Text",
     "Time",
@@ -59,11 +60,45 @@ Value = Number | Word | Text | Other | Computed | FrameName | Quantity | Paramet
 in the head of a SUB."""
 
 
+Item = Value | Percent | ComputedPercent
+"""What stands at a way-point, its time among it."""
+
+
+@frozen
+class Rate:
+    """Velocities or accelerations of all joints at a way-point: VEL or ACC, and their values."""
+
+    word: Word
+    values: tuple[Value, ...]
+
+    @property
+    def place(self) -> Place:
+        """From the word to the last value of the same row."""
+        row = self.word.place.row
+        last = [value.place for value in self.values if value.place.row == row]
+        return Place(row, self.word.place.start, (last[-1] if last else self.word.place).end)
+
+
 @frozen
 class WayPoint:
-    """The values between two semicolons; the words, arguments or parameters of a line that has no way-points."""
+    """The values between two semicolons; the words, arguments or parameters of a line that has no way-points.
+
+    `time` is the way-point's own time in square brackets, `velocity` and `acceleration` what stands behind it (VEL, ACC). The time of
+    the last way-point is the motion time of its statement, and stands there.
+    """
 
     values: tuple[Value, ...]
+    time: Time | None = None
+    velocity: Rate | None = None
+    acceleration: Rate | None = None
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """All that stands at the way-point: values, its time, velocities, accelerations."""
+        if self.time is None and self.velocity is None:  # nearly always
+            return self.values
+        rates = [rate.values for rate in (self.velocity, self.acceleration) if rate is not None]
+        return (*self.values, *(self.time.items if self.time else ()), *(one for row in rates for one in row))
 
     @property
     def place(self) -> Place:
@@ -168,9 +203,11 @@ class Statement:
         """The place of the last part: they stand in one order."""
         if self.options:
             return (self.options[-1].argument or self.options[-1].word).place
-        for part in (self.base, self.units, self.time, self.expression):
+        last = self.waypoints[-1] if self.waypoints else None
+        rates = (None, None) if last is None else (last.acceleration, last.velocity)
+        for part in (self.base, self.units, *rates, self.time, self.expression):
             if part is not None:
-                return part.place
+                return part.values[-1].place if isinstance(part, Rate) else part.place
         if self.waypoints and self.waypoints[-1].values:
             return self.waypoints[-1].values[-1].place
         return (self.moving or self.name).place

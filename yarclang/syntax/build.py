@@ -19,6 +19,7 @@ from yarclang.syntax.ast import (
     Percent,
     Place,
     Quantity,
+    Rate,
     Statement,
     Text,
     Time,
@@ -67,7 +68,7 @@ def statement(text: str, tree: Any) -> Statement:
             if len(children) > 1:
                 moving = FrameName(str(children[1]), place_of(children[1]))
         elif kind == "values":
-            waypoints = tuple([WayPoint(tuple(_items(rows, child.children))) for child in children])
+            waypoints, time = _waypoints(rows, children)
         elif kind == "time":
             time = Time(tuple(_items(rows, children[1:-1])), _bracket(children))
         elif kind == "units":
@@ -103,6 +104,25 @@ def statement(text: str, tree: Any) -> Statement:
     )
 
 
+def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | None]:
+    """The way-points with all that is said of each, and the time of the last one, which is the motion's."""
+    waypoints: list[WayPoint] = []
+    parts: dict[str, Any] = {}
+    for child in children:
+        kind = child.data
+        if kind == "waypoint":
+            if parts:
+                waypoints.append(WayPoint(**parts))
+            parts = {"values": tuple(_items(rows, child.children))}
+        elif kind == "time":
+            parts["time"] = Time(tuple(_items(rows, child.children[1:-1])), _bracket(child.children))
+        else:  # velocity, acceleration
+            word, *values = _items(rows, child.children)
+            parts[kind] = Rate(word, tuple(values))
+    time = parts.pop("time", None)
+    return (*waypoints, WayPoint(**parts)), time
+
+
 def _items(rows: Rows, children: Any) -> list[Any]:
     """Tokens and small trees as leaves; a run of numbers becomes its numbers."""
     found: list[Any] = []
@@ -124,7 +144,7 @@ def _items(rows: Rows, children: Any) -> list[Any]:
 
 
 _LEAVES: dict[str | None, Any] = {
-    **dict.fromkeys(["WORD", "OPTION", "CALL", "SUB", "LET", "IF", "LONE", "NAME"], Word),
+    **dict.fromkeys(["WORD", "OPTION", "VEL", "ACC", "CALL", "SUB", "LET", "IF", "LONE", "NAME"], Word),
     "STRING": Text,
     "FRAME": FrameName,
     "OTHER": Other,

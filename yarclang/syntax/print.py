@@ -21,6 +21,7 @@ from yarclang.syntax.ast import (
     Quantity,
     Statement,
     Text,
+    Time,
     WayPoint,
     Word,
 )
@@ -111,7 +112,9 @@ def _rows_of(statement: Statement) -> list[_Row]:
         parts += ["="] * bool(statement.waypoints)  # LET's name stands before it
         parts.append(print_expression(statement.expression))
     if statement.time:
-        parts.append(f"[{' '.join(_item(item) for item in statement.time.items)}]")
+        parts.append(_time(statement.time))
+    if statement.waypoints:
+        parts += _rates(statement.waypoints[-1])
     if statement.units:
         parts.append(f"({','.join(item.text.lower() for item in statement.units.items)})")
     if statement.base:
@@ -150,9 +153,31 @@ def print_expression(expression: Expression) -> str:
 def _waypoints(waypoints: tuple[WayPoint, ...]) -> str:
     lines = groupby(waypoints, key=lambda waypoint: waypoint.place.row)
     return ";\n".join(
-        "; ".join(" ".join(_item(value) for value in waypoint.values) for waypoint in line)
-        for _, line in lines
+        "; ".join(_waypoint(waypoint, waypoint is waypoints[-1]) for waypoint in line) for _, line in lines
     )
+
+
+def _waypoint(waypoint: WayPoint, is_last: bool) -> str:
+    """A way-point with its time; what is said of the last one's velocity stands behind the motion time."""
+    parts = [_item(value) for value in waypoint.values]
+    if waypoint.time:
+        parts.append(_time(waypoint.time))
+    if not is_last:
+        parts += _rates(waypoint)
+    return " ".join(parts)
+
+
+def _time(time: Time) -> str:
+    return f"[{' '.join(_item(item) for item in time.items)}]"
+
+
+def _rates(waypoint: WayPoint) -> list[str]:
+    return [
+        _item(one)
+        for rate in (waypoint.velocity, waypoint.acceleration)
+        if rate is not None
+        for one in (rate.word, *rate.values)
+    ]
 
 
 def _option(option: Option) -> list[str]:

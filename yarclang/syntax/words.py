@@ -34,8 +34,11 @@ OTHER_COMMANDS = frozenset(["WAIT", "SET", "HOLD", "CALL"])
 AVOID = "AVOID"
 """The suffix of a name, between target and profile, of a motion that goes round obstacles."""
 
-OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR"])
+OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH"])
 """Words that begin an option."""
+
+RATES = frozenset(["VEL", "ACC"])
+"""Words that begin the velocities and accelerations at a way-point. They stand behind a time only, where no name stands."""
 
 OPERATORS = frozenset(["OR", "AND", "NOT"])
 """Operators that are words."""

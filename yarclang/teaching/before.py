@@ -24,6 +24,7 @@ from yarclang.hir import (
     PoseSplineMove,
     SplineMove,
     Step,
+    TimedMove,
     When,
 )
 from yarclang.pipeline.stages import check_program
@@ -139,7 +140,7 @@ class _Walk:
                     "correct that line first",
                     "before",
                 )
-            case SplineMove() | PoseSplineMove():
+            case SplineMove() | PoseSplineMove() | TimedMove():
                 self._to(step.waypoints[-1])
             case JointMove() | AvoidMove() | LineMove() | ArcMove():
                 self._to(step.goal)

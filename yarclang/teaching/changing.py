@@ -135,7 +135,7 @@ def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, in
     if statement.moving is not None and "moving" in before:
         places.append(statement.moving.place)
     if "value" in before:
-        places += [value.place for point in statement.waypoints[-1:] for value in point.values]
+        places += [item.place for point in statement.waypoints[-1:] for item in point.items]
     for name, one in (("time", statement.time), ("units", statement.units), ("base", statement.base)):
         if one is not None and name in before:
             places.append(one.place)

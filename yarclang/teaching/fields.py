@@ -10,7 +10,7 @@ from yarclang.assist.sketch import Sketch
 from yarclang.assist.vocabulary import command_of
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.frozen import frozen
-from yarclang.syntax.ast import FrameName, Option, Statement, Value, Word
+from yarclang.syntax.ast import FrameName, Option, Statement, Text, Value, Word
 from yarclang.syntax.leaves import Place
 from yarclang.teaching.points import meanings, own_values
 from yarclang.units import UNITS, Kind
@@ -126,11 +126,14 @@ class Reader:
 
     def _tail(self, statement: Statement, spec: CommandSpec, meant: tuple[Values, ...]) -> Iterator[Placed]:
         length, time = self._unit("length"), self._unit("time")
-        yield from _times(statement, has_speed=spec.moves_frame, unit=time, speed=f"{length}/{time}")
+        if spec.is_timed:
+            yield _last_time(statement, time)
+        else:
+            yield from _times(statement, has_speed=spec.moves_frame, unit=time, speed=f"{length}/{time}")
         yield _units_field(statement)
         if meant and (statement.base is not None or not all(one.of_joints for one in meant)):
             yield _frame("base", "Base frame", statement.base, "base")
-        yield from _options(statement, spec, meant, length)
+        yield from _options_of_table(statement) if spec.is_timed else _options(statement, spec, meant, length)
 
     def _points(self, statement: Statement, meant: tuple[Values, ...]) -> Iterator[Placed]:
         if statement.name.name == "START" and statement.index is None:
@@ -144,11 +147,18 @@ class Reader:
                 field = Field(f"{front}target", f"{front}Target", "joints", word.text)
                 yield Placed(field, "value", word.place)
                 continue
+            if len(values) == 1 and isinstance(text := values[0], Text):
+                yield Placed(Field("file", "File", "text", text.text.strip('"')), "value", text.place, '"@"')
+                continue
             columns = self._columns(meaning, len(values))
             if len(columns) == len(values):
                 for (label, unit), value in zip(columns, values, strict=True):
                     name = front + label if front else label
                     yield Placed(Field(name, name, "number", value.text, unit), "value", value.place)
+            if point.time is not None:
+                inner = " ".join(one.text for one in point.time.items)
+                field = Field(f"{front}time", f"{front}Time", "number", inner, self._unit("time"))
+                yield Placed(field, "value", point.time.place, "[@]")
 
     def _columns(self, meaning: Values, count: int) -> tuple[tuple[str, str], ...]:
         """Return label and unit of each value."""
@@ -282,6 +292,21 @@ def _options(
     yield _option(given, "TOL", "Tolerance", "number", length)
     if "NEAR" in given or (not spec.moves_frame and not of_joints):
         yield _option(given, "NEAR", "Near", "joints", "")
+
+
+def _last_time(statement: Statement, unit: str) -> Placed:
+    """Return the time of the last way-point of a timetable."""
+    if statement.time is None:
+        return _absent("time", "Time", "number", unit, "time", "[@]")
+    return Placed(
+        Field("time", "Time", "number", _inner(statement), unit), "time", statement.time.place, "[@]"
+    )
+
+
+def _options_of_table(statement: Statement) -> Iterator[Placed]:
+    given = {option.word.name: option for option in statement.options}
+    yield _option(given, "STRETCH", "All times times", "number", "")
+    yield _option(given, "TOL", "Tolerance", "number", "")
 
 
 def _option(given: dict[str, Option], word: str, label: str, kind: FieldKind, unit: str) -> Placed:

@@ -141,8 +141,9 @@ def _of_motion(spec: CommandSpec, names: Known, joints: tuple[str, ...]) -> Form
                 for one in meaning.labels(joints)
             ]
     if spec.is_motion:
-        fields.append(Field("time", "Time", "number", "", "s", ("MIN",)))
-        fields.append(Field("percent", "Speed, share of the limits", "percent", "", "%"))
+        fields.append(Field("time", "Time", "number", "", "s", () if spec.is_timed else ("MIN",)))
+        if not spec.is_timed:
+            fields.append(Field("percent", "Speed, share of the limits", "percent", "", "%"))
     if spec.moves_frame:
         fields.append(Field("speed", "Speed", "number", "", "mm/s"))
         fields.append(Field("moving", "Moving frame", "frame", "", choices=names.tools))
@@ -283,6 +284,8 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
     spec = commands()[word]
     if not spec.targets:
         return word
+    if spec.is_timed:
+        _need(form, given, "time")
     values, needs_numbers = _waypoints(form, spec, given, around.robot)
     timed = [name for name in ("time", "percent", "speed") if given.get(name)]
     if len(timed) > 1:

@@ -12,7 +12,7 @@ import numpy as np
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate, CommandCertificate
 from yarclang.diagnostics import Diagnostic
-from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, WaitInput, When
+from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, TimedMove, WaitInput, When
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.progress import each
 from yarclang.report.carried import Carried, carried_in_plan
@@ -168,6 +168,11 @@ def motion_facts(
     """What is said of a motion: its time, how hard it is for the joints, how fast the frame goes, and how near bodies come."""
     curve = motion.curve
     facts = [("duration", f"{curve.duration:.3f} s"), ("profile", motion.profile)]
+    if isinstance(step, TimedMove):
+        rows = f"{len(step.table.times)} rows"
+        facts[1] = ("timetable", f"{rows} in {step.file}" if step.file else rows)
+        if step.stretch != 1.0:
+            facts.append(("stretched", f"{step.stretch:.6g} times as long"))
     if isinstance(step, Motion) and step.timing.duration is None:
         share = f"{100.0 * step.timing.share:.0f} % of the limits" if step.timing.share < 1.0 else "shortest"
         facts.append(("asked for", "a speed" if step.timing.speed is not None else share))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Array, AvoidMove, JointGoal, JointMove, Program, SplineMove
+from yarclang.hir import Array, AvoidMove, JointGoal, JointMove, Program, SplineMove, TimedMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.units import DEG
 
@@ -26,7 +26,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
         goals: tuple[object, ...] = ()
         if isinstance(step, _TO_ONE):
             goals = (step.goal,)
-        elif isinstance(step, SplineMove):
+        elif isinstance(step, SplineMove | TimedMove):
             goals = step.waypoints
         else:
             continue

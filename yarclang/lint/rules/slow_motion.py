@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from yarclang.findings import Finding
-from yarclang.hir import Motion
+from yarclang.hir import Motion, TimedMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.motion.limits import bounds_of
 from yarclang.motion.plan import MotionPlan
@@ -29,7 +29,8 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
         given = step.timing.duration
-        if given is None or given < SHORT:
+        # a timetable is as slow as whoever made it wanted
+        if given is None or given < SHORT or isinstance(step, TimedMove):
             continue
         bounds = limits if load_profile(motion.profile).has_jerk_limit else limits.without_jerk()
         bounds = replace(bounds, zones=slow_zones(around.robot, plan.program.cell, step))

@@ -23,6 +23,7 @@ from yarclang.hir import (
     SetOutput,
     SplineMove,
     Step,
+    TimedMove,
 )
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains import messages
@@ -127,7 +128,7 @@ def _corner(
     while behind < len(steps) and isinstance(steps[behind], SetOutput):
         behind += 1
     following = steps[behind] if behind < len(steps) else None
-    if not isinstance(following, Motion | Gap):
+    if not isinstance(following, Motion | Gap) or isinstance(following, TimedMove):
         if number in links:
             findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None

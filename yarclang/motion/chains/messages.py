@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from yarclang.hir import Else, EndWhen, Gap, Motion, Origin, Step, Stop, When
+from yarclang.hir import Else, EndWhen, Gap, Motion, Origin, Step, Stop, TimedMove, When
 from yarclang.motion.curve import Curve
 from yarclang.motion.wording import Message, length_text
 from yarclang.units import DEG, MM, MS, Kind
@@ -18,6 +18,8 @@ def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
     """BLEND before something that isn't a motion, or that doesn't move."""
     if following is None or isinstance(following, Stop):
         what = "the program ends here"
+    elif isinstance(following, TimedMove):
+        what = f"{following.origin.name} follows, whose timetable begins at rest"
     elif isinstance(following, Motion):
         what = "there is no way on one side of the corner"
     elif isinstance(following, EndWhen | Else | When):

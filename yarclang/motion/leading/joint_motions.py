@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang.diagnostics import Collector
-from yarclang.hir import Array, AvoidMove, JointDelta, JointGoal, JointMove, PoseGoal, SplineMove
+from yarclang.hir import Array, AvoidMove, JointDelta, JointGoal, JointMove, PoseGoal, SplineMove, TimedMove
 from yarclang.motion.avoid.messages import configuration_without_way, no_way, way_round
 from yarclang.motion.avoid.way import NoWay, Way, find_way
 from yarclang.motion.leading import messages
@@ -13,6 +13,7 @@ from yarclang.motion.leading.led import NOWHERE, Led
 from yarclang.motion.leading.solving import Solver, is_free
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.paths.spline import SplinePath, distinct, through
+from yarclang.motion.paths.timed import along
 from yarclang.progress import go_on
 from yarclang.robot.model import Robot
 
@@ -113,6 +114,28 @@ def spline_motion(
     if not _swings_within_limits(solver.robot, spline, step, findings):
         return Led(None, spline.end, chosen)
     return Led(spline, spline.end, chosen)
+
+
+def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Collector) -> Led:
+    """Where a timetable leads from `stands` (n,) [rad or m], where its first row has to be if that is the start."""
+    robot, table = solver.robot, step.table
+    last = table.positions[-1]
+    if table.begins:
+        off = np.abs(table.positions[0] - stands)
+        if (off > step.within).any():
+            findings.add(*messages.table_begins_elsewhere(robot, table.positions[0], stands, step))
+            return Led(None, last, None, broken=True)
+    path = along(step.asked, stands)
+    chosen = table.positions[int(table.begins) :]
+    low, low_at, high, high_at = path.extremes()
+    limits = robot.limits
+    excess = np.maximum(limits.lower - low, high - limits.upper) / robot.axis_units
+    joint = int(np.argmax(excess))
+    if excess[joint] > 1e-9:
+        at = low_at if limits.lower[joint] - low[joint] > high[joint] - limits.upper[joint] else high_at
+        findings.add(*messages.spline_out_of_limits(robot, joint, excess[joint], at[joint], step.origin))
+        return Led(None, last, chosen)
+    return Led(path, last, chosen)
 
 
 def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:

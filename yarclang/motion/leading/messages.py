@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
-from yarclang.hir import ArcMove, Array, Gap, LineMove, Motion, Origin, PoseSplineMove, Step
+from yarclang.hir import ArcMove, Array, Gap, LineMove, Motion, Origin, PoseSplineMove, Step, TimedMove
 from yarclang.motion.cartesian import FramePath
 from yarclang.motion.paths.arc import NoArc
 from yarclang.motion.wording import Message, amount_text, beyond_text, length_text, miss_text, range_text
@@ -113,6 +113,19 @@ def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, orig
         f"{range_text(robot, joint)}; a way-point between holds the curve back",
         None,
     )
+
+
+def table_begins_elsewhere(robot: Robot, begins: Array, stands: Array, step: TimedMove) -> Message:
+    """A timetable whose first row isn't where the robot stands."""
+    off = np.abs(begins - stands)
+    joint = int(np.argmax(off / step.within))
+    name, unit, factor = robot.joint_names[joint], robot.axis_unit_names[joint], robot.axis_units[joint]
+    message = (
+        f"the timetable begins with {name} at {begins[joint] / factor:.6g} {unit}, and the robot stands at {stands[joint] / factor:.6g} {unit}: "
+        f"{off[joint] / factor:.4g} {unit} apart, allowed are {step.within[joint] / factor:.4g} {unit}"
+    )
+    help_ = "go to its first row with MOVEJ before it, or remove the row at time 0: then the motion begins where the robot stands"
+    return "Y0615", message, step.origin.span, help_, None
 
 
 def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: Origin) -> Message:

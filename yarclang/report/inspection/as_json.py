@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from yarclang.hir import Dwell, FrameLink, Step
+from yarclang.hir import Dwell, FrameLink, Step, TimedMove
 from yarclang.report.inspection.flow import flows_json
 from yarclang.report.inspection.inspected import Inspected, WayPoint, chain_of
 from yarclang.report.inspection.limits import Pace
@@ -34,7 +34,8 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
         "begins_s": inspected.begins,
         "program_duration_s": inspected.total.most if inspected.total else None,
         "program_takes": inspected.total.to_json() if inspected.total else None,
-        "profile": motion.profile if motion else None,
+        "profile": (motion.profile or None) if motion else None,
+        "timetable": _table(inspected.step) if isinstance(inspected.step, TimedMove) else None,
         "segments": motion.curve.segments if motion else None,
         "segment_time_ms": motion.curve.segment / MS if motion else None,
         "duration_s": motion.curve.duration if motion else _stands(inspected.step),
@@ -53,6 +54,26 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
             }
             for one in inspected.stretches
         ],
+    }
+
+
+def _table(step: TimedMove) -> dict[str, Any]:
+    """Return what a timetable says, and what is between its rows."""
+    table = step.table
+    between = (
+        "clamped spline"
+        if table.velocities is None
+        else "cubic"
+        if table.accelerations is None
+        else "quintic"
+    )
+    return {
+        "file": step.file or None,
+        "rows": len(table.times),
+        "first_s": float(table.times[0]),
+        "last_s": float(table.times[-1]),
+        "between": between,
+        "stretch": step.stretch,
     }
 
 

@@ -21,6 +21,7 @@ from yarclang.hir import (
     Program,
     SplineMove,
     Step,
+    TimedMove,
 )
 from yarclang.lasting import Lasting
 from yarclang.motion.plan import PlannedMotion
@@ -138,6 +139,8 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         end = motion.waypoints[-1]
     elif isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, JointGoal):
         end = step.goal.q
+    elif isinstance(step, TimedMove):
+        end = step.table.positions[-1]
     carried = carried_in_plan(compiled.plan) if compiled is not None else None
     pace, flows = None, NO_FLOWS if compiled is None else flows_of(compiled.plan, number)
     if motion is not None and way.start is not None and isinstance(step, Motion):
@@ -194,7 +197,7 @@ def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
     """The poses of a motion, each with its solutions; of a Cartesian motion the last one."""
     step = studied.program.steps[number]
     robot = studied.request.robot
-    in_joints = isinstance(step, JointMove | AvoidMove | SplineMove)
+    in_joints = isinstance(step, JointMove | AvoidMove | SplineMove | TimedMove)
     goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
     found: list[WayPoint] = []
     stands = way.start

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.hir import Motion, Program
+from yarclang.hir import Motion, Program, TimedMove
 from yarclang.motion.curve import knot_values
 from yarclang.motion.limits import Demand, bounds_of
 from yarclang.motion.plan import PlannedMotion
@@ -62,6 +62,11 @@ def pace_of(
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)
     limits = [_limit(robot, motion, demand) for demand in bounds.demands(curve.points)]
+    if isinstance(step, TimedMove):
+        # the table decides the jerk, and the time
+        return Pace(
+            tuple(sorted((one for one in limits if one.kind != "jerk"), key=lambda one: -one.share)), None
+        )
     limits.sort(key=lambda one: -one.share)
     return Pace(tuple(limits), None if flows else _shortest(program, step, start, request))
 

@@ -16,6 +16,7 @@ from yarclang.hir import (
     Motion,
     PoseDelta,
     SetOutput,
+    TimedMove,
     Timing,
     WaitInput,
     When,
@@ -250,10 +251,30 @@ def _time(inspected: Inspected) -> Iterator[str]:
         if any(one.is_error for one in inspected.findings):
             yield f"the time that is asked for, {asked}, can't be held; below, the shortest is looked at"
             asked = "the shortest"
+        if isinstance(inspected.step, TimedMove):
+            yield from _table(inspected.step)
         yield f"{law}asked for {asked}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
     yield from flow_lines(inspected.flows)
     if inspected.pace is not None and inspected.motion is not None:
         yield from _pace(inspected.pace, inspected.motion.curve.duration)
+
+
+def _table(step: TimedMove) -> Iterator[str]:
+    """Yield what a timetable says, and what is between its rows."""
+    table = step.table
+    rows = len(table.times)
+    given = "velocities" if table.accelerations is None else "velocities and accelerations"
+    whence = f"timetable in {step.file}" if step.file else "timetable"
+    said = f" with {given}" if table.velocities is not None else ""
+    stretched = f", all times times {step.stretch:.10g}" if step.stretch != 1.0 else ""
+    yield f"{whence}: {rows:,} row{'s' * (rows != 1)}{said}, from {table.times[0]:.10g} to {table.times[-1]:.10g} s{stretched}"
+    if table.velocities is None:
+        between = (
+            "the cubic spline in time through all rows, with continuous acceleration, at rest at both ends"
+        )
+    else:
+        between = f"the {'cubic' if table.accelerations is None else 'quintic'} polynomial in time with the {given} of both rows"
+    yield f"between the rows: {between}"
 
 
 def _asked(timing: Timing) -> str:

@@ -18,6 +18,7 @@ from yarclang.hir import (
     SplineMove,
     Step,
     Stop,
+    TimedMove,
     When,
 )
 from yarclang.motion.plan import PlannedMotion
@@ -62,6 +63,8 @@ def way_to(program: Program, number: int, request: Request) -> Way:
     planned = plan_program(replace(program, start=start, steps=(alone(step),)), request)
     if planned.value is not None and planned.value.motions:
         return Way(start, planned.value.motions[0])
+    if isinstance(step, TimedMove):  # its table decides, whatever its time
+        return Way(start, None)
     relaxed = replace(alone(step), timing=replace(step.timing, duration=None, speed=None))
     again = plan_program(replace(program, start=start, steps=(relaxed,)), request)
     motion = again.value.motions[0] if again.value is not None and again.value.motions else None
@@ -78,6 +81,8 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
         if isinstance(one, JointMove | AvoidMove) and isinstance(one.goal, JointGoal):
             # wherever it came from, there it stands
             return _behind(program, one.goal.q, line[place + 1 :], request)
+        if isinstance(one, TimedMove):
+            return _behind(program, one.table.positions[-1], line[place + 1 :], request)
     return None
 
 
@@ -94,7 +99,9 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
     """
     line: list[Motion] = []
     for step in program.steps[number + 1 :]:
-        if isinstance(step, JointMove | AvoidMove | SplineMove | Gap | Stop | When | Else | EndWhen):
+        if isinstance(
+            step, JointMove | AvoidMove | SplineMove | TimedMove | Gap | Stop | When | Else | EndWhen
+        ):
             break
         if isinstance(step, Motion):
             line.append(alone(step))

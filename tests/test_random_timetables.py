@@ -1,0 +1,85 @@
+"""Whatever compiles of a timetable is where it says at any time, and keeps the limits, as an independent reading of the text finds; what breaks a limit is
+refused with a stretch that works.
+
+200 tables are drawn; YARCLANG_RANDOM_TIMETABLES=10000 in the environment draws so many.
+"""
+
+import os
+
+import independent
+import numpy as np
+import pytest
+from floors import Tally
+from programs import compiled, robot_of
+from random_timetables import KINDS, drawn
+
+COUNT = int(os.environ.get("YARCLANG_RANDOM_TIMETABLES", "200"))
+ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
+FLOORS = {"as it is": 0.3, "stretched": 0.15, "positions": 0.25, "velocities": 0.25, "accelerations": 0.25}
+"""The least share of the tables that must be carried out as they are, or with the stretch that is told; of each kind one in three is drawn."""
+
+WITHIN = 1e-4
+"""The usual tolerance [rad]; of sliding joints 0.1 mm."""
+
+LATE = 1e-3
+"""By so much [s] the motion may take longer."""
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_timetables_are_kept_at_all_times_or_refused_with_a_stretch_that_works(name):
+    robot = robot_of(name)
+    arm = independent.Arm(robot.folder)
+    tally = Tally()
+    for seed in range(COUNT // len(ROBOTS)):
+        random = np.random.default_rng(seed)
+        kind = KINDS[seed % len(KINDS)]
+        table = drawn(arm, random, kind)
+        stretch, well = 1.0, False
+        made, found = compiled(table.text(), robot)
+        refused = [one for one in found if one.is_error]
+        if [one.code for one in refused] == ["Y0616"]:
+            (edit,) = refused[0].fix.edits
+            assert edit.text.startswith(" STRETCH ")
+            stretch = float(edit.text.split()[1])
+            made, found = compiled(table.text(edit.text), robot)
+            refused = [one for one in found if one.is_error]
+            assert not [one for one in refused if one.code == "Y0616"], (seed, refused)
+            # not by far: a table that is slower than its peaks ask for is no good answer
+            assert 1.0 < stretch < 1.8 * _needed(arm, table), (seed, stretch, _needed(arm, table))
+        if made is not None and not refused:
+            well = True
+            assert _faults(arm, table, stretch, made.text) == [], seed
+        tally.count("as it is", well and stretch == 1.0)
+        tally.count("stretched", well and stretch > 1.0)
+        for one in KINDS:
+            tally.count(one, well and one == kind)
+    assert tally.below(FLOORS) == []
+
+
+def _needed(arm, table):
+    """The stretch that the peaks of the table's own path ask for, at least 1."""
+    asked = table.asked()
+    at = np.linspace(0.0, table.times[-1], 20_001)
+    fast = (np.abs(asked(at, 1)).max(axis=0) / arm.velocity).max()
+    motors = (np.abs(asked(at, 1) @ arm.counts.T).max(axis=0) / arm.motor_velocity).max()
+    hard = (np.abs(asked(at, 2)).max(axis=0) / arm.acceleration).max()
+    return max(1.0, fast, motors, np.sqrt(hard))
+
+
+def _faults(arm, table, stretch, text):
+    """What an emitted text does otherwise than its table says."""
+    found = []
+    done = independent.read(text)[1][1]
+    lasts = table.times[-1] * stretch
+    if not -1e-9 <= done.duration - lasts <= LATE:
+        found.append(f"takes {done.duration} s, not {lasts} s")
+    used = independent.shares(arm, done)
+    found += [f"{what} {share:.5f}" for what, share in used.items() if what != "jerk" and share > 1 + 1e-6]
+    at = np.linspace(0.0, 1.0, 40_001)
+    off = np.abs(done.spline(at * done.duration) - table.asked(stretch)(at * lasts)) * arm.si
+    if off.max() > WITHIN * (1.0 + 1e-6):
+        found.append(f"off by {off.max() / WITHIN:.4f} of the tolerance")
+    for end in (0.0, done.duration):
+        if np.abs(done.spline(end, nu=1)).max() > 1e-6:
+            found.append(f"no rest at {end} s")
+    return found

@@ -1,0 +1,143 @@
+"""The path of a timetable: polynomials in time between its rows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array, Timetable
+from yarclang.motion.curve import solve_tridiagonal
+from yarclang.transforms import constant
+
+_LOOKED_AT = 8
+"""Places of each piece at which extremes and slopes are looked for."""
+
+
+@frozen(eq=False)
+class TimedPath:
+    """All joints over time, each a polynomial between two rows.
+
+    Attributes:
+        times: (m + 1,) at which pieces begin, and the end; the first is 0 [s].
+        pieces: (m, d, n) coefficients of each piece in powers of the time since it began, the constant first [rad or m, per s, ...].
+        end: (n,) the last position [rad or m].
+    """
+
+    times: Array
+    pieces: Array
+    end: Array
+
+    @property
+    def start(self) -> Array:
+        """The first position."""
+        start: Array = self.pieces[0, 0]
+        return start
+
+    @property
+    def duration(self) -> float:
+        """The last time [s]."""
+        return float(self.times[-1])
+
+    @property
+    def is_straight_in_joints(self) -> bool:
+        """Never assumed."""
+        return False
+
+    @property
+    def slope(self) -> Array:
+        """About the steepest slope of each joint over s (n,) [rad or m]."""
+        slope: Array = np.abs(self.at(self.looked_at, 1)).max(axis=0) * self.duration
+        return slope
+
+    @property
+    def places(self) -> Array:
+        """Where pieces begin, and the end, as shares of the duration (m + 1,)."""
+        places: Array = self.times / self.duration
+        return places
+
+    @property
+    def looked_at(self) -> Array:
+        """Times (N,) so near to each other that little is missed [s]."""
+        width = np.diff(self.times)[:, None]
+        inner = (self.times[:-1, None] + width * np.arange(_LOOKED_AT) / _LOOKED_AT).ravel()
+        return np.append(inner, self.times[-1])
+
+    def joints(self, s: Array) -> Array:
+        """Joint positions (N, n) at shares `s` (N,) of the duration."""
+        return self.at(s * self.duration)
+
+    def at(self, times: Array, order: int = 0) -> Array:
+        """Positions (N, n) at `times` (N,) [s], or derivatives of an order; behind the end it is at rest."""
+        piece = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.pieces) - 1)
+        since = (np.clip(times, 0.0, self.duration) - self.times[piece])[:, None]
+        coefficients = self.pieces
+        for _ in range(order):
+            coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])[:, None]
+        value: Array = coefficients[piece, -1]
+        for power in range(coefficients.shape[1] - 2, -1, -1):
+            value = value * since + coefficients[piece, power]
+        return value
+
+    def deviation(self, q: Array, s: Array) -> tuple[float, float]:
+        """Return the largest distance of joints from where they shall be at the same time, as a length [m] and an angle [rad]: which it is, isn't known here."""
+        off = float(np.abs(q - self.joints(s)).max(initial=0.0))
+        return off, off
+
+    def extremes(self) -> tuple[Array, Array, Array, Array]:
+        """The least and the largest value of each joint (n,), nearly, and the s (n,) at which they are taken."""
+        times = self.looked_at
+        q = self.at(times)
+        low, high = np.argmin(q, axis=0), np.argmax(q, axis=0)
+        return q.min(axis=0), times[low] / self.duration, q.max(axis=0), times[high] / self.duration
+
+
+def along(table: Timetable, stands: Array) -> TimedPath:
+    """Return the path of a timetable from where the robot stands.
+
+    Args:
+        table: the rows; a first one at time 0 is left for `stands`, but for its acceleration.
+        stands: (n,) where the robot stands [rad or m].
+    """
+    begins = int(table.begins)
+    times = np.concatenate(([0.0], table.times[begins:]))
+    q = np.concatenate((stands[None], table.positions[begins:]))
+    rest = np.zeros((1, q.shape[1]))
+    if table.velocities is None:
+        velocities = _clamped(times, q)
+    else:
+        velocities = np.concatenate((rest, table.velocities[begins:]))
+    accelerations = None
+    if table.accelerations is not None:
+        first = table.accelerations[:1] if begins else rest
+        accelerations = np.concatenate((first, table.accelerations[begins:]))
+    pieces = _hermite(np.diff(times)[:, None], q, velocities, accelerations)
+    return TimedPath(constant(times), constant(pieces), constant(q[-1]))
+
+
+def _clamped(times: Array, q: Array) -> Array:
+    """Return the velocities (k, n) of the cubic spline through positions (k, n) at times (k,) with continuous acceleration that begins and ends at rest."""
+    velocities = np.zeros_like(q)
+    if len(q) > 2:
+        inverse = 1.0 / np.diff(times)
+        pull = 3.0 * np.diff(q, axis=0) * inverse[:, None] ** 2
+        velocities[1:-1] = solve_tridiagonal(
+            2.0 * (inverse[:-1] + inverse[1:]), inverse[1:-1], pull[:-1] + pull[1:]
+        )
+    return velocities
+
+
+def _hermite(width: Array, q: Array, v: Array, a: Array | None) -> Array:
+    """Return the coefficients (m, d, n) of the pieces between rows (m + 1, n), `width` (m, 1) long [s]."""
+    rise = (q[1:] - q[:-1]) / width
+    if a is None:
+        bend = (3.0 * rise - 2.0 * v[:-1] - v[1:]) / width
+        twist = (v[:-1] + v[1:] - 2.0 * rise) / width**2
+        return np.stack((q[:-1], v[:-1], bend, twist), axis=1)
+    # what is left for the powers 3 to 5 behind the position, velocity and acceleration of the first row
+    off = (rise - v[:-1] - a[:-1] * width / 2.0) / width**2
+    slower = (v[1:] - v[:-1] - a[:-1] * width) / width**2
+    bends = (a[1:] - a[:-1]) / width
+    third = 10.0 * off - 4.0 * slower + bends / 2.0
+    fourth = (-15.0 * off + 7.0 * slower - bends) / width
+    fifth = (6.0 * off - 3.0 * slower + bends / 2.0) / width**2
+    return np.stack((q[:-1], v[:-1], a[:-1] / 2.0, third, fourth, fifth), axis=1)

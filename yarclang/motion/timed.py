@@ -1,0 +1,286 @@
+"""Fitting the path of a timetable to the controller's segments.
+
+The path is given in time, so nothing is left to choose but the segments and how smooth the curve is. Where the acceleration of the path jumps, as it does at both ends of a
+spline that is clamped there, a curve through all knots overshoots. So the control points are those of least squares: of the distances at the knots, and, with a weight,
+of the differences between the accelerations and the path's own. The larger the weight, the less the curve overshoots and the farther it is from the path; the
+largest is taken that keeps the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.curve import FEWEST_SEGMENTS, Curve, knot_values
+from yarclang.motion.fit import MOST_SEGMENTS, TooLong
+from yarclang.motion.limits import Bounds, Demand, Grid
+from yarclang.motion.paths.timed import TimedPath
+from yarclang.progress import go_on
+from yarclang.units import MS
+
+LATE = 1.0 * MS
+"""The duration may be longer than that of the table by so much [s]: the segment times of the controller have steps."""
+
+_SHARE = 0.85
+"""The share of the tolerance that is used: the distance is looked at in some places only."""
+
+_BETWEEN = 4
+"""A segment is looked at in so many places."""
+
+_WEIGHTS = (1e6, 1e5, 1e4, 1e3, 1e2, 1e1, 1.0, 0.1, 0.0)
+"""The weights of the accelerations that are tried."""
+
+_GAIN = 0.98
+"""Shorter segments are tried further while they bring an excess down to this share at least."""
+
+_ROUNDS = 12
+
+
+@frozen
+class Broken:
+    """A limit is broken: `demand` says which, `share` how much of it is used (1 is all), `time` [s] when."""
+
+    demand: Demand
+    share: float
+    time: float
+
+
+@frozen
+class Missed:
+    """The path can't be held: in `joint` by `off` [rad or m], `time` [s] after the start, at the shortest segments, of `segment` [s].
+
+    `share` is how much of what is allowed it uses.
+    """
+
+    joint: int
+    off: float
+    time: float
+    segment: float
+    share: float
+
+
+def fit_timed(
+    path: TimedPath, within: Array, bounds: Bounds, grid: Grid
+) -> Curve | Broken | Missed | TooLong:
+    """Choose segments and control points of a motion along a timetable.
+
+    Args:
+        path: where the joints shall be.
+        within: (n,) how far each joint may be from there at the same time [rad or m].
+        bounds: the limits to keep; that of the jerk isn't, since the table decides it.
+        grid: the segment times that the controller takes.
+
+    Returns:
+        The curve; it lasts as long as the table, or up to `LATE` longer.
+    """
+    bounds = bounds.without_jerk()
+    wanted = min(grid.largest, path.duration / FEWEST_SEGMENTS)
+    broken: Broken | None = None
+    for _ in range(_ROUNDS):
+        go_on()
+        segments, segment = _divided(path.duration, wanted, grid)
+        if segments > MOST_SEGMENTS:
+            return broken or TooLong(path.duration)
+        is_last = (
+            wanted <= grid.smallest * (1.0 + 1e-9) or (segments + 1) * grid.smallest > path.duration + LATE
+        )
+        trial = _Trial.of(path, within, segments)
+        points, excess = trial.solved(0.0)
+        if excess > _SHARE:
+            if is_last:
+                # what is so fast that no segments are short enough breaks a limit first of all
+                demand = max(bounds.demands(points), key=lambda one: one.segment)
+                found = _broken(demand, segment) if demand.segment > segment else None
+                return broken or found or trial.missed(points, segment)
+            # where the acceleration jumps, the distance falls with the square of the segment time
+            wanted = max(grid.smallest, segment * max(0.3, min(0.9, 0.95 * math.sqrt(_SHARE / excess))))
+            continue
+        points = trial.smoothest(points)
+        demand = max(bounds.demands(points), key=lambda one: one.segment)
+        if demand.segment <= segment:
+            points.setflags(write=False)
+            return Curve(points, segment, np.clip((np.arange(segments + 3) - 1.0) / segments, 0.0, 1.0))
+        found = _broken(demand, segment)
+        is_better = broken is None or found.share < 1.0 + _GAIN * (broken.share - 1.0)
+        if broken is None or found.share < broken.share:
+            broken = found
+        if is_last or not is_better:
+            return broken
+        wanted = max(grid.smallest, segment * 0.6)
+    return broken or trial.missed(points, segment)
+
+
+STEPS = 24
+"""How many stretches are tried at most."""
+
+FINE = 1.001
+"""A stretch is the shortest that works but for this factor."""
+
+
+def shortest_stretch(
+    path_at: Callable[[float], TimedPath],
+    refused: Broken | Missed,
+    within: Array,
+    bounds: Bounds,
+    grid: Grid,
+    stretch: float,
+) -> float | None:
+    """Look for the shortest stretch of a timetable that keeps all limits.
+
+    Args:
+        path_at: gives the path at a stretch.
+        refused: why `stretch` doesn't work.
+        within: as of `fit_timed`.
+        bounds: as of `fit_timed`.
+        grid: as of `fit_timed`.
+        stretch: one that doesn't work.
+
+    Returns:
+        A stretch of few digits that was tried and works; None where none is found.
+    """
+    fails, works = stretch, math.inf
+    nearest = stretch * _needed(refused)
+    for _ in range(STEPS):
+        tried = _few_digits(nearest)
+        if tried >= works or tried <= fails:
+            break
+        found = fit_timed(path_at(tried), within, bounds, grid)
+        if isinstance(found, TooLong):
+            break
+        if isinstance(found, Curve):
+            works = tried
+        else:
+            fails = tried
+        if not isinstance(found, Curve) and math.isinf(works):
+            nearest = tried * max(_needed(found), FINE)
+        elif works <= fails * FINE:
+            break
+        else:
+            nearest = math.sqrt(fails * works)
+    return works if math.isfinite(works) else None
+
+
+def _needed(refused: Broken | Missed) -> float:
+    """Return about the factor by which all times have to grow: velocities fall with it, accelerations, and what the shortest segments miss, with its square."""
+    if isinstance(refused, Missed):
+        return math.sqrt(refused.share / _SHARE)
+    return float(refused.share ** (1.0 / _ORDERS[refused.demand.kind]))
+
+
+def _few_digits(stretch: float) -> float:
+    """Return a stretch of four digits, not below the given one."""
+    digits = 3 - math.floor(math.log10(stretch))
+    return round(math.ceil(stretch * 10.0**digits - 1e-6) / 10.0**digits, max(0, digits))
+
+
+_ORDERS = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}
+"""With which power of time limits scale."""
+
+
+def _broken(demand: Demand, segment: float) -> Broken:
+    order = _ORDERS[demand.kind]
+    middle = demand.at + (order - 2) / 2.0
+    return Broken(demand, (demand.segment / segment) ** order, max(0.0, middle * segment))
+
+
+def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
+    """Return the number of segments and their time [s], near to `wanted`, that last as long as a table, or longer by no more than `LATE`."""
+    steps = duration / grid.quantum
+    most = max(FEWEST_SEGMENTS, math.floor(duration / grid.smallest + 1e-9))
+    least = min(most, max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9)))
+    # a few thousand numbers: of a long motion, one in twenty has segments whose steps fit
+    numbers = np.arange(least, min(most, least + 4096) + 1)
+    each = np.ceil(steps / numbers - 1e-9)
+    each = np.maximum(each, math.ceil(grid.smallest / grid.quantum - 1e-6))
+    late = (each * numbers - steps) * grid.quantum
+    place = int(np.argmax(late <= LATE)) if (late <= LATE).any() else int(np.argmin(late))
+    return int(numbers[place]), float(each[place] * grid.quantum)
+
+
+@frozen(eq=False)
+class _Trial:
+    """A number of segments: where the joints shall be at the knots, `knots` (n + 1, d), and `between` them ((n * _BETWEEN + 1), d); `within` (d,)."""
+
+    path: TimedPath
+    within: Array
+    knots: Array
+    between: Array
+
+    @staticmethod
+    def of(path: TimedPath, within: Array, segments: int) -> _Trial:
+        """Look where the joints shall be."""
+        count = segments * _BETWEEN
+        between = path.joints(np.arange(count + 1) / count)
+        return _Trial(path, within, between[::_BETWEEN], between)
+
+    def solved(self, weight: float) -> tuple[Array, float]:
+        """Return control points (n + 3, d), and the share of the tolerance that they use."""
+        points = _least_squares(self.knots, weight)
+        return points, float((np.abs(_looked_at(points) - self.between) / self.within).max())
+
+    def smoothest(self, points: Array) -> Array:
+        """Return the control points with the largest weight that keep the tolerance; `points` are those with none."""
+        low, high = 0, len(_WEIGHTS) - 1
+        while low < high:
+            middle = (low + high) // 2
+            found, excess = self.solved(_WEIGHTS[middle])
+            if excess <= _SHARE:
+                points, high = found, middle
+            else:
+                low = middle + 1
+        return points
+
+    def missed(self, points: Array, segment: float) -> Missed:
+        """Return where control points miss the path most."""
+        off = np.abs(_looked_at(points) - self.between)
+        at, joint = divmod(int(np.argmax(off / self.within)), off.shape[1])
+        most = float(off[at, joint])
+        return Missed(joint, most, at / _BETWEEN * segment, segment, most / float(self.within[joint]))
+
+
+def _looked_at(points: Array) -> Array:
+    """Return the values (n * _BETWEEN + 1, d) of control points (n + 3, d) at knots and between them."""
+    f = [points[i : len(points) - 3 + i] for i in range(4)]
+    found = np.empty((len(f[0]) * _BETWEEN + 1, points.shape[1]))
+    for place in range(_BETWEEN):
+        u = place / _BETWEEN
+        w = 1.0 - u
+        shares = w**3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3
+        found[place:-1:_BETWEEN] = sum(share * one for share, one in zip(shares, f, strict=True)) / 6.0
+    found[-1] = knot_values(points[-3:])[0]
+    return found
+
+
+def _least_squares(knots: Array, weight: float) -> Array:
+    """Return the control points (n + 3, d) of least squares for positions at knots 0 to n, (n + 1, d).
+
+    The first three are the start and the last three the end. At each knot from 1 to n - 1 there is one row for the position, and one, times the root of `weight`, for the second
+    difference. Each unknown stands in three rows of either kind, so the normal equations have the same numbers in every row.
+    """
+    from scipy.linalg import solveh_banded
+
+    start, end = knots[0], knots[-1]
+    points = np.concatenate(
+        (np.tile(start, (3, 1)), np.zeros((len(knots) - 4, knots.shape[1])), np.tile(end, (3, 1)))
+    )
+    inner = slice(1, -1)
+    positions = knots[inner] - knot_values(points)[inner]
+    bends = np.diff(knots, 2, axis=0) - np.diff(points, 2, axis=0)[inner]
+    right = (positions[:-2] + 4.0 * positions[1:-1] + positions[2:]) / 6.0
+    right += weight * np.diff(bends, 2, axis=0)
+    unknowns = len(right)
+    rows = np.array([1.0, 8.0, 18.0]) / 36.0 + weight * np.array([1.0, -4.0, 6.0])
+    if unknowns < 3:
+        full = sum(
+            (np.diag(np.full(unknowns - abs(i), rows[2 - abs(i)]), i) for i in range(1 - unknowns, unknowns)),
+            start=np.zeros((unknowns, unknowns)),
+        )
+        points[3:-3] = np.linalg.solve(full, right)
+        return points
+    band = np.repeat(rows[:, None], unknowns, axis=1)
+    points[3:-3] = solveh_banded(band, right, check_finite=False)
+    return points

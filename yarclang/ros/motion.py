@@ -171,10 +171,6 @@ class MotionLink:
         """True if nobody waits for anything."""
         return self.phase == "idle"
 
-    def wants(self, number: int) -> bool:
-        """Return True if the goal of a number is to be moved, or moves, and nobody has stopped it."""
-        return self._moving is not None and self._moving.number == number and not self._stopping
-
     # the connection
 
     def connected(self) -> list[Action]:
@@ -197,7 +193,10 @@ class MotionLink:
         if self._moving is None or self._stopping:
             return []
         if self._hold_on_disconnect:
-            return [Hold(), Told(f"the motion client has gone: goal {self._moving.number} is held on its path")]
+            return [
+                Hold(),
+                Told(f"the motion client has gone: goal {self._moving.number} is held on its path"),
+            ]
         return [Told(f"the motion client has gone: goal {self._moving.number} goes on")]
 
     # what is heard
@@ -220,9 +219,15 @@ class MotionLink:
                 taken, actions = True, []
             case FullPoint():
                 what = "a point with the derivatives of all joints (message 14) isn't understood"
-                taken, actions = False, self._refuse(_POINT, what, "use the stock nodes, which send message 11")
+                taken, actions = (
+                    False,
+                    self._refuse(_POINT, what, "use the stock nodes, which send message 11"),
+                )
             case other:
-                taken, actions = False, [Told(f"the motion client sends messages of kind {other.kind}: they are ignored")]
+                taken, actions = (
+                    False,
+                    [Told(f"the motion client sends messages of kind {other.kind}: they are ignored")],
+                )
         if message.comm is Comm.REQUEST:
             # orders before the answer: a stop is on its way before anything is written
             actions = [*actions, Answer(reply_to(message, success=taken))]
@@ -247,24 +252,23 @@ class MotionLink:
 
     # what has become of an order
 
-    def planned(self, number: int, refusal: Refusal | None) -> list[Action]:
+    def planned(self, goal: Goal, refusal: Refusal | None) -> list[Action]:
         """Take note that a goal was planned.
 
         Args:
-            number: of the goal.
+            goal: as `Plan` had it; one that has got another point since isn't the same.
             refusal: why it can't be carried out; None: it can.
 
         Returns:
             `Move`, unless the goal was refused, stopped or replaced meanwhile.
         """
-        goal = self._planning
-        if goal is None or goal.number != number:
+        if goal is not self._planning:
             return []
         self._planning = None
         if refusal is not None:
             return self._refused(refusal)
         self._moving, self._stopping = goal, False
-        return [Move(number)]
+        return [Move(goal.number)]
 
     def ended(self, number: int, refusal: Refusal | None) -> list[Action]:
         """Take note that what `Move` has begun is over, and the robot rests.
@@ -309,7 +313,9 @@ class MotionLink:
             return False, []
         if sequence < 0 and sequence != Sequence.END:
             what = f"a point has the sequence {sequence}, which means nothing"
-            return False, self._refuse(_SEQUENCE, what, "points count from 0; -1, -2, -3 and -4 have a meaning")
+            return False, self._refuse(
+                _SEQUENCE, what, "points count from 0; -1, -2, -3 and -4 have a meaning"
+            )
         return self._goes_on(point, now)
 
     def _is_repeated(self, point: TrajectoryPoint) -> bool:
@@ -360,7 +366,11 @@ class MotionLink:
             f"point {point.sequence} came more than {self._pause * 1000.0:g} ms after the one before it: goal {moving.number} was taken as "
             f"complete with {_counted(len(moving.points))}, and is stopped"
         )
-        return [Stop(), *self._stop_moving(), *self._refuse(_SEQUENCE, what, "look why the client was slow, and send the goal again")]
+        return [
+            Stop(),
+            *self._stop_moving(),
+            *self._refuse(_SEQUENCE, what, "look why the client was slow, and send the goal again"),
+        ]
 
     def _added(self, incoming: _Incoming, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
         number, place = incoming.number, len(incoming.points)
@@ -381,7 +391,10 @@ class MotionLink:
         names = "look at controller_joint_names: it names the joints of robot.toml in their order"
         for slot, value in enumerate(point.joints):
             if not math.isfinite(value):
-                return f"joint {slot + 1} is {value}", "look at the planner: a joint position is a number [rad or m]"
+                return (
+                    f"joint {slot + 1} is {value}",
+                    "look at the planner: a joint position is a number [rad or m]",
+                )
             if slot >= self._joints and value != 0.0:
                 return f"slot {slot + 1} of {SLOTS} is {value:g}, the robot has {self._joints} joints", names
         if not first and not (math.isfinite(point.duration) and point.duration > 0.0):

@@ -204,7 +204,9 @@ _FORMS = {
 }
 """Bodies of known kinds as `struct` writes them."""
 
-_BODIES = {order: {kind: struct.Struct(order.value + form) for kind, form in _FORMS.items()} for order in ByteOrder}
+_BODIES = {
+    order: {kind: struct.Struct(order.value + form) for kind, form in _FORMS.items()} for order in ByteOrder
+}
 _WORD = {order: struct.Struct(order.value + "i") for order in ByteOrder}
 _HEAD = {order: struct.Struct(order.value + "3i") for order in ByteOrder}
 _FRAME = {order: struct.Struct(order.value + "4i") for order in ByteOrder}
@@ -287,7 +289,9 @@ class Decoder:
 def _decoded(frame: bytes, order: ByteOrder) -> Message:
     kind, comm, code = _HEAD[order].unpack_from(frame)
     if comm not in iter(Comm):
-        raise FrameError(f"a message of kind {kind} is neither topic (1), request (2) nor reply (3), but {comm}")
+        raise FrameError(
+            f"a message of kind {kind} is neither topic (1), request (2) nor reply (3), but {comm}"
+        )
     if (code in (Code.SUCCESS, Code.FAILURE)) != (comm == Comm.REPLY) or code not in iter(Code):
         raise FrameError(f"a message of kind {kind}, {Comm(comm).name.lower()}, has the reply code {code}")
     content = frame[_HEADER:]

@@ -480,7 +480,7 @@ def test_nothing_moves_that_shouldnt(tally, deeds):
     assert at.link.phase == "moving"
 
 
-@exercises(dropped=0.5)
+@exercises(dropped=0.3)
 @settings(max_examples=100, deadline=None)
 @given(
     count=st.integers(1, 30),
@@ -490,6 +490,7 @@ def test_nothing_moves_that_shouldnt(tally, deeds):
 def test_reconnects_lose_no_point_and_add_none(tally, count, drops, delays):
     """The stock client sends the point again whose answer it hasn't got, whether it had arrived or not."""
     at = Link()
+    drops = {place % count: arrived for place, arrived in drops.items()}
     sent = [point(place, value=0.01 * place) for place in range(count)]
     for place, message in enumerate(sent):
         if place in drops:
@@ -500,4 +501,4 @@ def test_reconnects_lose_no_point_and_add_none(tally, count, drops, delays):
     at.wait(PAUSE)
     (goal,) = at.planned()
     assert list(goal.points) == [one.body for one in sent]
-    tally.count("dropped", reached=any(place < count for place in drops))
+    tally.count("dropped", reached=bool(drops))

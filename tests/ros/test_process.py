@@ -50,12 +50,13 @@ def test_feedback_goes_on_while_a_long_goal_is_planned(folder):
     async def script(ports):
         async with StockClient(ports) as client:
             await client.until(lambda: client.robot.times, 20.0)
-            await client.stream(*path(400, 20.0), between=0.0)
+            await client.stream(*path(4000, 80.0), between=0.0)
             begun = len(client.robot.times)
             await client.until(lambda: client.robot.status.in_motion == 1, 120.0)
             times = client.robot.times[begun - 1 :]
             assert len(times) > 2
             assert max(np.diff(times)) < 1.0
+            assert client.robot.status.in_error == 0
             await client.stop()
             await client.until(lambda: client.robot.status.in_motion == 0, 20.0)
 

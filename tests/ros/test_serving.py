@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import socket
 import struct
 import time
 
@@ -439,5 +440,86 @@ def test_a_robot_that_cant_be_reached_tells_no_positions():
             at.world.plug()
             await client.until(lambda: len(client.robot.times) > count + 10, 20.0)
             assert client.robot.status.in_error == 0
+
+    run(script())
+
+
+def test_a_long_goal_is_carried_out(monkeypatch):
+    """Lines of a program have a largest length, and long texts are written in a thread."""
+
+    async def inline(function, *arguments):
+        return function(*arguments)
+
+    async def script():
+        async with door() as at, StockClient(at.ports) as client:
+            await client.until(lambda: client.robot.times, 2.0)
+            positions, times = path(count=2500, seconds=25.0)
+            await client.stream(positions, times, between=0.001)
+            await client.until(lambda: at.coordinator.state is State.MOVE, 5.0)
+            assert at.told("goal 1: 2500 points")
+            assert client.robot.status.in_error == 0
+
+    monkeypatch.setattr(asyncio, "to_thread", inline)
+    run(script())
+
+
+def test_a_client_that_waits_moves_the_robot_when_the_first_has_gone():
+    async def script():
+        async with door() as at, StockClient(at.ports) as client:
+            await client.until(lambda: client.robot.times, 2.0)
+            async with StockClient(at.ports) as other:
+                await asyncio.sleep(0.05)
+                assert at.told("[Y1625]")
+                client.cut()
+                await other.until(lambda: other.robot.times, 2.0)
+                await other.send_goal(*path())
+                assert await rests(other) == "SUCCEEDED", at.said
+
+    run(script())
+
+
+def test_too_many_clients_are_sent_away():
+    async def script():
+        async with door() as at:
+            wires = [await asyncio.open_connection("127.0.0.1", at.ports[1]) for _ in range(17)]
+            await asyncio.sleep(0.2)
+            assert await wires[-1][0].read(1) == b""
+            assert len(await wires[0][0].read(44)) == 44
+            for _, writer in wires:
+                writer.transport.abort()
+            async with StockClient(at.ports) as client:  # there is room again
+                await client.until(lambda: client.robot.times, 10.0)
+
+    run(script())
+
+
+def test_a_client_that_doesnt_read_is_sent_away():
+    async def script():
+        async with door() as at, StockClient(at.ports) as client:
+            wire = socket.socket()
+            wire.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            wire.connect(("127.0.0.1", at.ports[1]))
+            for _ in range(60):
+                await asyncio.sleep(2.0)
+                if at.told("it doesn't read"):
+                    break
+            assert at.told("it doesn't read")
+            assert client.now() - client.robot.times[-1] < 0.1
+            wire.close()
+
+    run(script())
+
+
+def test_what_runs_at_the_end_comes_to_rest():
+    async def script():
+        async with door() as at, StockClient(at.ports) as client:
+            await client.until(lambda: client.robot.times, 2.0)
+            await client.send_goal(*path(seconds=4.0))
+            await client.until(lambda: at.coordinator.state is State.MOVE, 3.0)
+            await asyncio.sleep(1.0)
+        assert not at.world.moving
+        share = at.stands() / END
+        assert 0.02 < share.mean() < 0.98
+        assert np.ptp(share) < 2e-3
 
     run(script())

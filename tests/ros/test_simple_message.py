@@ -83,7 +83,7 @@ def test_glued_frames_are_read(name):
     assert list(Decoder(ORDERS[name]).feed(stream)) == [*map(wanted, vectors)]
 
 
-@exercises(cut=0.4)
+@exercises(cut=0.3)
 @settings(max_examples=60, deadline=None)
 @given(data=st.data(), name=st.sampled_from(sorted(ORDERS)))
 def test_a_stream_is_read_however_it_is_cut(tally, data, name):

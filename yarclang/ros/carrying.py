@@ -65,7 +65,7 @@ class Carrying:
                     self._goals.add(task)
                     task.add_done_callback(self._goals.discard)
                 case Refused():
-                    self._say(f"refused: {action.refusal}")
+                    self._say(str(action.refusal))
                 case Told():
                     self._say(action.text)
                 case Move():  # whoever has planned the goal goes on

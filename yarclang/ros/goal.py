@@ -19,6 +19,9 @@ _SHORTEST_LEAD = 0.1
 _SINGLE = 1e-6
 """Joint positions come in single precision: so much beyond a limit, relative to it (to 1 rad or 1 m below that), is the limit."""
 
+_NEXT = ";\n      "
+"""Each way-point has a line of its own: lines have a largest length."""
+
 _SAME = 1e-6
 """A single way-point that is so near to where the robot stands [rad or m] needs no motion."""
 
@@ -62,7 +65,7 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
         f"{' '.join(f'{value:.8f}' for value in row)} [{time:.6f}]"
         for row, time in zip(rows, times.tolist(), strict=True)
     )
-    return f"P0010 MOVEJ_TIMED {'; '.join(points)} (mm,deg,s)\n"
+    return f"P0010 MOVEJ_TIMED {_NEXT.join(points)} (mm,deg,s)\n"
 
 
 def _within(robot: Robot, positions: Array) -> Array:

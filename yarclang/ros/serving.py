@@ -54,6 +54,9 @@ _PIECE = 4096
 _MOST_UNREAD = 1 << 16
 """Bytes that wait for a client that doesn't read; with more, its connection is ended."""
 
+_SENT = 1 << 14
+"""Bytes that the system keeps for a client: positions that wait longer are old."""
+
 _MOST_LISTENERS = 16
 _MOST_WAITING = 4
 """Clients on the motion link, with the one that may move the robot."""
@@ -91,6 +94,7 @@ class _Client(asyncio.BufferedProtocol):
         self.name = f"{peer[0]}:{peer[1]}" if peer else "?"
         wire = transport.get_extra_info("socket")
         wire.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        wire.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SENT)
         for option, value in _GONE:
             wire.setsockopt(socket.IPPROTO_TCP, option, value)
         self._joins()

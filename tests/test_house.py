@@ -74,6 +74,8 @@ SOCKETS = {
     "pendant/web/sockets.py": {"asyncio"},
     "pendant/web/tools.py": {"asyncio"},
     "parallel.py": {"multiprocessing", "signal"},
+    "ros/carrying.py": {"asyncio"},
+    "ros/serving.py": {"asyncio", "socket"},
     "runtime/log.py": {"datetime", "queue", "threading", "time"},
     "runtime/session.py": {"asyncio"},
     "runtime/transports/lock.py": {"datetime", "selectors", "socket", "threading", "time"},

@@ -29,6 +29,7 @@ _COMMANDS = {
     "replay": "Show a recorded run as it happened.",
     "resume": "Go on behind a hold.",
     "robot": "Make, check and list robots.",
+    "ros": "Let MoveIt move a robot through the stock ROS-Industrial nodes.",
     "run": "Run a program on a controller, or simulated.",
     "serve": "Own a robot for others: one moves it, all watch.",
     "settings": "Print the controller's settings for a robot.",

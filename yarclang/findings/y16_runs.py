@@ -147,4 +147,43 @@ FINDINGS: tuple[Finding, ...] = (
         "A program, a line or a jog is proved with the parts of the cell where they are then. Since then a gripper has taken or put one, or somebody has said that it is elsewhere: what was "
         "proved is about other places. Or nobody knows where the parts are, since what has moved them isn't known to its end. Load it again, or say where the parts are: `.parts` at the prompt.",
     ),
+    Finding(
+        "Y1621",
+        "not-simple-message",
+        "error",
+        "a client of the ROS door sends what isn't simple_message",
+        "Frames of simple_message have a length from 12 to 1020 bytes, a purpose, and a body of a known size. After bytes that are nothing of the kind nobody knows where the next frame "
+        "begins, so the connection is ended. Most often the words have their bytes in the other order: `yarc ros --swap-bytes`, or without it.",
+    ),
+    Finding(
+        "Y1622",
+        "ros-point",
+        "error",
+        "a way-point from ROS can't be used",
+        "Each way-point has a number for each joint of robot.toml, in its order, zeros in the slots beyond, and takes some time. The stock client doesn't tell why a goal is refused; the "
+        "terminal of `yarc ros` does, and robot_status has this number as its error_code until the next goal.",
+    ),
+    Finding(
+        "Y1623",
+        "ros-points-missing",
+        "error",
+        "a goal from ROS isn't whole",
+        "The stock client counts its way-points from 0, sends one each few milliseconds, and doesn't mark the end. A goal with a gap, one whose client was gone for 10 s within it, a download "
+        "without its end, and a point that comes when the goal is in motion already aren't carried out: part of a trajectory isn't what was planned.",
+    ),
+    Finding(
+        "Y1624",
+        "ros-goal-ended",
+        "error",
+        "a goal from ROS was ended before its last point",
+        "Somebody else has stopped the robot, or something went wrong on the way. The stock client isn't told more than that: its goal stays active until it is cancelled.",
+    ),
+    Finding(
+        "Y1625",
+        "ros-second-client",
+        "error",
+        "one client at a time moves the robot on the motion link",
+        "Way-points of two clients would be one path. A second one waits until the first has gone; its way-points are answered with FAILURE, but a stop of it is carried out. "
+        "The state link is for many.",
+    ),
 )

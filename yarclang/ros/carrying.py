@@ -1,0 +1,175 @@
+"""Carries out what the motion link wants: goals are planned, proved and run by the coordinator, and stops overtake everything."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.coordinator.attached import Attached
+from yarclang.coordinator.messages import orders, replies
+from yarclang.coordinator.messages.findings import Finding
+from yarclang.robot.model import Robot
+from yarclang.ros.goal import goal_text, timetable
+from yarclang.ros.motion import Action, Answer, Goal, Hold, MotionLink, Move, Plan, Refused, Stop, Told
+from yarclang.ros.refusal import Refusal, refusal_of
+from yarclang.ros.simple_message import Message
+from yarclang.runtime.actions import Trouble
+
+Say = Callable[[str], object]
+Send = Callable[[Message], object]
+
+_ENDED = "Y1624"
+
+_AT_ONCE = 500
+"""A goal of so many points becomes a text within 1 ms; for longer ones it is written in a thread."""
+
+
+class Carrying:
+    """Stands between the motion link and the coordinator.
+
+    The robot is owned from when a goal is planned until nobody waits for anything: between goals others may move it.
+
+    Args:
+        robot: whose.
+        link: the state machine.
+        say: takes lines for the terminal.
+
+    Attributes:
+        seat: the place at the coordinator; None: it can't be reached.
+    """
+
+    def __init__(self, robot: Robot, link: MotionLink, say: Say) -> None:
+        self.seat: Attached | None = None
+        self._robot = robot
+        self._link = link
+        self._say = say
+        self._timer: asyncio.TimerHandle | None = None
+        self._goals: set[asyncio.Task[None]] = set()
+
+    def do(self, actions: list[Action], send: Send | None = None) -> None:
+        """Carry actions out, in their order; `send` takes answers to the client that was heard."""
+        for action in actions:
+            match action:
+                case Stop():
+                    self._order(orders.Stop())
+                case Hold():
+                    self._order(orders.Hold())
+                case Answer():
+                    if send is not None:
+                        send(action.message)
+                case Plan():
+                    task = asyncio.ensure_future(self._carry_out(action.goal))
+                    self._goals.add(task)
+                    task.add_done_callback(self._goals.discard)
+                case Refused():
+                    self._say(str(action.refusal))
+                case Told():
+                    self._say(action.text)
+                case Move():  # whoever has planned the goal goes on
+                    pass
+        self._set_timer()
+
+    async def close(self) -> None:
+        """End what is under way, on its path."""
+        if self._timer is not None:
+            self._timer.cancel()
+        if not self._link.is_idle:
+            self._order(orders.Stop())
+        for task in tuple(self._goals):
+            task.cancel()
+        await asyncio.gather(*self._goals, return_exceptions=True)
+
+    def _order(self, order: orders.Stop | orders.Hold) -> None:
+        if self.seat is not None:
+            self.seat.send(order, lambda trouble: self._say(str(refusal_of(trouble))))
+
+    def _set_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if (due := self._link.due) is not None:
+            self._timer = asyncio.get_running_loop().call_at(due, self._passed)
+
+    def _passed(self) -> None:
+        self.do(self._link.passed(max(asyncio.get_running_loop().time(), self._link.due or 0.0)))
+
+    # a goal
+
+    async def _carry_out(self, goal: Goal) -> None:
+        began = asyncio.get_running_loop().time()
+        seat = self.seat
+        planned = await self._planned(goal, seat)
+        refusal = planned if isinstance(planned, Refusal) else None
+        actions = self._link.planned(goal, refusal)
+        self.do(actions)
+        moves = any(isinstance(one, Move) for one in actions)
+        if moves and not isinstance(planned, Refusal) and seat is not None:
+            took = asyncio.get_running_loop().time() - began
+            if planned is None:
+                self._say(f"goal {goal.number}: the robot is there already")
+                failed = None
+            else:
+                self._say(
+                    f"goal {goal.number}: {len(goal.points)} points, {planned.duration_s:.3f} s, proved after {took:.3f} s; it begins"
+                )
+                # nothing is waited for between the last look at stops and this order
+                failed = await self._run(planned, seat, goal)
+            self.do(self._link.ended(goal.number, failed))
+        await self._released(seat)
+
+    async def _planned(self, goal: Goal, seat: Attached | None) -> replies.ProgramDescribed | Refusal | None:
+        """Return the program of a goal, planned and proved from where the robot stands; None if it stands at its end."""
+        if seat is None:
+            return Refusal(
+                "Y1606", f"the coordinator of {self._robot.name} can't be reached", "start it again"
+            )
+        try:
+            await seat.ask(orders.Own(shared=True))
+            place = await seat.ask(orders.AskPlace())
+            positions, times = timetable(self._robot, goal, np.array(place.exact))
+            if not len(times):
+                return None
+            if len(times) <= _AT_ONCE:
+                text = goal_text(self._robot, positions, times)
+            else:
+                text = await asyncio.to_thread(goal_text, self._robot, positions, times)
+            file = Path(seat.welcome.folder) / f"ros-goal-{goal.number}"
+            made = await seat.ask(orders.Load(file=str(file), text=text, here=True))
+        except Trouble as trouble:
+            return refusal_of(trouble)
+        return made.program or _refused(goal, made.findings)
+
+    async def _run(self, program: replies.ProgramDescribed, seat: Attached, goal: Goal) -> Refusal | None:
+        try:
+            ended = await seat.ask(orders.Run(program=program.number))
+        except Trouble as trouble:
+            return refusal_of(trouble)
+        if ended.well:
+            self._say(f"goal {goal.number} has ended at its last point")
+            return None
+        what = f"goal {goal.number} was ended before its last point: {ended.what or 'nobody says why'}"
+        return Refusal(
+            ended.code or _ENDED, what, ended.help or "send the goal again, from where the robot stands"
+        )
+
+    async def _released(self, seat: Attached | None) -> None:
+        """Leave the robot to others, if nobody waits for it here."""
+        if seat is None or not self._link.is_idle:
+            return
+        try:
+            log = (await seat.ask(orders.Release())).log
+        except Trouble:
+            return  # the coordinator has gone
+        if log is not None:
+            self._say(f"log: {log.path}" if not log.problem else f"log: {log.path}: {log.problem}")
+
+
+def _refused(goal: Goal, findings: tuple[Finding, ...]) -> Refusal:
+    """Return the first error of a program as a refusal."""
+    for one in findings:
+        if one.severity == "error":
+            return Refusal(one.code, f"goal {goal.number}: {one.message}", one.help or "")
+    return Refusal(_ENDED, f"goal {goal.number} can't be planned, and nothing says why", "report it")

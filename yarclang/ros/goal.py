@@ -1,0 +1,86 @@
+"""A goal as the text of a program: one timed motion, which the coordinator plans and proves as any other. No I/O."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.model import Array, Robot
+from yarclang.ros.motion import Goal
+
+START_WITHIN = 0.01
+"""A first way-point that is so near to where the robot stands is the start itself [rad or m], as MoveIt's own check of a start has it."""
+
+LEAD_SHARE = 0.5
+"""How much of the velocity and acceleration limits is used at most on the way to a first way-point that isn't the start."""
+
+_SHORTEST_LEAD = 0.1
+"""[s]."""
+
+_SINGLE = 1e-6
+"""Joint positions come in single precision: so much beyond a limit, relative to it (to 1 rad or 1 m below that), is the limit."""
+
+_NEXT = ";\n      "
+"""Each way-point has a line of its own: lines have a largest length."""
+
+_SAME = 1e-6
+"""A single way-point that is so near to where the robot stands [rad or m] needs no motion."""
+
+
+def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
+    """Return the way-points of a goal and their times since its start.
+
+    The duration of the first way-point isn't used: the stock client derives it from the trajectory before. If the robot stands at the first way-point it is the start; else its time follows from
+    the distance and the limits. Velocity ratios aren't used either: they are the same for motions that differ.
+
+    Args:
+        robot: whose joints they are, in the order of robot.toml.
+        goal: as it arrived.
+        stands: (n,) where the robot is commanded to stand [rad or m].
+
+    Returns:
+        (k, n) positions [rad or m] and (k,) times [s]; k is 0 if there is nothing to do.
+    """
+    positions = _within(robot, np.array([one.joints[: robot.size] for one in goal.points], dtype=float))
+    durations = np.array([one.duration for one in goal.points], dtype=float)
+    away = np.abs(positions[0] - stands)
+    if len(positions) > 1 and float(away.max()) <= START_WITHIN:
+        positions, durations = positions[1:], durations[1:]
+    elif len(positions) == 1 and float(away.max()) <= _SAME:
+        return np.empty((0, robot.size)), np.empty(0)
+    else:
+        durations[0] = _lead(robot, away)
+    return positions, np.cumsum(durations)
+
+
+def goal_text(robot: Robot, positions: Array, times: Array) -> str:
+    """Return the program of a timetable.
+
+    Args:
+        robot: whose.
+        positions: (k, n), k from 1 [rad or m].
+        times: (k,) since the start [s], growing.
+    """
+    rows = (positions / robot.axis_units).tolist()
+    points = (
+        f"{' '.join(f'{value:.8f}' for value in row)} [{time:.6f}]"
+        for row, time in zip(rows, times.tolist(), strict=True)
+    )
+    return f"P0010 MOVEJ_TIMED {_NEXT.join(points)} (mm,deg,s)\n"
+
+
+def _within(robot: Robot, positions: Array) -> Array:
+    """Return positions (k, n) with those at their limits that are beyond only because single precision has rounded them."""
+    limits = robot.limits
+    lower = limits.lower - _SINGLE * np.maximum(np.abs(limits.lower), 1.0)
+    upper = limits.upper + _SINGLE * np.maximum(np.abs(limits.upper), 1.0)
+    at_limit = np.clip(positions, limits.lower, limits.upper)
+    found: Array = np.where((positions >= lower) & (positions <= upper), at_limit, positions)
+    return found
+
+
+def _lead(robot: Robot, away: Array) -> float:
+    """Return how long the way to the first way-point takes [s]: from rest to rest with the law of the fifth degree, whose peaks are 1.875 d/T and 5.774 d/T²."""
+    limits = robot.limits
+    by_velocity = 1.875 * away / (LEAD_SHARE * limits.velocity)
+    by_acceleration = np.sqrt(5.774 * away / (LEAD_SHARE * limits.acceleration))
+    return max(_SHORTEST_LEAD, float(by_velocity.max()), float(by_acceleration.max()))

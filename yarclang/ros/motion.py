@@ -1,0 +1,446 @@
+"""The motion link as a state machine: messages and the time go in, answers and orders come out. No I/O, no clock.
+
+Each point is answered at once, since the stock client holds its lock while it waits for an answer, and a stop waits with it. It ignores what the answer says, and never marks the end of
+a streamed trajectory: a goal is complete after a pause without another point.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from yarclang.ros.refusal import Refusal
+from yarclang.ros.simple_message import (
+    SLOTS,
+    Comm,
+    FullPoint,
+    Message,
+    Ping,
+    Sequence,
+    TrajectoryPoint,
+    reply_to,
+)
+
+PAUSE = 0.05
+"""After so long without another point a streamed goal is complete [s]; the stock client sends one each 6 to 8 ms."""
+
+PATIENCE = 10.0
+"""For so long a goal that isn't complete waits for its client to come back, and a download for its next point [s]."""
+
+MOST_POINTS = 20_000
+"""Way-points of one goal."""
+
+_POINT = "Y1622"
+_SEQUENCE = "Y1623"
+_AGAIN = "send the goal again"
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """A trajectory that has arrived.
+
+    Attributes:
+        number: counts the goals of a link, from 1.
+        points: its way-points in their order; of the first, the duration means nothing.
+        downloaded: True if its end was marked; False if it was streamed.
+    """
+
+    number: int
+    points: tuple[TrajectoryPoint, ...]
+    downloaded: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """Send a message to the client."""
+
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Plan and prove a goal from where the robot rests; `MotionLink.planned` is to be told."""
+
+    goal: Goal
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Carry out the goal of this number, which was planned; `MotionLink.ended` is to be told."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Come to rest on the path at once, and end what is under way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """Come to rest on the path, ready to go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """Something was refused: say so on the terminal. `MotionLink.refusal` has it as well."""
+
+    refusal: Refusal
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """Something worth a line on the terminal."""
+
+    text: str
+
+
+Action = Answer | Plan | Move | Stop | Hold | Refused | Told
+
+
+@dataclass(slots=True)
+class _Incoming:
+    """A goal whose points come."""
+
+    number: int
+    downloaded: bool
+    points: list[TrajectoryPoint] = field(default_factory=list)
+    due: float | None = None
+    """When it is complete, or given up [s]; None: nobody waits for more."""
+    complete: bool = False
+    cut: bool = False
+    """Its client has gone before it was complete."""
+
+    def goal(self) -> Goal:
+        return Goal(self.number, tuple(self.points), self.downloaded)
+
+
+class MotionLink:
+    """One robot's motion link. Clients come and go; at most one at a time is connected.
+
+    Args:
+        joints: of the robot: slots beyond are 0.
+        pause: after so long without another point a streamed goal is complete [s].
+        patience: for so long an incomplete goal waits [s].
+        hold_on_disconnect: True if the robot is held when its client goes in motion; else the goal goes on.
+
+    Attributes:
+        refusal: why the last goal, or the robot's way through it, has failed; None: it hasn't. Kept until the next goal begins.
+    """
+
+    def __init__(
+        self,
+        joints: int,
+        *,
+        pause: float = PAUSE,
+        patience: float = PATIENCE,
+        hold_on_disconnect: bool = False,
+    ) -> None:
+        self.refusal: Refusal | None = None
+        self._joints = joints
+        self._pause = pause
+        self._patience = patience
+        self._hold_on_disconnect = hold_on_disconnect
+        self._goals = 0
+        self._incoming: _Incoming | None = None
+        self._planning: Goal | None = None
+        self._moving: Goal | None = None
+        self._stopping = False
+        self._last: TrajectoryPoint | None = None
+        self._is_new = True
+        """No point has come on this connection yet."""
+        self._rejects = False
+        """Points go nowhere until the next goal begins."""
+
+    @property
+    def due(self) -> float | None:
+        """When `passed` is to be called next [s]; None: nothing is waited for."""
+        return None if self._incoming is None else self._incoming.due
+
+    @property
+    def phase(self) -> str:
+        """What the link is about: idle, receiving, planning, moving or stopping."""
+        if self._moving is not None:
+            return "stopping" if self._stopping else "moving"
+        if self._incoming is not None:
+            return "receiving"
+        return "idle" if self._planning is None else "planning"
+
+    @property
+    def is_idle(self) -> bool:
+        """True if nobody waits for anything."""
+        return self.phase == "idle"
+
+    # the connection
+
+    def connected(self) -> list[Action]:
+        """Take note that a client has connected."""
+        self._is_new = True
+        return []
+
+    def disconnected(self, now: float) -> list[Action]:
+        """Take note that the client has gone.
+
+        A goal that isn't complete waits for it: it sends the point again that wasn't answered. What moves goes on.
+        """
+        incoming = self._incoming
+        if incoming is not None and not incoming.complete:
+            incoming.cut, incoming.due = True, now + self._patience
+        waiting = self._planning or (incoming.goal() if incoming is not None and incoming.complete else None)
+        if waiting is not None and self._hold_on_disconnect:
+            self._incoming = self._planning = None
+            return [Told(f"the motion client has gone: goal {waiting.number} is forgotten")]
+        if self._moving is None or self._stopping:
+            return []
+        if self._hold_on_disconnect:
+            return [
+                Hold(),
+                Told(f"the motion client has gone: goal {self._moving.number} is held on its path"),
+            ]
+        return [Told(f"the motion client has gone: goal {self._moving.number} goes on")]
+
+    # what is heard
+
+    def heard(self, message: Message, now: float) -> list[Action]:
+        """Take a message of the client, and answer it if it is a request.
+
+        Args:
+            message: as it was decoded.
+            now: the time [s], of any clock that never goes back.
+        """
+        if message.comm is Comm.REPLY:
+            return []
+        match message.body:
+            case TrajectoryPoint(sequence=Sequence.STOP):
+                taken, actions = True, self._stopped()
+            case TrajectoryPoint() as point:
+                taken, actions = self._point(point, now)
+            case Ping():
+                taken, actions = True, []
+            case FullPoint():
+                what = "a point with the derivatives of all joints (message 14) isn't understood"
+                taken, actions = (
+                    False,
+                    self._refuse(_POINT, what, "use the stock nodes, which send message 11"),
+                )
+            case other:
+                taken, actions = (
+                    False,
+                    [Told(f"the motion client sends messages of kind {other.kind}: they are ignored")],
+                )
+        if message.comm is Comm.REQUEST:
+            # orders before the answer: a stop is on its way before anything is written
+            actions = [*actions, Answer(reply_to(message, success=taken))]
+        return actions
+
+    def passed(self, now: float) -> list[Action]:
+        """Take note that time has passed: a goal may be complete, or given up."""
+        incoming = self._incoming
+        if incoming is None or incoming.due is None or now < incoming.due:
+            return []
+        count = len(incoming.points)
+        if incoming.cut:
+            what = (
+                f"the connection ended within goal {incoming.number}, after {_counted(count)}, "
+                f"and the client didn't come back within {self._patience:g} s"
+            )
+            return self._refuse(_SEQUENCE, f"{what}: the goal is forgotten", _AGAIN)
+        if incoming.downloaded:
+            what = f"goal {incoming.number}, a download, has no end: nothing came for {self._patience:g} s after {_counted(count)}"
+            return self._refuse(_SEQUENCE, what, _AGAIN)
+        return self._completed()
+
+    # what has become of an order
+
+    def planned(self, goal: Goal, refusal: Refusal | None) -> list[Action]:
+        """Take note that a goal was planned.
+
+        Args:
+            goal: as `Plan` had it; one that has got another point since isn't the same.
+            refusal: why it can't be carried out; None: it can.
+
+        Returns:
+            `Move`, unless the goal was refused, stopped or replaced meanwhile.
+        """
+        if goal is not self._planning:
+            return []
+        self._planning = None
+        if refusal is not None:
+            return self._refused(refusal)
+        self._moving, self._stopping = goal, False
+        return [Move(goal.number)]
+
+    def ended(self, number: int, refusal: Refusal | None) -> list[Action]:
+        """Take note that what `Move` has begun is over, and the robot rests.
+
+        Args:
+            number: of the goal.
+            refusal: why the robot isn't at its end; None: it is.
+
+        Returns:
+            `Plan`, if another goal has arrived meanwhile.
+        """
+        goal = self._moving
+        if goal is None or goal.number != number:
+            return []
+        wanted = self._stopping
+        self._moving, self._stopping = None, False
+        actions: list[Action] = []
+        if refusal is not None and not wanted:
+            actions = self._refused(refusal)
+        incoming = self._incoming
+        if incoming is not None and incoming.complete:
+            actions += self._plan(incoming)
+        return actions
+
+    # points
+
+    def _point(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
+        """Take a point; return whether it is one of a goal, and what follows."""
+        if self._is_repeated(point):
+            incoming = self._incoming
+            if incoming is not None and not incoming.complete:
+                incoming.cut, incoming.due = False, now + self._wait(incoming)
+            self._is_new = False
+            return not self._rejects, []
+        self._is_new, self._last = False, point
+        sequence = point.sequence
+        if sequence in (0, Sequence.START_STREAMING, Sequence.START_DOWNLOAD):
+            return self._begins(point, now, downloaded=sequence == Sequence.START_DOWNLOAD)
+        if sequence == Sequence.END and self._incoming is None:  # a download of one point
+            return self._begins(point, now, downloaded=True)
+        if self._rejects:
+            return False, []
+        if sequence < 0 and sequence != Sequence.END:
+            what = f"a point has the sequence {sequence}, which means nothing"
+            return False, self._refuse(
+                _SEQUENCE, what, "points count from 0; -1, -2, -3 and -4 have a meaning"
+            )
+        return self._goes_on(point, now)
+
+    def _is_repeated(self, point: TrajectoryPoint) -> bool:
+        """Return True for the point that was received last, sent again because its answer got lost with the connection."""
+        if not self._is_new or self._last != point:
+            return False
+        # the only point of a goal that is over begins another one: the robot may be elsewhere now
+        return not (self.is_idle and point.sequence <= 0)
+
+    def _begins(self, point: TrajectoryPoint, now: float, *, downloaded: bool) -> tuple[bool, list[Action]]:
+        actions: list[Action] = []
+        if self._moving is not None:
+            actions.append(Stop())
+            self._stopping = True
+        self._goals += 1
+        self._planning, self._rejects, self.refusal = None, False, None
+        incoming = self._incoming = _Incoming(self._goals, downloaded)
+        taken, more = self._added(incoming, point, now)
+        return taken, actions + more
+
+    def _goes_on(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
+        incoming = self._incoming
+        if incoming is None and self._planning is not None and not self._planning.downloaded:
+            # the client was slow: its goal wasn't complete yet
+            incoming = _Incoming(self._planning.number, downloaded=False, points=list(self._planning.points))
+            if point.sequence == len(incoming.points):
+                self._planning, self._incoming = None, incoming
+                return self._added(incoming, point, now)
+        if incoming is not None and self._incoming is None:
+            what = f"point {point.sequence} follows {_counted(len(incoming.points))}"
+            return False, self._refuse(_SEQUENCE, what, _AGAIN)
+        if incoming is None:
+            return False, self._stray(point)
+        expected = len(incoming.points)
+        ends = incoming.downloaded and point.sequence == Sequence.END
+        if not ends and point.sequence != expected:
+            what = f"goal {incoming.number}: point {point.sequence} follows point {expected - 1}"
+            return False, self._refuse(_SEQUENCE, what, _AGAIN)
+        return self._added(incoming, point, now)
+
+    def _stray(self, point: TrajectoryPoint) -> list[Action]:
+        """Refuse a point that belongs to no goal that is received."""
+        moving = self._moving
+        if moving is None or self._stopping:
+            what = f"point {point.sequence} came without the points before it"
+            return self._refuse(_SEQUENCE, what, "a goal begins with the sequence 0")
+        what = (
+            f"point {point.sequence} came more than {self._pause * 1000.0:g} ms after the one before it: goal {moving.number} was taken as "
+            f"complete with {_counted(len(moving.points))}, and is stopped"
+        )
+        return [
+            Stop(),
+            *self._stop_moving(),
+            *self._refuse(_SEQUENCE, what, "look why the client was slow, and send the goal again"),
+        ]
+
+    def _added(self, incoming: _Incoming, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
+        number, place = incoming.number, len(incoming.points)
+        if (fault := self._fault(point, first=place == 0)) is not None:
+            return False, self._refuse(_POINT, f"goal {number}, point {place}: {fault[0]}", fault[1])
+        if place >= MOST_POINTS:
+            what = f"goal {number} has more than {MOST_POINTS} points"
+            return False, self._refuse(_SEQUENCE, what, "divide it, or plan it with fewer way-points")
+        incoming.points.append(point)
+        incoming.complete = incoming.cut = False
+        incoming.due = now + self._wait(incoming)
+        if incoming.downloaded and point.sequence == Sequence.END:
+            return True, self._completed()
+        return True, []
+
+    def _fault(self, point: TrajectoryPoint, *, first: bool) -> tuple[str, str] | None:
+        """Return what is wrong with a point, and what to do; None: nothing is."""
+        names = "look at controller_joint_names: it names the joints of robot.toml in their order"
+        for slot, value in enumerate(point.joints):
+            if not math.isfinite(value):
+                return (
+                    f"joint {slot + 1} is {value}",
+                    "look at the planner: a joint position is a number [rad or m]",
+                )
+            if slot >= self._joints and value != 0.0:
+                return f"slot {slot + 1} of {SLOTS} is {value:g}, the robot has {self._joints} joints", names
+        if not first and not (math.isfinite(point.duration) and point.duration > 0.0):
+            return f"its duration is {point.duration:g} s", "time_from_start must grow from point to point"
+        return None
+
+    def _wait(self, incoming: _Incoming) -> float:
+        return self._patience if incoming.downloaded else self._pause
+
+    # goals
+
+    def _completed(self) -> list[Action]:
+        """All points of a goal are there: plan it, or wait until the robot rests."""
+        incoming = self._incoming
+        assert incoming is not None
+        incoming.complete, incoming.due = True, None
+        return [] if self._moving is not None else self._plan(incoming)
+
+    def _plan(self, incoming: _Incoming) -> list[Action]:
+        self._incoming, self._planning = None, incoming.goal()
+        return [Plan(self._planning)]
+
+    def _stopped(self) -> list[Action]:
+        """Forget all that waits, and come to rest. Whoever else moves the robot is stopped as well: a stop is for everybody."""
+        forgotten = self._planning is not None or self._incoming is not None
+        self._planning = self._incoming = None
+        self._rejects = True
+        told: list[Action] = [Told("stopped: the goal is forgotten")] if forgotten else []
+        return [Stop(), *self._stop_moving(), *told]
+
+    def _stop_moving(self) -> list[Action]:
+        if self._moving is None or self._stopping:
+            return []
+        self._stopping = True
+        return [Told(f"stopped: goal {self._moving.number} comes to rest on its path")]
+
+    def _refuse(self, code: str, what: str, help_: str) -> list[Action]:
+        return self._refused(Refusal(code, what, help_))
+
+    def _refused(self, refusal: Refusal) -> list[Action]:
+        """Forget the goal that is received or planned, and all points until the next one begins."""
+        self._incoming = self._planning = None
+        self._rejects = True
+        self.refusal = refusal
+        return [Refused(refusal)]
+
+
+def _counted(points: int) -> str:
+    return "1 point" if points == 1 else f"{points} points"

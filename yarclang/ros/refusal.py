@@ -1,0 +1,44 @@
+"""Why a goal isn't carried out, as people and robot_status are told."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from yarclang.runtime.actions import Trouble
+
+_CODE = re.compile(r"Y(\d{4})")
+
+UNNAMED = 9999
+"""The error code of what has no finding's code: every finding's number is below."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A reason.
+
+    Attributes:
+        code: of a finding; empty: none fits.
+        what: one sentence.
+        help: what to do; may be empty.
+    """
+
+    code: str
+    what: str
+    help: str = ""
+
+    @property
+    def number(self) -> int:
+        """The error code of robot_status: the finding's number."""
+        found = _CODE.fullmatch(self.code)
+        return int(found[1]) if found else UNNAMED
+
+    def __str__(self) -> str:
+        """As a terminal shows it."""
+        code = f"[{self.code}] " if self.code else ""
+        return f"{code}{self.what}" + (f"\n  help: {self.help}" if self.help else "")
+
+
+def refusal_of(trouble: Trouble) -> Refusal:
+    """Return a trouble as a refusal."""
+    return Refusal(trouble.code, trouble.what, trouble.remedy)

@@ -9,8 +9,8 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the program has no motion to export",
         "A trajectory is a motion. Outputs, waits and stops alone make none.",
-        "SET GRIPPER ON\nSTOP",
-        "P0010 MOVEJ 10 -10 -20 0 -60 0\nSET GRIPPER ON",
+        "P0010 SET GRIPPER ON",
+        "P0010 MOVEJ 10 -10 -20 0 -60 0\nP0020 SET GRIPPER ON",
     ),
     Finding(
         "Y1532",

@@ -72,6 +72,7 @@ def test_extras(wheel: zipfile.ZipFile):
     (name,) = (name for name in wheel.namelist() if name.endswith(".dist-info/METADATA"))
     assert set(Parser().parsestr(wheel.read(name).decode()).get_all("Provides-Extra", [])) == {
         "test",
+        "bags",
         "dev",
         "pendant",
         "view",

@@ -181,7 +181,8 @@ def test_a_capsule_becomes_bodies_of_the_same_room(tmp_path):
     assert [one.find("geometry")[0].tag for one in bodies] == ["cylinder", "sphere", "sphere"]
     places = [np.array(one.find("origin").get("xyz").split(), dtype=float) for one in bodies]
     middle = robot.flange_from_frame["TCP"][:3, 3] + [0, 0, -0.2]
-    np.testing.assert_allclose(places, [middle, middle - [0.03, 0, 0], [*middle, 0.03, 0, 0]], atol=1e-12)
+    aside = np.array([0.03, 0.0, 0.0])
+    np.testing.assert_allclose(places, [middle, middle - aside, middle + aside], atol=1e-12)
     # of the links as well
     links = {one.get("name"): one for one in root.iter("link")}
     said = ET.parse(robot.folder / robot.urdf).getroot()

@@ -2,21 +2,25 @@
 
 import io
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import codes, robot_of
 
 from tests.export.trajectories import both_texts, driven, executed, made_of, read_json, read_yaml
+from yarclang.cli.yarc import main
 from yarclang.convert.convert import convert
 from yarclang.convert.course import Wishes as ImportWishes
 from yarclang.convert.documents import read_json as read_json_values
 from yarclang.convert.documents import read_yaml as read_yaml_values
 from yarclang.convert.trajectory import content_of_documents
 from yarclang.diagnostics import Collector
+from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
 
 HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nOUTPUT GRIPPER M1\nINPUT PART M11\n"
@@ -231,6 +235,26 @@ def test_version_1_reads_back_as_version_2():
         first, second = (one(both_texts(made, version)[other], version)[0] for version in (1, 2))
         for these, those in zip(first, second, strict=True):
             np.testing.assert_array_equal(these, those)
+
+
+def test_sliding_joints_are_in_metres(tmp_path):
+    scara = Path(__file__).parents[2] / "examples" / "scara.urdf"
+    made = CliRunner().invoke(main, ["robot", "new", str(scara), "-y", "-o", str(tmp_path / "arm")])
+    assert made.exit_code == 0
+    robot = load_robot(str(tmp_path / "arm")).value
+    (slide,) = np.flatnonzero(robot.chain.is_prismatic)
+    away = np.where(robot.chain.is_prismatic, 20.0, 10.0)
+    program, made, _ = made_of(
+        f"DMOVEJ {' '.join(map(str, away))} [MIN] (mm,deg,s)\n".join(["P0010 ", ""]), robot
+    )
+    ((times, places, duration),) = executed(program.text, robot.axis_units, [[0]])
+    (trajectory,) = read_yaml(both_texts(made)[0])
+    assert np.abs(driven("cubic", trajectory, times) - places).max() <= 1e-4
+    moved = trajectory[1][-1] - trajectory[1][0]
+    assert moved[slide] == pytest.approx(0.02, abs=1e-6)
+    assert trajectory[0][-1] * 1e-9 == pytest.approx(duration)
+    units = json.loads(both_texts(made)[1])["units"]
+    assert units == ["m" if number == slide else "rad" for number in range(robot.size)]
 
 
 def test_the_same_program_gives_the_same_bytes():

@@ -278,6 +278,30 @@ def test_what_is_not_its_own_it_leaves(there):
     assert path.read_text() == "another solver"
 
 
+def test_a_link_that_leads_nowhere_is_not_written_through(there):
+    there.mkdir()
+    (there / "package.xml").symlink_to(there.parent / "elsewhere")
+    made = run()
+    assert (made.exit_code, "package.xml was not written by an export" in made.stderr) == (1, True)
+    assert not (there.parent / "elsewhere").exists()
+
+
+def test_a_comment_behind_the_end_and_a_wrong_encoding(tmp_path):
+    robot = with_tool(tmp_path, "")
+    path = robot.folder / robot.urdf
+    text = path.read_text()
+    assert text.startswith('<?xml version="1.0"')
+    text = (
+        '<?xml version="1.0" encoding="latin-1"?>\n<!-- é -->'
+        + text.partition("?>")[2]
+        + "<!-- </robot> -->\n"
+    )
+    path.write_text(text)
+    files = exported(load_robot(str(robot.folder)).value)
+    root = ET.fromstring(files["urdf/NAME.urdf"].encode())
+    assert "tcp" in {one.get("name") for one in root.iter("link")}
+
+
 def test_what_it_does_not_write_any_more_goes(there):
     assert run().exit_code == 0
     before = everything(there)
@@ -317,6 +341,8 @@ def test_folders_that_cannot_be_written(there):
     assert (made.exit_code, "Y0107" in made.stderr) == (1, True)
     made = run("-o", str(there / "inside"))
     assert (made.exit_code, "can't be written" in made.stderr) == (1, True)
+    made = run("-o", "x" * 300)
+    assert (made.exit_code, "file name too long" in made.stderr) == (1, True)
     odd = there.parent / "odd"
     (odd / "package.xml").mkdir(parents=True)
     assert "package.xml is no file" in run("-o", str(odd)).stderr

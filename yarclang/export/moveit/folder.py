@@ -24,6 +24,15 @@ def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnost
         package: what would be written.
         overwrite: True to write over any file; what is no file is still an error.
     """
+    try:
+        return _judged(folder, package, overwrite=overwrite)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        message = f"{folder} can't be looked at: {reason}"
+        return (Diagnostic("Y0107", message, help="check the path and its rights"),)
+
+
+def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
     if folder.exists() and not folder.is_dir():
         return (_error(folder, "it is there already, and is no folder", "write elsewhere with -o"),)
     known = _known(folder)
@@ -33,7 +42,8 @@ def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnost
     foreign, changed = [], []
     for path in (*package.files, LIST):
         place = folder / path
-        if overwrite or not place.exists():
+        # a link that leads nowhere is somebody's, and would be written through
+        if overwrite or not (place.exists() or place.is_symlink()):
             continue
         if path == LIST:
             foreign += [path] * (known is None)

@@ -27,6 +27,7 @@ Edit = tuple[int, int, str]
 FOLDER = "urdf"
 _PLAIN = re.compile(r"[A-Za-z0-9_.\-/]+", re.ASCII)
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_ENCODING = re.compile(r"""^(\s*<\?xml[^>]*?\sencoding\s*=\s*)(["']).*?\2""", re.DOTALL)
 _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
 
 
@@ -52,9 +53,11 @@ def exported_urdf(
     for start, end, new in sorted(edits, reverse=True):
         text = f"{text[:start]}{new}{text[end:]}"
     added = "".join(f"{line}\n" for line in _added(ends[1], bodies, meshes))
-    end = text.rindex("</")
+    end = _COMMENT.sub(lambda found: " " * len(found[0]), text).rindex("</")
     text = f"{text[:end]}{added}{text[end:]}"
     name = f"{FOLDER}/{robot.name.lower()}.urdf"
+    # the text is UTF-8, whatever its first line says
+    text = _ENCODING.sub(r'\1"UTF-8"', text, count=1)
     files = {name: text.encode(), **meshes.files}
     return Result(files, tuple(meshes.findings))
 

@@ -14,6 +14,7 @@ _COMMANDS = {
     "doc": "Print the reference of a module.",
     "doctor": "Look at a controller before a program is run.",
     "exec": "Run a program without a terminal, events as JSON.",
+    "export": "Write what ROS needs: MoveIt's configuration, or trajectories.",
     "explain": "Explain a finding's code.",
     "fmt": "Write programs in their usual form.",
     "follow": "Let another process steer a robot.",

@@ -21,7 +21,7 @@ FAMILIES = {
     "12": "style",
     "13": "robot, cell and settings files",
     "14": "logs of runs",
-    "15": "imported files, new projects",
+    "15": "imported and exported files, new projects",
     "16": "runs on a controller",
     "17": "suppressed findings",
     "18": "dynamics",

@@ -1,0 +1,208 @@
+"""`yarc export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from yarclang.cli.options import Numbers, PositiveNumber, cell_option, robot_option, tm_option
+from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
+
+if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.export.ros.exported import Exported
+    from yarclang.export.ros.writing import Version
+
+    Found = tuple[Diagnostic, ...]
+
+_KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
+
+
+@click.command("export")
+@click.option("--moveit", is_flag=True, help="Write MoveIt's configuration of a robot, a package of ROS.")
+@click.option(
+    "--ros",
+    metavar="PROGRAM.yarc",
+    type=click.Path(allow_dash=True),
+    help="Write a program's certified motion as trajectory_msgs/JointTrajectory (- reads standard input).",
+)
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT",
+    help="The folder of --moveit, or a file .yaml, .json or .bag (- for YAML on standard output).",
+)
+@click.option(
+    "--tolerance",
+    type=PositiveNumber("T", least=1e-6, most=0.1),
+    help="With --ros: how far a driver may leave the certified path between way-points, in rad, and m of sliding joints (default: 0.0001).",
+)
+@click.option(
+    "--linear",
+    is_flag=True,
+    help="With --ros: keep the tolerance also for drivers that go straight from point to point.",
+)
+@click.option(
+    "--ros-version",
+    "version",
+    type=click.Choice(["1", "2"]),
+    help="With --ros: whose names of fields to use (default: 2; 1 for a .bag).",
+)
+@click.option(
+    "--start",
+    type=Numbers("Q1,Q2,..."),
+    help="With --ros: where the robot stands at first, as of yarcc.",
+)
+@click.option("--overwrite", is_flag=True, help="Write over files that others have written or changed.")
+@tm_option
+@cell_option
+@robot_option
+def command(
+    moveit: bool,
+    ros: str | None,
+    output: str | None,
+    overwrite: bool,
+    robot: str | None,
+    **wanted: Any,
+) -> None:
+    """Write what ROS needs: MoveIt's configuration of a robot (--moveit), or the certified motion of a program (--ros).
+
+    The way-points of a trajectory are as few as keep every driver that interpolates by cubics or quintics within the tolerance of the certified path; the file says it.
+    What happens between motions (SET, WAIT, HOLD, WHEN) stands beside the trajectories.
+    """
+    if moveit == (ros is not None):
+        raise click.UsageError("give one of --moveit and --ros PROGRAM.yarc")
+    if ros is None:
+        given = [f"--{name.replace('version', 'ros-version')}" for name, value in wanted.items() if value]
+        if given:
+            raise click.UsageError(f"{', '.join(given)}: only with --ros")
+        _export_robot(robot, output, overwrite=overwrite)
+    else:
+        _export_program(ros, output, overwrite, {"robot": robot, **wanted})
+
+
+def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict[str, Any]) -> None:
+    """Write a program's trajectories."""
+    from yarclang.cli.show import show_findings
+    from yarclang.report.finding import count_text
+
+    destination = output or beside(file, ".yaml")
+    kind = _kind(destination)
+    version: Version = 1 if wanted["version"] == "1" or (wanted["version"] is None and kind == "bag") else 2
+    if kind == "bag" and version == 2:
+        raise click.UsageError(
+            "a .bag is of ROS 1; export .yaml or .json for ROS 2, or convert the bag: rosbags-convert"
+        )
+    refuse_collisions([file], [(destination, "the trajectories")])
+    if output is None and not overwrite and destination != STANDARD and Path(destination).exists():
+        raise click.UsageError(
+            f"{destination} is there already; write elsewhere, or over it, with -o or --overwrite"
+        )
+    made, diagnostics = _trajectories(file, wanted)
+    if made is not None:
+        diagnostics += _written(made, kind, version, destination)
+    show_findings(diagnostics)
+    if made is None or any(one.is_error for one in diagnostics):
+        name = "<stdin>" if file == STANDARD else file
+        click.echo(f"{name}: {count_text(diagnostics) or 'no motion'}; nothing written", err=True)
+        raise SystemExit(1)
+    unit = "rad" if not made.robot.chain.is_prismatic.any() else "rad or m"
+    several = "y" if made.size == 1 else "ies"
+    click.echo(
+        f"{made.size} trajector{several}, {len(made.points.time):,} way-points, within {made.worst:.3g} {unit} "
+        f"of the certified path by {', '.join(made.proved)} interpolation; written to "
+        f"{'standard output' if destination == STANDARD else destination}",
+        err=destination == STANDARD,
+    )
+
+
+def _trajectories(file: str, wanted: dict[str, Any]) -> tuple[Exported | None, Found]:
+    """The trajectories of a program, and what is to be said; None with an error."""
+    from yarclang.cli.work import Progress, options_from
+    from yarclang.export.ros.exported import Wishes, exported
+    from yarclang.pipeline.checking import check_program_file
+
+    planning = {name: wanted[name] for name in ("robot", "start", "tm", "cell")}
+    with Progress():
+        checked = check_program_file(file, options_from(planning))
+        if checked.compiled is None:
+            return None, checked.diagnostics
+        made = exported(checked.compiled, Wishes(wanted["tolerance"] or 1e-4, wanted["linear"]))
+    # warnings of the program are for who compiles it
+    return made.value, made.diagnostics
+
+
+def _written(made: Exported, kind: str, version: Version, destination: str) -> Found:
+    from yarclang.cli.work import write_standard_output, write_whole
+    from yarclang.export.ros.writing import json_text, yaml_text
+
+    if kind == "bag":
+        content: str | bytes | Found = _bag(made)
+        if isinstance(content, tuple):
+            return content
+    else:
+        content = (json_text if kind == "json" else yaml_text)(made, version)
+    if destination == STANDARD:
+        return write_standard_output(content)
+    return write_whole(Path(destination), content)
+
+
+def _bag(made: Exported) -> bytes | Found:
+    """The bytes of a bag, or why there are none."""
+    import tempfile
+
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.export.ros.bag import write_bag
+
+    try:
+        with tempfile.TemporaryDirectory(prefix="yarc-export-") as folder:
+            path = Path(folder) / "made.bag"
+            write_bag(path, made)
+            return path.read_bytes()
+    except ImportError as error:
+        message = f"a bag can't be written: the package rosbags isn't installed ({error})"
+        help_ = "pip install 'yarclang[bags]'; or export .yaml or .json"
+        return (Diagnostic("Y1533", message, help=help_),)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        message = f"{tempfile.gettempdir()}, where bags are made, can't be written: {reason}"
+        return (Diagnostic("Y0107", message, help="make room there, or set TMPDIR"),)
+
+
+def _kind(destination: str) -> Literal["yaml", "json", "bag"]:
+    """The kind of file that the extension names; what isn't known is wrong usage."""
+    if destination == STANDARD:
+        return "yaml"
+    extension = Path(destination).suffix.lower()
+    if extension not in _KINDS:
+        wrong = f"{extension} can't be written" if extension else "the extension says the kind of file"
+        raise click.BadParameter(f"{wrong}; there are .yaml, .json and .bag", param_hint="-o")
+    return _KINDS[extension]  # type: ignore[return-value]
+
+
+def _export_robot(name: str | None, output: str | None, *, overwrite: bool) -> None:
+    """Write MoveIt's configuration of a robot."""
+    from yarclang.cli.show import show_findings
+    from yarclang.export.moveit.folder import judged, write_folder
+    from yarclang.export.moveit.package import package_of
+    from yarclang.pipeline.inputs import robot_for
+    from yarclang.report.finding import count_text
+
+    found = robot_for(Path.cwd(), name)
+    diagnostics = found.diagnostics
+    if found.value is not None:
+        made = package_of(found.value)
+        diagnostics += made.diagnostics
+        if made.value is not None:
+            folder = Path(output or made.value.name)
+            faults = judged(folder, made.value, overwrite=overwrite)
+            diagnostics += faults or write_folder(folder, made.value)
+            if not any(one.is_error for one in diagnostics):
+                show_findings(diagnostics)
+                click.echo(f"{len(made.value.files) + 1} files of {made.value.name} written to {folder}")
+                return
+    show_findings(diagnostics)
+    click.echo(f"{count_text(diagnostics)}; nothing written", err=True)
+    raise SystemExit(1)

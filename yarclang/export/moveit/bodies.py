@@ -1,0 +1,49 @@
+"""What robot.toml hangs on the flange, as links of a URDF: frames and mounted tools, which the robot's own URDF doesn't have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from yarclang.frozen import frozen
+from yarclang.robot.model import Array, Robot, Tool
+from yarclang.robot.urdf import Urdf
+
+
+@frozen(eq=False)
+class Bodies:
+    """Links on the flange.
+
+    Attributes:
+        frames: flange_from_frame (4, 4) [m] by the link's name.
+        tools: mounted tools by the link's name; their shapes are placed on the flange.
+    """
+
+    frames: Mapping[str, Array]
+    tools: Mapping[str, Tool]
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """The names of all links."""
+        return *self.frames, *self.tools
+
+    def link_of(self, body: str) -> str:
+        """Return the link of a body of the robot: a tool's, or the link's own name."""
+        return next((link for link, tool in self.tools.items() if tool.name == body), body)
+
+
+def bodies_of(robot: Robot, urdf: Urdf) -> Bodies:
+    """Return the links for a robot's frames and mounted tools: their names in lower case, with `_frame` and `_body` where a link or joint of the URDF is called so."""
+    taken = {name.lower() for name in (*urdf.links, *urdf.joints)}
+
+    def named(name: str, ending: str) -> str:
+        link = name.lower()
+        while link in taken or f"{link}_joint" in taken:
+            link += ending
+        taken.update((link, f"{link}_joint"))
+        return link
+
+    frames = {
+        named(name, "_frame"): pose for name, pose in robot.flange_from_frame.items() if name != "FLANGE"
+    }
+    tools = {named(tool.name, "_body"): tool for tool in robot.tools if tool.mounted}
+    return Bodies(frames, tools)

@@ -1,0 +1,117 @@
+"""A package as a folder: what may be written over, and how it is written."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.export.moveit.package import Package
+from yarclang.files import read_whole, replace_file
+
+LIST = "yarc-export.json"
+"""The file with the checksums of all files that an export has written."""
+_LISTED = 5
+_LARGEST_LIST = 10_000_000
+
+
+def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
+    """Return an error if files stand where a package would be written, and aren't as an export has written them.
+
+    Args:
+        folder: where it would be written.
+        package: what would be written.
+        overwrite: True to write over any file; what is no file is still an error.
+    """
+    try:
+        return _judged(folder, package, overwrite=overwrite)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        message = f"{folder} can't be looked at: {reason}"
+        return (Diagnostic("Y0107", message, help="check the path and its rights"),)
+
+
+def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
+    if folder.exists() and not folder.is_dir():
+        return (_error(folder, "it is there already, and is no folder", "write elsewhere with -o"),)
+    known = _known(folder)
+    odd = [path for path in package.files if (folder / path).exists() and not (folder / path).is_file()]
+    if odd:
+        return (_error(folder, f"{_some(odd)} is no file", "write elsewhere with -o"),)
+    foreign, changed = [], []
+    for path in (*package.files, LIST):
+        place = folder / path
+        # a link that leads nowhere is somebody's, and would be written through
+        if overwrite or not (place.exists() or place.is_symlink()):
+            continue
+        if path == LIST:
+            foreign += [path] * (known is None)
+        elif known is None or path not in known:
+            foreign.append(path)
+        elif known[path] != _digest(place):
+            changed.append(path)
+    said = [
+        f"{_some(paths)} {'was' if len(paths) == 1 else 'were'} {what}"
+        for paths, what in (
+            (foreign, "not written by an export"),
+            (changed, "changed since an export has written it"),
+        )
+        if paths
+    ]
+    if not said:
+        return ()
+    help_ = "write elsewhere with -o, or write over them with --overwrite"
+    return (_error(folder, "; ".join(said), help_),)
+
+
+def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
+    """Write a package; files of an earlier export that it doesn't have any more are removed if nobody has changed them.
+
+    Returns:
+        An error if a file can't be written. Those before it are written then, and the list of the earlier export stays.
+    """
+    known = _known(folder) or {}
+    sums = {path: hashlib.sha256(data).hexdigest() for path, data in package.files.items()}
+    # what is written is ours from now on, even if the rest can't be written
+    listed = json.dumps({"files": {**known, **sums}}, indent=1) + "\n"
+    try:
+        replace_file(folder / LIST, listed.encode())
+        for path, data in package.files.items():
+            replace_file(folder / path, data)
+        for path in known.keys() - sums.keys():
+            place = folder / path
+            if ".." not in Path(path).parts and place.is_file() and _digest(place) == known[path]:
+                place.unlink()
+        replace_file(folder / LIST, (json.dumps({"files": sums}, indent=1) + "\n").encode())
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        where = error.filename or folder
+        help_ = "check the path, its rights, and the room on the disk; then export again"
+        return (Diagnostic("Y0107", f"{where} can't be written: {reason}", help=help_),)
+    return ()
+
+
+def _known(folder: Path) -> dict[str, str] | None:
+    """The checksums of an earlier export; None if there is none that can be read."""
+    try:
+        files = json.loads(read_whole(folder / LIST, _LARGEST_LIST))["files"]
+        return {path: digest for path, digest in files.items() if isinstance(digest, str)}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+
+
+def _digest(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def _error(folder: Path, what: str, help_: str) -> Diagnostic:
+    return Diagnostic("Y1536", f"{folder}: {what}", help=help_)
+
+
+def _some(paths: list[str]) -> str:
+    more = f" and {len(paths) - _LISTED} more" if len(paths) > _LISTED else ""
+    return f"{', '.join(paths[:_LISTED])}{more}"

@@ -1,0 +1,121 @@
+"""A robot as a package of ROS with MoveIt's configuration: all its files as bytes."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.collision.scene import scene_of
+from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.export.moveit.bodies import bodies_of
+from yarclang.export.moveit.limits import check_motors
+from yarclang.export.moveit.settings import settings_files
+from yarclang.export.moveit.srdf import srdf_text
+from yarclang.export.moveit.urdf import exported_urdf
+from yarclang.frozen import frozen
+from yarclang.robot.model import Robot
+from yarclang.robot.urdf import Urdf, read_urdf
+from yarclang.toml.reading import parse_toml, read_text
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+
+
+@frozen(eq=False)
+class Package:
+    """The package `name`: `files` by their paths in it, and where their bytes are."""
+
+    name: str
+    files: dict[str, bytes]
+
+
+def package_of(robot: Robot) -> Result[Package]:
+    """Return MoveIt's configuration of a robot; None with findings if ROS can't have it."""
+    findings = list(_names(robot))
+    read = _files_of(robot)
+    if isinstance(read, Diagnostic):
+        return Result(None, (*findings, read))
+    scene = scene_of(robot, None)
+    findings += scene.diagnostics
+    if has_errors(findings) or scene.value is None:
+        return Result(None, tuple(findings))
+    urdf, base, flange = read
+    findings += check_motors(robot)
+    bodies = bodies_of(robot, urdf)
+    name = f"{robot.name.lower()}_moveit_config"
+    described = exported_urdf(robot, urdf, name, (base, flange), bodies)
+    findings += described.diagnostics
+    if described.value is None:
+        return Result(None, tuple(findings))
+    own = f"config/{robot.name.lower()}.srdf"
+    files = {
+        "package.xml": _package(name, robot).encode(),
+        "CMakeLists.txt": _CMAKE.format(name=name).encode(),
+        own: srdf_text(robot, urdf, (base, flange), bodies, scene.value).encode(),
+        **{path: text.encode() for path, text in settings_files(robot).items()},
+        **described.value,
+    }
+    return Result(Package(name, files), tuple(findings))
+
+
+def _names(robot: Robot) -> list[Diagnostic]:
+    """Findings about names that ROS can't have."""
+    found = []
+    for what, name in (("robot", robot.name), *(("joint", name) for name in robot.joint_names)):
+        if not _NAME.fullmatch(name):
+            message = f"the {what} is called {name[:60]}, which ROS doesn't take as a name of parameters"
+            where = "robot.toml" if what == "robot" else "the URDF and robot.toml"
+            help_ = f"rename it in {where}: a letter, then letters, digits and _"
+            found.append(Diagnostic("Y1534", message, help=help_))
+    return found
+
+
+def _files_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
+    """The URDF, and the links that are the arm's base and flange."""
+    table = read_text(robot.folder / "robot.toml", "Name a folder with a robot.toml.")
+    if isinstance(table, Diagnostic):
+        return table
+    said = parse_toml(table)
+    if isinstance(said, Diagnostic):
+        return said
+    source = read_text(robot.folder / robot.urdf, "")
+    if isinstance(source, Diagnostic):
+        return source
+    urdf = read_urdf(source)
+    ends = str(said.get("base")), str(said.get("flange"))
+    if not urdf.sound or urdf.root is None or not {*ends} <= {*urdf.links}:
+        message = f"{robot.urdf} has changed since {robot.name} was read"
+        return Diagnostic("Y1302", message, help="export it again; yarc robot check looks at its files")
+    return urdf, *ends
+
+
+def _package(name: str, robot: Robot) -> str:
+    return f"""<?xml version="1.0"?>
+<!-- Written by yarc export for MoveIt. -->
+<package format="3">
+  <name>{name}</name>
+  <version>0.1.0</version>
+  <description>MoveIt's configuration of {robot.name}, made of its robot.toml</description>
+  <maintainer email="nobody@example.com">nobody</maintainer>
+  <license>Proprietary</license>
+  <buildtool_depend condition="$ROS_VERSION == 1">catkin</buildtool_depend>
+  <buildtool_depend condition="$ROS_VERSION == 2">ament_cmake</buildtool_depend>
+  <exec_depend>robot_state_publisher</exec_depend>
+  <export>
+    <build_type condition="$ROS_VERSION == 2">ament_cmake</build_type>
+  </export>
+</package>
+"""
+
+
+_CMAKE = """# Written by yarc export for MoveIt.
+cmake_minimum_required(VERSION 3.10)
+project({name})
+if("$ENV{{ROS_VERSION}}" STREQUAL "1")
+  find_package(catkin REQUIRED)
+  catkin_package()
+  install(DIRECTORY config urdf DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
+else()
+  find_package(ament_cmake REQUIRED)
+  install(DIRECTORY config urdf DESTINATION share/${{PROJECT_NAME}})
+  ament_package()
+endif()
+"""

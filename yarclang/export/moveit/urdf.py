@@ -1,0 +1,218 @@
+"""The robot's URDF for ROS: the same text in version 1.0, its meshes by the package's name, and links for what robot.toml hangs on the flange."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.export.moveit.bodies import Bodies
+from yarclang.export.numbers import number
+from yarclang.files import LARGEST_MESH, read_whole
+from yarclang.robot.link_shapes import placed_at
+from yarclang.robot.model import Array, Robot, Tool
+from yarclang.robot.urdf import Urdf
+from yarclang.robot.urdf_shapes import mesh_path
+from yarclang.robot.urdf_xml import Element
+from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from yarclang.transforms import roll_pitch_yaw
+
+Edit = tuple[int, int, str]
+"""Begin and end of what is replaced, and by what."""
+
+FOLDER = "urdf"
+_PLAIN = re.compile(r"[A-Za-z0-9_.\-/]+", re.ASCII)
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_ENCODING = re.compile(r"""^(\s*<\?xml[^>]*?\sencoding\s*=\s*)(["']).*?\2""", re.DOTALL)
+_FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
+
+
+def exported_urdf(
+    robot: Robot, urdf: Urdf, package: str, ends: tuple[str, str], bodies: Bodies
+) -> Result[dict[str, bytes]]:
+    """Return the URDF and its meshes by their paths in the package; with an error if a mesh that is checked can't be read.
+
+    Args:
+        robot: the robot.
+        urdf: its URDF.
+        package: the package's name.
+        ends: the links {B} and {FLANGE}.
+        bodies: what is added on the flange.
+    """
+    meshes = _Meshes(robot, package)
+    text, root = urdf.text, urdf.root
+    assert root is not None  # a sound one has a root
+    edits = [_version(text, root)]
+    for link in urdf.links.values():
+        for body in (*link.all("visual"), *link.all("collision")):
+            edits += _body(urdf, body, meshes)
+    for start, end, new in sorted(edits, reverse=True):
+        text = f"{text[:start]}{new}{text[end:]}"
+    added = "".join(f"{line}\n" for line in _added(ends[1], bodies, meshes))
+    end = _COMMENT.sub(lambda found: " " * len(found[0]), text).rindex("</")
+    text = f"{text[:end]}{added}{text[end:]}"
+    name = f"{FOLDER}/{robot.name.lower()}.urdf"
+    # the text is UTF-8, whatever its first line says
+    text = _ENCODING.sub(r'\1"UTF-8"', text, count=1)
+    files = {name: text.encode(), **meshes.files}
+    return Result(files, tuple(meshes.findings))
+
+
+def _version(text: str, root: Element) -> Edit:
+    """The root's tag with the version that all of ROS reads; what later ones have is written otherwise."""
+    tag = text[root.start : root.end]
+    return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
+
+
+def _body(urdf: Urdf, body: Element, meshes: _Meshes) -> Iterator[Edit]:
+    """Yield the changes of a <visual> or <collision>: the name of its mesh; a capsule, which version 1.0 doesn't have, becomes three bodies."""
+    geometry = body.first("geometry")
+    shape = geometry.children[0] if geometry is not None and geometry.children else None
+    if shape is None:
+        return
+    if shape.tag == "mesh":
+        url = meshes.url(shape.attributes.get("filename", ""))
+        if url is not None:
+            tag = urdf.text[shape.start : shape.end]
+            new = _FILENAME.sub(lambda found: f"{found[1]}{quoteattr(url)}", tag, count=1)
+            yield shape.start, shape.end, new
+    elif shape.tag == "capsule":
+        masked = _COMMENT.sub(lambda found: " " * len(found[0]), urdf.text[body.start :])
+        ending = re.search(rf"</{body.tag}\s*>", masked)
+        assert ending is not None  # it has a child, so it ends with a tag of its own
+        capsule = Capsule(float(shape.attributes["radius"]), float(shape.attributes["length"]))
+        material = _material(body.first("material"))
+        placed = placed_at(urdf, body.first("origin"))
+        new = "\n    ".join(
+            f"<{body.tag}>{_origin(pose)}<geometry>{_geometry(simple, meshes)}</geometry>{material}</{body.tag}>"
+            for simple, pose in _simple(capsule, placed)
+        )
+        # what lies inside goes with it
+        yield body.start, body.start + ending.end(), new
+
+
+def _material(material: Element | None) -> str:
+    if material is None:
+        return ""
+    name = quoteattr(material.attributes.get("name", ""))
+    colour = material.first("color")
+    if colour is None:
+        return f"<material name={name}/>"
+    return f"<material name={name}><color rgba={quoteattr(colour.attributes.get('rgba', ''))}/></material>"
+
+
+class _Meshes:
+    """The mesh files of a package, as they are asked for."""
+
+    def __init__(self, robot: Robot, package: str) -> None:
+        self.files: dict[str, bytes] = {}
+        self.findings: list[Diagnostic] = []
+        self._robot, self._package = robot, package
+        self._places: dict[Path, str] = {}
+
+    def url(self, filename: str) -> str | None:
+        """Return how the package names a mesh of the URDF; None with a finding if there is no such file."""
+        path = mesh_path(filename, (self._robot.folder / self._robot.urdf).parent)
+        if path is None:
+            self._lost(filename, "there is no such file")
+            return None
+        return self.url_of(path)
+
+    def url_of(self, path: Path) -> str | None:
+        """Return how the package names a mesh file."""
+        path = path.resolve()
+        if path not in self._places:
+            place = self._place(path)
+            try:
+                self.files[place] = read_whole(path, LARGEST_MESH)
+            except OSError as error:
+                self._lost(path.name, error.strerror or str(error))
+                return None
+            self._places[path] = place
+        return f"package://{self._package}/{self._places[path]}"
+
+    def _place(self, path: Path) -> str:
+        """The path of a file in the package: as in the robot's folder, if it is in there and has a plain name."""
+        folder = self._robot.folder.resolve()
+        if path.is_relative_to(folder):
+            inside = str(PurePosixPath(path.relative_to(folder)))
+            if _PLAIN.fullmatch(inside) and not inside.endswith(".urdf"):
+                return f"{FOLDER}/{inside}"
+        stem = re.sub(r"[^A-Za-z0-9_]", "_", path.stem, flags=re.ASCII) or "mesh"
+        place, number_ = f"{FOLDER}/meshes/{stem}{path.suffix}", 2
+        while place in self.files:
+            place, number_ = f"{FOLDER}/meshes/{stem}_{number_}{path.suffix}", number_ + 1
+        return place
+
+    def _lost(self, name: str, reason: str) -> None:
+        message = f"the mesh {name[:100]!r} isn't exported: {reason}"
+        self.findings.append(
+            Diagnostic("Y1537", message, help="put it where the URDF names it, or take it out of the URDF")
+        )
+
+
+def _added(flange: str, bodies: Bodies, meshes: _Meshes) -> Iterator[str]:
+    """The lines of the links on the flange."""
+    for link, pose in bodies.frames.items():
+        yield f"  <link name={quoteattr(link)}/>"
+        yield from _joint(link, flange, pose)
+    for link, tool in bodies.tools.items():
+        yield f"  <link name={quoteattr(link)}>"
+        yield from _shapes(tool, meshes)
+        yield "  </link>"
+        yield from _joint(link, flange, np.eye(4))
+
+
+def _joint(link: str, flange: str, pose: Array) -> Iterator[str]:
+    yield f'  <joint name={quoteattr(f"{link}_joint")} type="fixed">'
+    yield f"    <parent link={quoteattr(flange)}/>"
+    yield f"    <child link={quoteattr(link)}/>"
+    yield f"    {_origin(pose)}"
+    yield "  </joint>"
+
+
+def _shapes(tool: Tool, meshes: _Meshes) -> Iterator[str]:
+    for placed in tool.shapes:
+        for shape, pose in _simple(placed.shape, placed.flange_from_shape):
+            geometry = _geometry(shape, meshes)
+            if geometry is not None:
+                for tag in ("visual", "collision"):
+                    yield f"    <{tag}>{_origin(pose)}<geometry>{geometry}</geometry></{tag}>"
+
+
+def _simple(shape: Shape, pose: Array) -> Iterator[tuple[Shape, Array]]:
+    """Yield a shape as shapes that URDF has: a capsule is a cylinder with two spheres."""
+    if not isinstance(shape, Capsule):
+        yield shape, pose
+        return
+    yield Cylinder(shape.radius, shape.length), pose
+    for side in (-0.5, 0.5):
+        end = pose.copy()
+        end[:3, 3] += side * shape.length * pose[:3, 2]
+        yield Sphere(shape.radius), end
+
+
+def _geometry(shape: Shape, meshes: _Meshes) -> str | None:
+    match shape:
+        case Box(size=size):
+            return f'<box size="{_row(size)}"/>'
+        case Sphere(radius=radius):
+            return f'<sphere radius="{number(radius)}"/>'
+        case Cylinder(radius=radius, length=length):
+            return f'<cylinder radius="{number(radius)}" length="{number(length)}"/>'
+        case Mesh(path=path, unit=unit, scale=scale):
+            url = meshes.url_of(path)
+            return url and f'<mesh filename={quoteattr(url)} scale="{_row(unit * np.array(scale))}"/>'
+    raise AssertionError(f"a {type(shape).__name__} was made simple before")
+
+
+def _origin(pose: Array) -> str:
+    return f'<origin xyz="{_row(pose[:3, 3])}" rpy="{_row(roll_pitch_yaw(pose[:3, :3]))}"/>'
+
+
+def _row(values: Array) -> str:
+    return " ".join(number(value) for value in np.round(values, 12) + 0.0)

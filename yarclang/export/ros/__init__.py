@@ -1,0 +1,1 @@
+"""A program's certified motion as trajectories for ROS."""

@@ -1,0 +1,231 @@
+"""What a certified text does, as stretches of motion without a stop between them, and what lies between.
+
+All of it comes from the judge's own reading of the text.
+"""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Put, Run, Stood
+from yarclang.certify.unsourced import start_of
+from yarclang.frozen import frozen
+from yarclang.pipeline.line_map import LineMap
+from yarclang.progress import go_on
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MS
+
+Kind = Literal["dwell", "set", "wait", "hold", "when", "else", "end"]
+
+
+@frozen
+class Between:
+    """Something that a trajectory cannot say.
+
+    `before` is the number of stretches that end before it. `time` [s] counts from the start of the stretch with that
+    number if it happens during the motion; None if it happens while the robot stands.
+    """
+
+    kind: Kind
+    place: str
+    what: str
+    before: int
+    time: float | None = None
+
+    @property
+    def text(self) -> str:
+        """One line for people: where, when, what."""
+        when = (
+            "" if self.time is None else f" {self.time:.6f} s after the start of trajectory {self.before + 1}"
+        )
+        return f"{self.place}{when}: {self.what}" if self.place else f"{self.what}{when}"
+
+
+@frozen(eq=False)
+class Path:
+    """The executed path: cubic pieces, those of all stretches one after the other.
+
+    Piece s belongs to stretch `stretch[s]`, and begins `begin[s]` [s] after the start of that stretch with position
+    `x`, velocity `v` and acceleration `a` (S, n) [rad or m, per s, per s^2]; `jerk` (S, n) is constant in the piece. The last piece
+    of each stretch is the rest after its end, which has no length.
+    """
+
+    stretch: NDArray[np.intp]
+    begin: Array
+    x: Array
+    v: Array
+    a: Array
+    jerk: Array
+
+    @property
+    def last(self) -> NDArray[np.intp]:
+        """The number of the rest piece of each stretch."""
+        return np.flatnonzero(np.append(np.diff(self.stretch) > 0, True))
+
+    def at(self, piece: NDArray[np.intp], offset: Array) -> tuple[Array, Array, Array]:
+        """Return position, velocity and acceleration (N, n) in pieces (N,), `offset` (N,) [s] after their begins."""
+        t = offset[:, None]
+        x, v, a, jerk = (one[piece] for one in (self.x, self.v, self.a, self.jerk))
+        return x + t * (v + t * (a / 2 + t * jerk / 6)), v + t * (a + t * jerk / 2), a + t * jerk
+
+
+@frozen(eq=False)
+class Course:
+    """A program for other drivers: the path of all stretches, when each of them begins [s] if no wait takes time, and what lies between."""
+
+    path: Path
+    starts: tuple[float, ...]
+    between: tuple[Between, ...]
+
+    @property
+    def size(self) -> int:
+        """The number of stretches."""
+        return len(self.starts)
+
+
+def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Mapping[str, str]) -> Course:
+    """Return the course of a certified text.
+
+    Args:
+        content: the text as the judge reads it.
+        mapped: the same text's lines, for the names of commands.
+        robot: whom it is for.
+        names: the program's names of the controller's variables, such as M1.
+    """
+    made = _Making(
+        mapped, robot, names, start_of(content, robot), {entry.step: entry for entry in content.entries}
+    )
+    for item, place in zip(content.course, content.schedule.places, strict=False):
+        go_on()
+        made.take(item, float(place))
+    return made.done()
+
+
+class _Making:
+    """A course while it is made."""
+
+    def __init__(
+        self,
+        mapped: LineMap,
+        robot: Robot,
+        names: Mapping[str, str],
+        start: Array,
+        entries: Mapping[int, object],
+    ) -> None:
+        self._stretches, self._firsts = mapped.stretches, [one.first for one in mapped.stretches]
+        self._robot, self._names, self._stand, self._entries = robot, names, start, entries
+        self._between: list[Between] = []
+        self._starts: list[float] = []
+        self._open = False
+        self._clock = 0.0
+        # of each sequence: control points, segment time, stretch, begin in the stretch
+        self._control: list[Array] = []
+        self._segment: list[float] = []
+        self._stretch: list[int] = []
+        self._begin: list[float] = []
+
+    def take(self, item: Run | Dwelt | Put | Barred | Stood, place: float) -> None:
+        """Take the next item of the text, which begins `place` [s] after the program's start."""
+        match item:
+            case Run():
+                self._run(item, place)
+            case Stood(point=point):
+                self._stand = point * self._robot.axis_units
+            case Barred():
+                self._bar(item)
+            case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
+                self._say("dwell", line, f"stand still for {milliseconds * MS:g} s")
+            case Put(line=line, variable=variable, value=value):
+                self._say("set", line, self._put(variable, value))
+
+    def _run(self, run: Run, place: float) -> None:
+        if not self._open:
+            self._open, self._clock = True, 0.0
+            self._starts.append(place)
+        stretch = len(self._starts) - 1
+        points = run.points * self._robot.axis_units
+        self._control.append(
+            np.concatenate((np.tile(self._stand, (3, 1)), points, np.tile(points[-1], (2, 1))))
+        )
+        self._segment.append(run.segment)
+        self._stretch.append(stretch)
+        self._begin.append(self._clock)
+        for put in run.puts:  # a move line begins the segment of its number in the sequence
+            time = self._clock + int(np.searchsorted(run.lines, put.line)) * run.segment
+            self._between.append(
+                Between("set", self._place(put.line), self._put(put.variable, put.value), stretch, time)
+            )
+        self._stand, self._clock = points[-1], self._clock + run.duration
+
+    def _put(self, variable: str, value: float) -> str:
+        name = self._names.get(variable)
+        return f"set {variable}{f' ({name})' if name else ''} to {value:g}"
+
+    def _say(self, kind: Kind, line: int, what: str) -> None:
+        self._between.append(Between(kind, self._place(line), what, len(self._starts)))
+        self._open = False
+
+    def _place(self, line: int) -> str:
+        """The command that a line of the text belongs to."""
+        at = bisect.bisect_right(self._firsts, line) - 1
+        command = self._stretches[at].command if at >= 0 else None
+        return command.title if command is not None else ""
+
+    def _bar(self, item: Barred) -> None:
+        limit = "without a limit" if item.timeout is None else f"at most {item.timeout:g} s"
+        said = f"{item.name} ({item.condition})"
+        what = {
+            "wait": f"wait for {said}, {limit}",
+            "hold": f"wait for the operator: {item.name}" if item.name else "wait for the operator",
+            "when": f"what follows is only for {said}",
+            "else": "what follows is for the other case",
+            "end": "both cases go on from here",
+        }[item.kind]
+        entry = self._entries[item.step]
+        place = " ".join(
+            one for one in (getattr(entry, "index", ""), getattr(entry, "name", "")) if one and one != "-"
+        )
+        kind: Kind = item.kind  # type: ignore[assignment]
+        self._between.append(Between(kind, place, what, len(self._starts)))
+        self._open = False
+
+    def done(self) -> Course:
+        """Return the course of all that was taken."""
+        return Course(self._path(), tuple(self._starts), tuple(self._between))
+
+    def _path(self) -> Path:
+        size = self._robot.size
+        if not self._control:
+            none, empty = np.zeros((0, size)), np.zeros(0)
+            return Path(np.zeros(0, dtype=np.intp), empty, none, none, none, none)
+        f = np.concatenate(self._control)
+        rows = np.array([len(one) for one in self._control])
+        segments = rows - 3
+        run = np.repeat(np.arange(len(rows)), segments)
+        own = np.arange(len(run)) - np.repeat(np.cumsum(segments) - segments, segments)
+        at = np.repeat(np.cumsum(rows) - rows, segments) + own
+        h = np.array(self._segment)[run]
+        begin = np.array(self._begin)[run] + own * h
+        stretch = np.array(self._stretch, dtype=np.intp)[run]
+        f0, f1, f2, f3 = (f[at + k] for k in range(4))
+        step = h[:, None]
+        x, v = (f0 + 4.0 * f1 + f2) / 6.0, (f2 - f0) / (2.0 * step)
+        a, jerk = (f2 - 2.0 * f1 + f0) / step**2, (f3 - 3.0 * f2 + 3.0 * f1 - f0) / step**3
+        # the rest after each stretch
+        behind = np.flatnonzero(np.append(np.diff(stretch) > 0, True))
+        end = begin[behind] + h[behind]
+        final, none = f3[behind], np.zeros((len(behind), size))
+        place = behind + 1
+        return Path(
+            np.insert(stretch, place, stretch[behind]),
+            np.insert(begin, place, end),
+            np.insert(x, place, final, axis=0),
+            np.insert(v, place, none, axis=0),
+            np.insert(a, place, none, axis=0),
+            np.insert(jerk, place, none, axis=0),
+        )

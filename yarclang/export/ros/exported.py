@@ -1,0 +1,152 @@
+"""A certified program as trajectories: the way through this folder."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.export.ros.course import Between, Course, course_of
+from yarclang.export.ros.interpolation import Interpolation
+from yarclang.export.ros.proof import deviation
+from yarclang.export.ros.sampling import Points, sampled
+from yarclang.frozen import frozen
+from yarclang.hir import SetOutput, WaitInput, When
+from yarclang.pipeline.line_map import map_lines
+from yarclang.pipeline.stages import Compiled
+from yarclang.progress import tell
+from yarclang.robot.model import Array, Robot
+
+_LISTED = 5
+"""So many things between trajectories are listed in the warning; the file has all."""
+
+
+@frozen(eq=False)
+class Wishes:
+    """What is wanted: the `tolerance` of each joint [rad or m]; `straight` to keep it by straight lines between way-points as well."""
+
+    tolerance: float
+    straight: bool = False
+
+    @property
+    def kinds(self) -> tuple[Interpolation, ...]:
+        """The interpolations that keep the tolerance. Way-points with accelerations make ros_control interpolate by quintics."""
+        return ("linear", "cubic", "quintic") if self.straight else ("cubic", "quintic")
+
+
+@frozen(eq=False)
+class Exported:
+    """A program's motion as trajectories.
+
+    Attributes:
+        program: the name of its file.
+        fingerprint: SHA-256 of what the program does, as its controller text says.
+        seal: SHA-256 of the controller text.
+        robot: whom it is for.
+        wishes: the tolerance and the interpolations.
+        points: the way-points of all trajectories, one after the other.
+        starts: when each trajectory begins [s] if no wait takes time.
+        between: what lies between them.
+        proved: of each interpolation, how far each joint (n,) is from the executed path at most [rad or m].
+    """
+
+    program: str
+    fingerprint: str
+    seal: str
+    robot: Robot
+    wishes: Wishes
+    points: Points
+    starts: tuple[float, ...]
+    between: tuple[Between, ...]
+    proved: dict[Interpolation, Array]
+
+    @property
+    def size(self) -> int:
+        """The number of trajectories."""
+        return len(self.starts)
+
+    @property
+    def worst(self) -> float:
+        """The largest deviation of any joint by any of the interpolations [rad or m]."""
+        return max((float(one.max()) for one in self.proved.values()), default=0.0)
+
+    def trajectory(self, number: int) -> Points:
+        """Return the way-points of one trajectory, from 0."""
+        first, last = np.searchsorted(self.points.stretch, [number, number + 1])
+        return self.points.take(np.arange(first, last))
+
+    def before(self, number: int) -> tuple[Between, ...]:
+        """Return what happens before trajectory `number`, from 0, begins and after the one before has ended; the last number: after all."""
+        return tuple(one for one in self._placed.get(number, ()) if one.time is None)
+
+    def during(self, number: int) -> tuple[Between, ...]:
+        """Return what happens during a trajectory."""
+        return tuple(one for one in self._placed.get(number, ()) if one.time is not None)
+
+    @property
+    def _placed(self) -> dict[int, list[Between]]:
+        placed: dict[int, list[Between]] = {}
+        for one in self.between:
+            placed.setdefault(one.before, []).append(one)
+        return placed
+
+
+def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
+    """Make trajectories of a certified program.
+
+    Returns:
+        The trajectories, with a warning if something lies between them; None if the program moves nothing.
+    """
+    robot, content = compiled.plan.robot, compiled.certificate.text
+    names = {output.signal.variable: output.signal.name for output in compiled.program.outputs}
+    for step in compiled.program.steps:
+        match step:
+            case SetOutput(output=signal) | WaitInput(input=signal) | When(input=signal):
+                names.setdefault(signal.variable, signal.name)
+    course = course_of(content, map_lines(compiled.text), robot, names)
+    if not course.size:
+        message = f"{content.header.source} moves nothing: there is no trajectory in it"
+        return Result(None, (Diagnostic("Y1531", message, help="export a program with motions"),))
+    points = sampled(course.path, wishes.tolerance, wishes.kinds)
+    tell("proving the trajectories", 0)
+    proved = {kind: deviation(course.path, points, kind) for kind in wishes.kinds}
+    made = Exported(
+        content.header.source,
+        content.header.program_fingerprint,
+        hashlib.sha256(compiled.text.encode()).hexdigest(),
+        robot,
+        wishes,
+        points,
+        course.starts,
+        course.between,
+        proved,
+    )
+    if made.worst > wishes.tolerance:
+        raise AssertionError(f"way-points leave the path by {made.worst:g} of {wishes.tolerance:g}")
+    return Result(made, tuple(_told(course)))
+
+
+def _told(course: Course) -> list[Diagnostic]:
+    """What a trajectory cannot say, as one warning."""
+    if not course.between:
+        return []
+    words = {
+        "set": "output",
+        "wait": "wait",
+        "hold": "hold",
+        "dwell": "stop for a time",
+        "when": "WHEN",
+    }
+    kinds = [one.kind for one in course.between]
+    counts = [
+        f"{kinds.count(kind)} {word}{'s' * (kinds.count(kind) > 1 and kind != 'dwell')}"
+        for kind, word in words.items()
+        if kind in kinds
+    ]
+    some = "; ".join(one.text for one in course.between[:_LISTED])
+    more = f"; and {len(course.between) - _LISTED} more" if len(course.between) > _LISTED else ""
+    parts = f"{course.size} trajector{'ies' if course.size > 1 else 'y'}"
+    message = f"{', '.join(counts)} can't be part of a trajectory: {some}{more}"
+    help_ = f"the file says what happens before, during and after each of its {parts}; whoever sends them has to do it"
+    return [Diagnostic("Y1532", message, help=help_)]

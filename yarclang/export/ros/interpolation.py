@@ -1,0 +1,114 @@
+"""How a driver interpolates between way-points, and the largest difference of two polynomials.
+
+ros_control's joint_trajectory_controller joins way-points by straight lines where they have positions alone, by cubics where they have
+velocities as well, and by quintics where they have accelerations too (ros_controllers and ros2_controllers, `sampleSplineWithTimeBounds` and
+`interpolate_between_points`). Each of these is at most of degree 5, as is its difference from the executed cubic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from yarclang.robot.model import Array
+
+Interpolation = Literal["linear", "cubic", "quintic"]
+
+State = tuple[Array, Array, Array]
+"""Position, velocity and acceleration (N, n)."""
+
+
+def coefficients(kind: Interpolation, first: State, second: State, length: Array) -> Array:
+    """Return the polynomials between pairs of way-points.
+
+    Args:
+        kind: of the interpolation.
+        first: the way-points at which the polynomials begin.
+        second: those at which they end.
+        length: (N,) the time between them [s].
+
+    Returns:
+        (6, N, n), the coefficients of the powers of the time since the first way-point [s].
+    """
+    t = length[:, None]
+    (x0, v0, a0), (x1, v1, a1) = first, second
+    none = np.zeros_like(x0)
+    slope = (x1 - x0) / t
+    if kind == "linear":
+        return np.stack((x0, slope, none, none, none, none))
+    if kind == "cubic":
+        return np.stack(
+            (x0, v0, (3.0 * slope - 2.0 * v0 - v1) / t, (v0 + v1 - 2.0 * slope) / t**2, none, none)
+        )
+    rise = x1 - x0 - t * (v0 + t * a0 / 2.0)
+    gain, more = t * (v1 - v0 - t * a0), t**2 * (a1 - a0)
+    return np.stack(
+        (
+            x0,
+            v0,
+            a0 / 2.0,
+            (10.0 * rise - 4.0 * gain + more / 2.0) / t**3,
+            (-15.0 * rise + 7.0 * gain - more) / t**4,
+            (6.0 * rise - 3.0 * gain + more / 2.0) / t**5,
+        )
+    )
+
+
+def values(powers: Array, offset: Array) -> State:
+    """Evaluate polynomials with coefficients `powers` (6, N, n) at times `offset` (N,) [s]: values and the first two derivatives."""
+    t = offset[:, None]
+    c0, c1, c2, c3, c4, c5 = powers
+    return (
+        c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5)))),
+        c1 + t * (2.0 * c2 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))),
+        2.0 * c2 + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
+    )
+
+
+def largest(first: State, second: State, length: Array, halvings: int) -> Array:
+    """Bound the absolute values of polynomials of degree 5 or less on intervals.
+
+    Such a polynomial is known by its value and two derivatives at both ends, and lies in the convex hull of its Bernstein coefficients. Each
+    halving of the interval brings the hull to a quarter of its distance from the polynomial.
+
+    Args:
+        first: values and derivatives at the begins (N, n).
+        second: those at the ends.
+        length: (N,) of the intervals [s].
+        halvings: how often each interval is halved.
+
+    Returns:
+        (N, n).
+    """
+    t = length[:, None]
+    (e0, d0, dd0), (e1, d1, dd1) = first, second
+    pieces: Sequence[Array] = [
+        np.stack(
+            (
+                e0,
+                e0 + t * d0 / 5.0,
+                e0 + t * (2.0 * d0 / 5.0 + t * dd0 / 20.0),
+                e1 + t * (-2.0 * d1 / 5.0 + t * dd1 / 20.0),
+                e1 - t * d1 / 5.0,
+                e1,
+            )
+        )
+    ]
+    for _ in range(halvings):
+        pieces = [half for piece in pieces for half in _halves(piece)]
+    bound: Array = np.abs(pieces[0]).max(axis=0)
+    for piece in pieces[1:]:
+        np.maximum(bound, np.abs(piece).max(axis=0), out=bound)
+    return bound
+
+
+def _halves(piece: Array) -> tuple[Array, Array]:
+    """The Bernstein coefficients (6, N, n) of both halves of an interval, by de Casteljau's rule."""
+    left, right = [piece[0]], [piece[-1]]
+    while len(piece) > 1:
+        piece = (piece[:-1] + piece[1:]) / 2.0
+        left.append(piece[0])
+        right.append(piece[-1])
+    return np.stack(left), np.stack(right[::-1])

@@ -20,7 +20,7 @@ TURN_CHORD = 100.0
 
 @dataclass
 class Said:
-    """What one motion says: `kind` is joints, joint_spline, line, arc or pose_spline; goals are joint positions (deg, mm) or poses.
+    """What one motion says: `kind` is joints, joint_spline, timed, line, arc or pose_spline; goals are joint positions (deg, mm) or poses.
 
     A pose is (x y z [mm], Rotation). Increments are worked out by `goal_from`.
     """
@@ -34,10 +34,13 @@ class Said:
     blend: float | None = None
     acc: float = 1.0
     tol: float | None = None
+    table: object = None
+    """The table of a timed motion, and the factor of all its times."""
+    stretch: float = 1.0
 
     @property
     def in_joints(self):
-        return self.kind in ("joints", "joint_spline")
+        return self.kind in ("joints", "joint_spline", "timed")
 
     @property
     def seconds(self):

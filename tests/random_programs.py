@@ -4,10 +4,11 @@ The judge reads the emitted text with tests/independent.py. Which joint position
 checks that they are solutions.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import independent
 import numpy as np
+import random_timetables
 from independent_paths import Said, goals_from, off, path
 from scipy.spatial.transform import Rotation
 
@@ -119,6 +120,19 @@ def drawn(arm, random, most=5):
         if random.random() < 0.15:
             lines.append(f"P{(step + 1) * 10:04d} SET LAMP {random.choice(['ON', 'OFF'])}")
             step += 1
+    if random.random() < 0.25:
+        # from the middle, wherever the motions before lead to; into a WAIT nothing flows
+        lines.append(f"P{(step + 1) * 10:04d} WAIT [0.1]")
+        step += 1
+        lines.append(f"P{(step + 1) * 10:04d} MOVEJ {_numbers(middle)} [MIN]")
+        said[step] = Said("joints", [np.round(middle, 4)])
+        table = random_timetables.drawn(
+            arm, random, str(random.choice(random_timetables.KINDS)), np.round(middle, 4)
+        )
+        stretch = float(random.choice([3.0, 4.5]))
+        option = f" STRETCH {stretch:g}"
+        lines.append(f"P{(step + 2) * 10:04d} MOVEJ_TIMED {table.way()}{option}")
+        said[step + 1] = Said("timed", list(table.rows), table=table, stretch=stretch)
     return Program("\n".join(lines) + "\n", said)
 
 
@@ -218,7 +232,12 @@ def features(program):
             time = "seconds"
         else:
             time = "share" if one.share < 1.0 else "shortest time"
-        beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and step != steps[-1]}
+        # behind the last one drawn stands a WAIT where a timetable follows
+        flows = step != (steps[-3] if program.said[steps[-1]].kind == "timed" else steps[-1])
+        beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and flows}
+        if one.kind == "timed":
+            yield step, ("motions", kind)
+            continue
         yield step, ("motions", kind, one.profile, time, *(name for name, said in beside.items() if said))
 
 
@@ -267,6 +286,10 @@ def faults(arm, said, text, chosen, told):
                     found.append(f"{label}: no rest at {where:.3f} s")
                 if np.abs(done.spline(where) - end).max() > 3e-5:
                     found.append(f"{label}: not at its place at {where:.3f} s")
+        if one.kind == "timed":
+            found += [f"{label}: {fault}" for fault in _off_table(arm, one, done, corner)]
+            corner, flows_in, ball_before, before = ends[-1], None, None, None
+            continue
         way = one, path(arm, one, corner, goals, ends)
         shares = off(arm, one, q, way[1])
         ball = _ball(arm, one, following, ends[-1]) if flows_on and one.blend else None
@@ -299,6 +322,18 @@ def faults(arm, said, text, chosen, told):
     return found
 
 
+def _off_table(arm, one, done, corner):
+    """What is otherwise than a timetable says from joint position `corner` on."""
+    lasts = one.table.times[-1] * one.stretch
+    if not -1e-9 <= done.duration - lasts <= 1e-3:
+        yield f"takes {done.duration:.6f} s, not {lasts:.6f} s"
+    at = np.linspace(0.0, 1.0, 8 * len(done.control))
+    asked = replace(one.table, start=corner).asked(one.stretch)
+    off = (np.abs(done.spline(at * done.duration) - asked(at * lasts)) * arm.si).max()
+    if off > 1e-4 * (1.0 + 1e-6):
+        yield f"off its table by {off * 1e4:.4f} of the tolerance"
+
+
 def _beside(segments, one):
     """The samples that may be on the path of either motion at a corner that isn't left: it is passed in the overlap, or a segment beside."""
     return None if segments is None or (segments and one.blend) else 8 * (segments // 2 + 1) + 1
@@ -329,7 +364,7 @@ def _beyond(arm, one, done, said, steps, place, flows_in, flows_on):
     share = max(other.share for other in beside)
     ramp = max(other.share * other.acc for other in beside)
     allowed = {"position": 1.0, "velocity": share, "motor": share, "acceleration": ramp, "jerk": ramp}
-    if any(other.profile == "TOPP" for other in beside):
+    if any(other.profile == "TOPP" or other.kind == "timed" for other in beside):
         del allowed["jerk"]
     used = independent.shares(arm, done)
     for kind, most in allowed.items():

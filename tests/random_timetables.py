@@ -21,6 +21,14 @@ class Table:
 
     def text(self, options=""):
         """The program: to the start, and along the table."""
+        return (
+            "DEFAULT (mm,deg,s)\n"
+            f"P0010 MOVEJ {_numbers(self.start)} [MIN]\n"
+            f"P0020 MOVEJ_TIMED {self.way()}{options}\n"
+        )
+
+    def way(self):
+        """The rows as a command has them."""
         points = []
         for number, (q, time) in enumerate(zip(self.rows, self.times, strict=True)):
             point = f"{_numbers(q)} [{time:.4f}]"
@@ -29,11 +37,7 @@ class Table:
             if self.accelerations is not None:
                 point += f" ACC {_numbers(self.accelerations[number])}"
             points.append(point)
-        return (
-            "DEFAULT (mm,deg,s)\n"
-            f"P0010 MOVEJ {_numbers(self.start)} [MIN]\n"
-            f"P0020 MOVEJ_TIMED {'; '.join(points)}{options}\n"
-        )
+        return "; ".join(points)
 
     def asked(self, stretch=1.0):
         """The path over time: a function with derivatives."""
@@ -47,14 +51,18 @@ class Table:
         return BPoly.from_derivatives(times, np.stack(parts, axis=1))
 
 
-def drawn(arm, random, kind):
-    """A table about the middle of an arm's home: joints that go to and fro, or along one line with ramps, sampled about every 0.1 s.
+def drawn(arm, random, kind, start=None):
+    """A table from `start`, or about the middle of an arm's home: joints that go to and fro, or along one line with ramps, sampled about every 0.1 s.
 
     Its peaks of velocity and acceleration are between a third and one and a half times the limits.
     """
     home = np.array(arm.data["positions"]["HOME"], float)
     room = np.minimum(np.minimum(arm.upper - home, home - arm.lower), 60.0)
-    start = np.round(home + random.uniform(-0.4, 0.4, len(home)) * room, 4)
+    if start is None:
+        start = np.round(home + random.uniform(-0.4, 0.4, len(home)) * room, 4)
+    else:
+        # other motions stand in the program as well, and shall not be refused with it
+        room = np.minimum(np.minimum(arm.upper - start, start - arm.lower), 25.0)
     way = random.uniform(-0.5, 0.5, len(home)) * room
     if random.random() < 0.5:
         shares, rates, bends = _swinging(random)

@@ -6,7 +6,7 @@ import math
 import re
 
 from yarclang.diagnostics import Edit, Fix
-from yarclang.hir import Origin
+from yarclang.hir import Origin, TimedMove
 
 
 def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
@@ -25,6 +25,18 @@ def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
     digits = 2 - math.floor(math.log10(value))
     text = f"[V {math.floor(value * 10.0**digits) / 10.0**digits:.10g}]"
     return text, Fix(f"write {text}", (Edit(origin.time_span, text),))
+
+
+def stretch_fix(motion: TimedMove, stretch: float) -> Fix | None:
+    """Return a fix that writes another STRETCH into a line; None if the one that stands there is computed."""
+    origin, text = motion.origin, f"{stretch:.10g}"
+    if origin.stretch_span is not None:
+        edit = Edit(origin.stretch_span, text)
+    elif origin.end_span is not None and motion.stretch == 1.0:
+        edit = Edit(origin.end_span, f" STRETCH {text}")
+    else:
+        return None
+    return Fix(f"write STRETCH {text}", (edit,))
 
 
 def written_speed(origin: Origin) -> float | None:

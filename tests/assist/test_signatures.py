@@ -28,6 +28,7 @@ def signature(line: str, head: str = HEAD):
         ("P0010 MOVEC {TCP} 1 2 3; 4 |", POSE, 1),
         ("P0010 MOVEL_SPLINE 1 2 3 4 5 6;\n  1 |", POSE, 1),
         ("P0010 MOVEJ 1 2 |", JOINTS, 2),
+        ("P0010 MOVEJ_TIMED 1 2 3 4 5 6 [2] VEL 0 0 0 0 0 0; 1 2 |", JOINTS, 2),
         ("P0010 MOVEJ_RPY 1 2 |", POSE, 2),
         ("P0010 MOVEL_QUAT |", "x (mm) y (mm) z (mm) qx qy qz qw", 0),
         ("P0010 MOVEL 1 | 3 4 5 6 (in,rad)", "x (in) y (in) z (in) roll (rad) pitch (rad) yaw (rad)", 1),

@@ -126,6 +126,18 @@ def test_slower_it_works(tmp_path, ur5):
     assert codes(compiled(program.format("0.92"), folder)[1]) == ["Y1801"]
 
 
+def test_a_timetable_is_stretched_to_where_the_torque_holds(tmp_path, ur5):
+    program = "START 0 -90 0 0 0 0 (deg)\nP10 MOVEJ_TIMED 0 -50 0 0 0 0 [0.5]; 0 -20 0 0 0 0 [1] (deg,s){}"
+    quick = compiled(program.format(""), with_effort(tmp_path, ur5))[0].certificate.commands[0].torque
+    folder = with_effort(tmp_path, ur5, effort=f"{quick.share * 150 * 0.97:.3f}")
+    value, (finding,) = compiled(program.format(""), folder)
+    assert (value, finding.code) == (None, "Y1801")
+    (edit,) = finding.fix.edits
+    assert f"a STRETCH that works is about{edit.text[8:]}" in finding.help
+    assert 1.0 < float(edit.text.split()[1]) < 1.1
+    assert compiled(program.format(edit.text), folder)[0] is not None
+
+
 def test_gravity_alone_is_too_much(tmp_path, ur5):
     program = "START 0 -90 0 0 0 0 (deg)\nP10 MOVEJ 0 0 0 0 0 0 [9] (deg,s)"
     (finding,) = compiled(program, with_effort(tmp_path, ur5, effort=30))[1]

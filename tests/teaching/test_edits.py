@@ -226,3 +226,21 @@ def test_a_long_program_is_listed_in_a_second():
         assert len(listing(source)) == 10_001
         took.append(time.process_time() - begin)
     assert min(took) < 1.0
+
+
+def test_a_timetable_has_the_time_of_each_way_point_and_its_own_options():
+    text = "DEFAULT (deg,s)\nP0010 MOVEJ_TIMED 1 0 0 0 5 0 [1] VEL 0 0 0 0 4 0; 2 0 0 0 9 0 [2.5] VEL 0 0 0 0 0 0\n"
+    made = program(text)
+    fields = {one.field.name: one.field.value for one in Reader(made.sketch).placed(made.statement(2))}
+    assert {"1.time": "1", "time": "2.5", "stretch": "", "tol": ""}.items() <= fields.items()
+    assert not {"percent", "blend", "acc"} & fields.keys()
+    for wanted, said in (
+        ({"1.time": "0.7"}, "5 0 [0.7] VEL 0 0 0 0 4 0; 2"),
+        ({"time": "3"}, "9 0 [3] VEL 0 0 0 0 0 0"),
+        ({"stretch": "1.5"}, "[2.5] VEL 0 0 0 0 0 0 STRETCH 1.5"),
+        ({"units": "deg,s"}, "[2.5] VEL 0 0 0 0 0 0 (deg,s)"),
+    ):
+        assert said in applied(text, change(made, 2, wanted).edits)
+    file = program('DEFAULT (deg,s)\nP0010 MOVEJ_TIMED "a.csv" STRETCH 2\n')
+    fields = {one.field.name: one.field.value for one in Reader(file.sketch).placed(file.statement(2))}
+    assert (fields["file"], fields["stretch"]) == ("a.csv", "2")

@@ -19,9 +19,11 @@ from yarclang.certify.torque_bounds import torque_bends
 from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
 from yarclang.frozen import frozen
 from yarclang.handling.surroundings import load_cases
+from yarclang.hir import TimedMove
 from yarclang.robot.dynamics import holding_torques, torques
 from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.units import UNITS
+from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
 """What lies between two calculated places adds at most about this share of an effort to the largest torque of a motion."""
@@ -206,6 +208,9 @@ def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | No
     if place.before is not None or place.behind is not None:
         return f"all that flows together has to take about {longer:.2f} times as long; or carry less", None
     origin = place.motion.origin
+    if isinstance(motion := place.motion, TimedMove):
+        stretch = math.ceil(longer * motion.stretch * 1e3) / 1e3
+        return f"a STRETCH that works is about {stretch:.10g}; or carry less", stretch_fix(motion, stretch)
     value = math.ceil(longer * duration / UNITS[origin.time_unit].factor * 1e3) / 1e3
     text = f"[{value:.10g}]"
     fix = Fix(f"write {text}", (Edit(origin.time_span, text),)) if origin.time_span is not None else None

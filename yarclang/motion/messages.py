@@ -12,11 +12,11 @@ from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
 from yarclang.motion.profile import NoLaw
 from yarclang.motion.singular import Nearest
-from yarclang.motion.timed import Broken, Missed
+from yarclang.motion.timed import Broken, Refused, TooShort
 from yarclang.motion.wording import Message, length_text, percent_text
 from yarclang.robot.model import Robot
 from yarclang.units import DEG, MM, MS, UNITS
-from yarclang.written import slower
+from yarclang.written import slower, stretch_fix
 
 
 def no_motion(origin: Origin) -> Message:
@@ -57,12 +57,14 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     return code, message, span, help_, fix
 
 
-def timetable_refused(
-    robot: Robot, refused: Broken | Missed, step: TimedMove, stretch: float | None
-) -> Message:
+def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: float | None) -> Message:
     """A timetable that breaks a limit, or that the controller's segments can't follow; `stretch` is the shortest that works."""
-    origin, when = step.origin, f"{refused.time:.4g} s after the start"
-    if isinstance(refused, Broken):
+    origin = step.origin
+    when = "" if isinstance(refused, TooShort) else f"{refused.time:.4g} s after the start"
+    if isinstance(refused, TooShort):
+        code, other = "Y0617", ""
+        message = f"the timetable lasts {refused.duration:.4g} s; the fewest segments, {FEWEST_SEGMENTS}, last {refused.shortest:.4g} s"
+    elif isinstance(refused, Broken):
         code = "Y0912" if refused.demand.watch is not None else "Y0616"
         message = f"{_excess(robot, step, refused.demand, refused.share)}, {when}"
         other = ""
@@ -83,13 +85,8 @@ def timetable_refused(
             f"no STRETCH is found that works: look at positions, velocities and accelerations there{other}",
             None,
         )
-    edit = None
-    if origin.stretch_span is not None:
-        edit = Edit(origin.stretch_span, f"{stretch:.10g}")
-    elif origin.end_span is not None and step.stretch == 1.0:
-        edit = Edit(origin.end_span, f" STRETCH {stretch:.10g}")
-    fix = None if edit is None else Fix(f"write STRETCH {stretch:.10g}", (edit,))
-    return code, message, origin.span, f"the shortest STRETCH that works is {stretch:.10g}{other}", fix
+    help_ = f"the shortest STRETCH that works is {stretch:.10g}{other}"
+    return code, message, origin.span, help_, stretch_fix(step, stretch)
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:

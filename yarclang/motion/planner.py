@@ -31,7 +31,7 @@ from yarclang.motion.profile import NoLaw, load_profile
 from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
-from yarclang.motion.timed import Broken, Missed, fit_timed, shortest_stretch
+from yarclang.motion.timed import Broken, Missed, TooShort, fit_timed, shortest_stretch
 from yarclang.motion.together import Tried, TriedAhead
 from yarclang.motion.zones import SlowZones, moving_of, slow_zones
 from yarclang.progress import tell
@@ -288,7 +288,7 @@ class _Planner:
                 # it has no law, and flows into nothing
                 profile = load_profile(_NO_JERK_LIMIT)
                 return Link(path, profile, None, None, bounds, tolerance, None, fitted)
-            case Broken() | Missed():
+            case Broken() | Missed() | TooShort():
 
                 def path_at(stretch: float) -> TimedPath:
                     return along(step.table.stretched(stretch), path.start)

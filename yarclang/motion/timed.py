@@ -63,9 +63,19 @@ class Missed:
     share: float
 
 
-def fit_timed(
-    path: TimedPath, within: Array, bounds: Bounds, grid: Grid
-) -> Curve | Broken | Missed | TooLong:
+@frozen
+class TooShort:
+    """A table ends, after `duration` [s], before the fewest segments could: these last `shortest` [s]."""
+
+    duration: float
+    shortest: float
+
+
+Refused = Broken | Missed | TooShort
+"""Why a timetable can't be carried out as it is; a slower one can."""
+
+
+def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
     """Choose segments and control points of a motion along a timetable.
 
     Args:
@@ -83,6 +93,8 @@ def fit_timed(
     for _ in range(_ROUNDS):
         go_on()
         segments, segment = _divided(path.duration, wanted, grid)
+        if segments * segment > path.duration + LATE:
+            return broken or TooShort(path.duration, FEWEST_SEGMENTS * grid.smallest)
         if segments > MOST_SEGMENTS:
             return broken or TooLong(path.duration)
         is_last = (
@@ -123,7 +135,7 @@ FINE = 1.001
 
 def shortest_stretch(
     path_at: Callable[[float], TimedPath],
-    refused: Broken | Missed,
+    refused: Refused,
     within: Array,
     bounds: Bounds,
     grid: Grid,
@@ -164,8 +176,10 @@ def shortest_stretch(
     return works if math.isfinite(works) else None
 
 
-def _needed(refused: Broken | Missed) -> float:
+def _needed(refused: Refused) -> float:
     """Return about the factor by which all times have to grow: velocities fall with it, accelerations, and what the shortest segments miss, with its square."""
+    if isinstance(refused, TooShort):
+        return refused.shortest / refused.duration
     if isinstance(refused, Missed):
         return math.sqrt(refused.share / _SHARE)
     return float(refused.share ** (1.0 / _ORDERS[refused.demand.kind]))

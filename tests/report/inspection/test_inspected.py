@@ -39,6 +39,29 @@ def words(found, **options):
     return "\n".join(f"{one.title}\n" + "\n".join(one.lines) for one in sections_of(found, **options))
 
 
+def test_a_timetable_with_what_is_between_its_rows():
+    found = inspected(
+        "P0010 MOVEJ_TIMED 5 0 0 0 20 0 [1] VEL 0 0 0 0 3 0; 0 0 0 0 10 0 [2] VEL 0 0 0 0 0 0 STRETCH 2\n"
+        "P0020 MOVEJ_TIMED 0 0 0 0 90 0 [1]\nP0030 MOVEL 0 1174.4 1176 0 0 0\n",
+        "P0010",
+    )
+    text = words(found)
+    assert "timetable: 2 rows with velocities, from 1 to 2 s, all times times 2" in text
+    assert "the cubic polynomial in time with the velocities of both rows" in text
+    assert "asked for [4 s]" in text
+    assert "no shorter time works" not in text
+    told = inspected_json(found)
+    assert told["timetable"] == {
+        "file": None,
+        "rows": 2,
+        "first_s": 1.0,
+        "last_s": 2.0,
+        "between": "cubic",
+        "stretch": 2.0,
+    }
+    assert told["profile"] is None
+
+
 def test_a_pose_with_its_frames_solutions_time_proof_and_lines():
     found = inspected("P0010 MOVEJ_RPY {TORCH} 100 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 0 0\n", "P0010")
     text = words(found)

@@ -37,6 +37,12 @@ _WEIGHTS = (1e6, 1e5, 1e4, 1e3, 1e2, 1e1, 1.0, 0.1, 0.0)
 _GAIN = 0.98
 """Shorter segments are tried further while they bring an excess down to this share at least."""
 
+_FINER = 0.6
+"""By which factor shorter segments are tried next, where limits are broken or the curve overshoots."""
+
+_OVERSHOOT = 1.15
+"""Shorter segments are tried if accelerations are larger than those of the path by more than this factor, and than half of the limit."""
+
 _ROUNDS = 12
 
 
@@ -89,14 +95,15 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
     """
     bounds = bounds.without_jerk()
     wanted = min(grid.largest, path.duration / FEWEST_SEGMENTS)
+    if FEWEST_SEGMENTS * grid.smallest > path.duration + LATE:
+        return TooShort(path.duration, FEWEST_SEGMENTS * grid.smallest)
     broken: Broken | None = None
+    best: tuple[float, Curve] | None = None
     for _ in range(_ROUNDS):
         go_on()
         segments, segment = _divided(path.duration, wanted, grid)
-        if segments * segment > path.duration + LATE:
-            return broken or TooShort(path.duration, FEWEST_SEGMENTS * grid.smallest)
         if segments > MOST_SEGMENTS:
-            return broken or TooLong(path.duration)
+            break
         is_last = (
             wanted <= grid.smallest * (1.0 + 1e-9) or (segments + 1) * grid.smallest > path.duration + LATE
         )
@@ -115,15 +122,21 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
         demand = max(bounds.demands(points), key=lambda one: one.segment)
         if demand.segment <= segment:
             points.setflags(write=False)
-            return Curve(points, segment, np.clip((np.arange(segments + 3) - 1.0) / segments, 0.0, 1.0))
-        found = _broken(demand, segment)
-        is_better = broken is None or found.share < 1.0 + _GAIN * (broken.share - 1.0)
-        if broken is None or found.share < broken.share:
-            broken = found
+            curve = Curve(points, segment, np.clip((np.arange(segments + 3) - 1.0) / segments, 0.0, 1.0))
+            over = trial.overshoot(curve, bounds)
+            is_better = best is None or over < _GAIN * best[0]
+            best = (over, curve) if is_better else best
+            if over <= _OVERSHOOT:
+                break
+        else:
+            found = _broken(demand, segment)
+            is_better = broken is None or found.share < 1.0 + _GAIN * (broken.share - 1.0)
+            if broken is None or found.share < broken.share:
+                broken = found
         if is_last or not is_better:
-            return broken
-        wanted = max(grid.smallest, segment * 0.6)
-    return broken or trial.missed(points, segment)
+            break
+        wanted = max(grid.smallest, segment * _FINER)
+    return best[1] if best is not None else broken or TooLong(path.duration)
 
 
 STEPS = 24
@@ -201,13 +214,20 @@ def _broken(demand: Demand, segment: float) -> Broken:
     return Broken(demand, (demand.segment / segment) ** order, max(0.0, middle * segment))
 
 
+_NUMBERS = 4096
+"""So many numbers of segments are looked at."""
+
+
 def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
     """Return the number of segments and their time [s], near to `wanted`, that last as long as a table, or longer by no more than `LATE`."""
     steps = duration / grid.quantum
-    most = max(FEWEST_SEGMENTS, math.floor(duration / grid.smallest + 1e-9))
+    most = max(FEWEST_SEGMENTS, math.floor((duration + LATE) / grid.smallest + 1e-9))
     least = min(most, max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9)))
-    # a few thousand numbers: of a long motion, one in twenty has segments whose steps fit
-    numbers = np.arange(least, min(most, least + 4096) + 1)
+    fewest = max(FEWEST_SEGMENTS, math.ceil(duration / grid.largest - 1e-9))
+    # a few thousand numbers, larger ones first: of a long motion, one in twenty has segments whose steps fit
+    larger = np.arange(least, min(most, least + _NUMBERS) + 1)
+    smaller = np.arange(least - 1, max(fewest, least - _NUMBERS) - 1, -1)
+    numbers = np.concatenate((larger, smaller))
     each = np.ceil(steps / numbers - 1e-9)
     each = np.maximum(each, math.ceil(grid.smallest / grid.quantum - 1e-6))
     late = (each * numbers - steps) * grid.quantum
@@ -247,6 +267,12 @@ class _Trial:
             else:
                 low = middle + 1
         return points
+
+    def overshoot(self, curve: Curve, bounds: Bounds) -> float:
+        """Return by which factor accelerations are larger than the largest of the path, or than half of the limit."""
+        asked = np.abs(np.diff(self.knots, 2, axis=0)).max(axis=0) / curve.segment**2
+        made = np.abs(np.diff(curve.points, 2, axis=0)).max(axis=0) / curve.segment**2
+        return float((made / np.maximum(asked, bounds.acceleration / 2.0)).max())
 
     def missed(self, points: Array, segment: float) -> Missed:
         """Return where control points miss the path most."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
+from itertools import groupby
 
 import numpy as np
 
@@ -47,7 +49,7 @@ class Exported:
         wishes: the tolerance and the interpolations.
         points: the way-points of all trajectories, one after the other.
         starts: when each trajectory begins [s] if no wait takes time.
-        between: what lies between them.
+        placed: what lies between them, by the number of trajectories that end before it.
         proved: of each interpolation, how far each joint (n,) is from the executed path at most [rad or m].
     """
 
@@ -58,8 +60,8 @@ class Exported:
     wishes: Wishes
     points: Points
     starts: tuple[float, ...]
-    between: tuple[Between, ...]
-    proved: dict[Interpolation, Array]
+    placed: Mapping[int, tuple[Between, ...]]
+    proved: Mapping[Interpolation, Array]
 
     @property
     def size(self) -> int:
@@ -78,18 +80,11 @@ class Exported:
 
     def before(self, number: int) -> tuple[Between, ...]:
         """Return what happens before trajectory `number`, from 0, begins and after the one before has ended; the last number: after all."""
-        return tuple(one for one in self._placed.get(number, ()) if one.time is None)
+        return tuple(one for one in self.placed.get(number, ()) if one.time is None)
 
     def during(self, number: int) -> tuple[Between, ...]:
         """Return what happens during a trajectory."""
-        return tuple(one for one in self._placed.get(number, ()) if one.time is not None)
-
-    @property
-    def _placed(self) -> dict[int, list[Between]]:
-        placed: dict[int, list[Between]] = {}
-        for one in self.between:
-            placed.setdefault(one.before, []).append(one)
-        return placed
+        return tuple(one for one in self.placed.get(number, ()) if one.time is not None)
 
 
 def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
@@ -119,12 +114,17 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
         wishes,
         points,
         course.starts,
-        course.between,
+        _placed(course.between),
         proved,
     )
     if made.worst > wishes.tolerance:
         raise AssertionError(f"way-points leave the path by {made.worst:g} of {wishes.tolerance:g}")
     return Result(made, tuple(_told(course)))
+
+
+def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
+    """What lies between trajectories, by the number of those that end before."""
+    return {number: tuple(few) for number, few in groupby(between, lambda one: one.before)}
 
 
 def _told(course: Course) -> list[Diagnostic]:

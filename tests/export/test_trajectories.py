@@ -4,6 +4,7 @@ import io
 import json
 from pathlib import Path
 
+import independent
 import numpy as np
 import pytest
 import yaml
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import codes, robot_of
+from random_programs import drawn
 
 from tests.export.trajectories import both_texts, driven, executed, made_of, read_json, read_yaml
 from yarclang.cli.yarc import main
@@ -62,7 +64,7 @@ def programs(draw):
 
 
 @settings(max_examples=20, deadline=None)
-@given(programs(), st.sampled_from([1e-3, 1e-4, 3e-6]), st.booleans())
+@given(programs(), st.sampled_from([1e-3, 1e-4, 1e-6]), st.booleans())
 def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
     text, stretches = drawn
     program, made, found = made_of(text, tolerance=tolerance, straight=straight)
@@ -95,6 +97,15 @@ def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
     for kind, off in worst.items():
         assert off <= made.proved[kind].max() * (1 + 1e-6) + 1e-13
         assert made.proved[kind].max() <= tolerance
+
+
+@pytest.mark.parametrize("seed", [7, 19])
+def test_all_kinds_of_motions_at_the_smallest_tolerance(seed, industrial6):
+    """Of seed 7, hulls that were cut at other places than those of the choice exceeded the tolerance by 0.05 %."""
+    text = drawn(independent.Arm(industrial6.folder), np.random.default_rng(seed), most=4).text
+    _, made, _ = made_of(text, tolerance=1e-6, straight=True)
+    assert len(made.points.time) > 100
+    assert 0.99e-6 < made.worst <= 1e-6
 
 
 def test_the_proved_bound_is_near_to_what_happens():

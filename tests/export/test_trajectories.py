@@ -4,6 +4,7 @@ import io
 import json
 from pathlib import Path
 
+import independent
 import numpy as np
 import pytest
 import yaml
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import codes, robot_of
+from random_programs import drawn
 
 from tests.export.trajectories import both_texts, driven, executed, made_of, read_json, read_yaml
 from yarclang.cli.yarc import main
@@ -62,7 +64,7 @@ def programs(draw):
 
 
 @settings(max_examples=20, deadline=None)
-@given(programs(), st.sampled_from([1e-3, 1e-4, 3e-6]), st.booleans())
+@given(programs(), st.sampled_from([1e-3, 1e-4, 1e-6]), st.booleans())
 def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
     text, stretches = drawn
     program, made, found = made_of(text, tolerance=tolerance, straight=straight)
@@ -95,6 +97,15 @@ def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
     for kind, off in worst.items():
         assert off <= made.proved[kind].max() * (1 + 1e-6) + 1e-13
         assert made.proved[kind].max() <= tolerance
+
+
+@pytest.mark.parametrize("seed", [7, 19])
+def test_all_kinds_of_motions_at_the_smallest_tolerance(seed, industrial6):
+    """Of seed 7, hulls that were cut at other places than those of the choice exceeded the tolerance by 0.05 %."""
+    text = drawn(independent.Arm(industrial6.folder), np.random.default_rng(seed), most=4).text
+    _, made, _ = made_of(text, tolerance=1e-6, straight=True)
+    assert len(made.points.time) > 100
+    assert 0.99e-6 < made.worst <= 1e-6
 
 
 def test_the_proved_bound_is_near_to_what_happens():
@@ -142,6 +153,31 @@ def test_nearly_as_few_as_the_longest_steps_would_need(straight):
     assert least <= len(chosen.time) <= 1.25 * least + 1
 
 
+def test_the_proof_sees_other_way_points():
+    from dataclasses import replace
+
+    from yarclang.export.ros.course import course_of
+    from yarclang.export.ros.proof import deviation
+    from yarclang.pipeline.line_map import map_lines
+
+    text = HEAD + BEGIN + "P0015 SET GRIPPER ON\nP0020 DMOVE 50 60 -20 0 0 0 [6]\n"
+    program, made, _ = made_of(text)
+    path = course_of(program.certificate.text, map_lines(program.text), program.plan.robot, {}).path
+    points = made.points
+    for number in range(len(points.time)):
+        moved = points.x.copy()
+        moved[number, number % 6] += 3e-4
+        for kind in ("linear", "cubic", "quintic"):
+            assert deviation(path, replace(points, x=moved), kind).max() > 1.9e-4
+    late = points.time.copy()
+    late[points.stretch == 1] += np.linspace(0, 2e7, (points.stretch == 1).sum()).astype(np.int64)
+    assert deviation(path, replace(points, time=late), "cubic").max() > 1e-4
+
+
+def between(made):
+    return [one for number in sorted(made.placed) for one in made.placed[number]]
+
+
 def test_what_lies_between_is_said_and_stands_in_both_files():
     text = (
         HEAD
@@ -150,8 +186,8 @@ def test_what_lies_between_is_said_and_stands_in_both_files():
     )
     text = text.replace("HOLD look", 'HOLD "look"')
     _, made, found = made_of(text)
-    assert [one.kind for one in made.between] == ["set", "wait", "hold", "dwell", "set"]
-    assert [one.before for one in made.between] == [0, 1, 1, 2, 2]
+    assert [one.kind for one in between(made)] == ["set", "wait", "hold", "dwell", "set"]
+    assert [one.before for one in between(made)] == [0, 1, 1, 2, 2]
     assert codes(found) == ["Y1532"]
     assert "2 outputs, 1 wait, 1 hold, 1 stop for a time" in found[0].message
     of_yaml, of_json = both_texts(made)
@@ -175,7 +211,7 @@ def test_outputs_in_motion_have_their_times():
         + "P0020 DMOVE 90 0 0 0 0 0 [3] BLEND 20\nP0030 SET GRIPPER ON\nP0040 DMOVE 0 90 0 0 0 0 [3]\n"
     )
     program, made, found = made_of(text)
-    (put,) = made.between
+    (put,) = between(made)
     assert (made.size, put.kind, put.before) == (1, "set", 0)
     first, second = (one.curve.duration for one in program.plan.motions[:2])
     # in the middle of the blend
@@ -192,7 +228,7 @@ def test_ways_of_a_when_begin_where_the_robot_stands():
         "ELSE\nP0060 DMOVEJ 0 0 0 0 5 0\nP0065 DMOVEJ 0 0 0 0 -5 0\nEND\nP0080 MOVEJ 1 -10 -20 0 -60 0\n"
     )
     _, made, _ = made_of(text)
-    assert [one.kind for one in made.between] == ["when", "else", "end"]
+    assert [one.kind for one in between(made)] == ["when", "else", "end"]
     places = [read_yaml(both_texts(made)[0])[number][1] for number in range(4)]
     for number in (1, 2, 3):
         np.testing.assert_allclose(places[number][0], places[0][-1], atol=2e-10)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
+from itertools import groupby
 
 import numpy as np
 
@@ -20,6 +22,10 @@ from yarclang.robot.model import Array, Robot
 
 _LISTED = 5
 """So many things between trajectories are listed in the warning; the file has all."""
+
+
+_SHARES = 1.0, 0.98, 0.9, 0.5
+"""Way-points are chosen for such a share of the tolerance: the next one is only tried if the proof of those before was not tight enough."""
 
 
 @frozen(eq=False)
@@ -47,7 +53,7 @@ class Exported:
         wishes: the tolerance and the interpolations.
         points: the way-points of all trajectories, one after the other.
         starts: when each trajectory begins [s] if no wait takes time.
-        between: what lies between them.
+        placed: what lies between them, by the number of trajectories that end before it.
         proved: of each interpolation, how far each joint (n,) is from the executed path at most [rad or m].
     """
 
@@ -58,8 +64,8 @@ class Exported:
     wishes: Wishes
     points: Points
     starts: tuple[float, ...]
-    between: tuple[Between, ...]
-    proved: dict[Interpolation, Array]
+    placed: Mapping[int, tuple[Between, ...]]
+    proved: Mapping[Interpolation, Array]
 
     @property
     def size(self) -> int:
@@ -78,18 +84,11 @@ class Exported:
 
     def before(self, number: int) -> tuple[Between, ...]:
         """Return what happens before trajectory `number`, from 0, begins and after the one before has ended; the last number: after all."""
-        return tuple(one for one in self._placed.get(number, ()) if one.time is None)
+        return tuple(one for one in self.placed.get(number, ()) if one.time is None)
 
     def during(self, number: int) -> tuple[Between, ...]:
         """Return what happens during a trajectory."""
-        return tuple(one for one in self._placed.get(number, ()) if one.time is not None)
-
-    @property
-    def _placed(self) -> dict[int, list[Between]]:
-        placed: dict[int, list[Between]] = {}
-        for one in self.between:
-            placed.setdefault(one.before, []).append(one)
-        return placed
+        return tuple(one for one in self.placed.get(number, ()) if one.time is not None)
 
 
 def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
@@ -108,9 +107,14 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
     if not course.size:
         message = f"{content.header.source} moves nothing: there is no trajectory in it"
         return Result(None, (Diagnostic("Y1531", message, help="export a program with motions"),))
-    points = sampled(course.path, wishes.tolerance, wishes.kinds)
-    tell("proving the trajectories", 0)
-    proved = {kind: deviation(course.path, points, kind) for kind in wishes.kinds}
+    for share in _SHARES:
+        points = sampled(course.path, wishes.tolerance * share, wishes.kinds)
+        tell("proving the trajectories", 0)
+        proved = {kind: deviation(course.path, points, kind) for kind in wishes.kinds}
+        if max(float(one.max()) for one in proved.values()) <= wishes.tolerance:
+            break
+    else:
+        raise AssertionError(f"no way-points were found that are within {wishes.tolerance:g} of the path")
     made = Exported(
         content.header.source,
         content.header.program_fingerprint,
@@ -119,12 +123,15 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
         wishes,
         points,
         course.starts,
-        course.between,
+        _placed(course.between),
         proved,
     )
-    if made.worst > wishes.tolerance:
-        raise AssertionError(f"way-points leave the path by {made.worst:g} of {wishes.tolerance:g}")
     return Result(made, tuple(_told(course)))
+
+
+def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
+    """What lies between trajectories, by the number of those that end before."""
+    return {number: tuple(few) for number, few in groupby(between, lambda one: one.before)}
 
 
 def _told(course: Course) -> list[Diagnostic]:

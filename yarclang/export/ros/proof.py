@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang.export.ros.course import Path
-from yarclang.export.ros.interpolation import Interpolation, coefficients, largest, values
+from yarclang.export.ros.interpolation import Interpolation, State, coefficients, largest, values
 from yarclang.export.ros.sampling import NS, Points
 from yarclang.robot.model import Array
 
-_HALVINGS = 3
+_HALVINGS = 5
 _ROWS = 50_000
 """Intervals that are looked at at once."""
 
@@ -48,12 +48,20 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
         here = np.where(np.append(np.diff(points.stretch) > 0, True)[here], here - 1, here)
         ends = tuple((points.x[k], points.v[k], points.a[k]) for k in (here, here + 1))
         powers = coefficients(kind, ends[0], ends[1], time[here + 1] - time[here])
-        differences = []
+        differences: list[State] = []
         for when in (at[rows], at[rows + 1]):
             driven, executed = values(powers, when - time[here]), path.at(own, when - path.begin[own])
-            differences.append(tuple(one - other for one, other in zip(driven, executed, strict=True)))
+            x, v, a = (one - other for one, other in zip(driven, executed, strict=True))
+            differences.append((x, v, a))
         first, second = differences
         length = at[rows + 1] - at[rows]
-        found = largest((first[0], first[1], first[2]), (second[0], second[1], second[2]), length, _HALVINGS)
-        np.maximum(worst, found.max(axis=0), out=worst)
+        found = largest(first, second, length, 1)
+        # what is reached at an end is no less than the bound that is sought: only what may exceed that is looked at closely
+        np.maximum(worst, np.abs(first[0]).max(axis=0), out=worst)
+        close = (found > worst).any(axis=1)
+        if close.any():
+            x, v, a = (one[close] for one in first)
+            y, w, b = (one[close] for one in second)
+            found = largest((x, v, a), (y, w, b), length[close], _HALVINGS)
+            np.maximum(worst, found.max(axis=0), out=worst)
     return worst

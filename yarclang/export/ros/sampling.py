@@ -15,8 +15,8 @@ NS = 1e-9
 """A nanosecond [s]: times of ROS are whole ones."""
 DECIMALS = 10, 9, 8
 """Decimals of positions, velocities and accelerations."""
-_RESERVE = 1e-6
-"""This share of the tolerance is left for rounding: candidates stand on whole nanoseconds, knots don't."""
+_RESERVE = 1e-3
+"""This share of the tolerance is left: the proof cuts the motion at other places, so that its hulls are others, and candidates stand on whole nanoseconds, which knots don't."""
 _FINER = 3.0
 """For straight lines, segments are cut so that a piece may be about this many times longer."""
 _UNITS = 8

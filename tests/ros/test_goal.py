@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.certify.certify_bench import railed
 from yarclang.hir import TimedMove
 from yarclang.pipeline.stages import Request, check_program
 from yarclang.robot.description import load_robot
@@ -78,11 +79,21 @@ rows = st.lists(st.lists(st.floats(-1.0, 1.0, width=32), min_size=6, max_size=6)
 @given(rows, st.floats(0.0078125, 5.0, width=32))
 @settings(max_examples=40, deadline=None)
 def test_the_text_means_the_timetable(rows, duration):
-    stands = np.full(6, -1.5)
-    positions, times = timetable(ROBOT, goal(rows, [duration] * len(rows)), stands)
+    means_the_timetable(ROBOT, rows, duration, np.full(6, -1.5))
+
+
+def test_sliding_joints_are_metres_on_the_wire_and_mm_in_the_text():
+    means_the_timetable(
+        railed(), [[0.8, 0.1, -0.2, 0.15, 0.3], [-0.5, 0.2, 0.1, -0.1, 0.0]], 2.0, np.zeros(5)
+    )
+
+
+def means_the_timetable(robot, rows, duration, stands):
+    """Check that the text of a goal is read as its way-points and times."""
+    positions, times = timetable(robot, goal(rows, [duration] * len(rows)), stands)
     assert len(times) == len(rows)
-    module = parse(SourceFile("goal", goal_text(ROBOT, positions, times))).value
-    checked = check_program(module, Request(ROBOT, start=stands))
+    text = goal_text(robot, positions, times)
+    checked = check_program(parse(SourceFile("goal", text)).value, Request(robot, start=stands))
     assert [one.code for one in checked.diagnostics if one.is_error] == []
     (step,) = checked.value.steps
     assert isinstance(step, TimedMove)

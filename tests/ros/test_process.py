@@ -95,6 +95,21 @@ def test_a_served_robot_is_moved(folder):
             assert told.end() == 0
 
 
+def test_a_robot_that_is_served_anew_is_moved_again(folder):
+    serve = ("serve", "--robot", "INDUSTRIAL6", "--no-log")
+    with yarc(*serve, folder=folder) as serving:
+        serving.until(" is served: ")
+        with yarc("ros", "--robot", "INDUSTRIAL6", "--port", "0", "0", folder=folder) as told:
+            ports = ports_of(told)
+            serving.end()
+            told.until("the coordinator of INDUSTRIAL6 has gone: look at the robot")
+            with yarc(*serve, folder=folder) as again:
+                again.until(" is served: ")
+                told.until("the coordinator of INDUSTRIAL6 is there again")
+                robot = asyncio.run(carried_out(ports, 20, 2.0))
+                assert np.abs(np.array(robot.joints[:6]) - END).max() < 0.01
+
+
 def test_a_port_that_is_taken_is_told(folder):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])

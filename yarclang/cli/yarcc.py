@@ -183,11 +183,14 @@ def _show(
         _show_table(compiled, width, full=full, err=to_stderr)
     where = "standard output" if to_stderr else destination
     tolerance = compiled.certificate.tolerance
-    own = any(command.tolerance is not None for command in compiled.certificate.commands)
+    of_tables = [
+        command.kind == "timed" for command in compiled.certificate.commands if command.tolerance is not None
+    ]
+    others = ", or that of TOL" if not all(of_tables) else ""
+    others += ", or that of a timetable" if any(of_tables) else ""
     told = (
         f"{name}: {compiled.certificate.lasting.text()}, certified: {compiled.certificate.summary()} "
-        f"(tolerance {tolerance.position * 1e3:g} mm, {tolerance.angle * 57.29577951308232:.4g} deg"
-        f"{', or that of TOL' if own else ''})"
+        f"(tolerance {tolerance.position * 1e3:g} mm, {tolerance.angle * 57.29577951308232:.4g} deg{others})"
     )
     click.echo("\n".join((*wrapped(told, width), f"written to {where}")), err=to_stderr)
 

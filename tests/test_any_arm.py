@@ -72,6 +72,7 @@ def test_every_command_with_every_target_is_in_the_program(industrial6):
         "MOVEL",
         "MOVEL_QUAT",
         "MOVEJ_SPLINE",
+        "MOVEJ_TIMED",
         "DMOVEJ",
         "DMOVE",
     ):

@@ -74,7 +74,10 @@ def program(robot, seed: int = 0, pick=lambda spec, target: True) -> str:
             count = spec.waypoints[0] if spec.waypoints[1] == spec.waypoints[0] else max(spec.waypoints[0], 3)
             kinds = [*spec.leading, *(values for _ in range(count))][:count]
             name = f"{spec.name}_{target}" if target else spec.name
-            lines.append(f"P{len(lines) * 10:04d} {name} {'; '.join(_goals(robot, random, kinds))}")
+            goals = _goals(robot, random, kinds)
+            if spec.is_timed:
+                goals = [f"{goal} [{20 * number}]" for number, goal in enumerate(goals, 1)]
+            lines.append(f"P{len(lines) * 10:04d} {name} {'; '.join(goals)}")
             lines.append(f"P{len(lines) * 10:04d} MOVEJ HOME")
     return "\n".join([*lines, "P9999 STOP", ""])
 

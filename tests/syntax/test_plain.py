@@ -75,11 +75,18 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yarc"))
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_lines_of_the_examples_are_plain_or_say_why(path):
+    before = ""
     for text in path.read_text().splitlines():
-        code = text.partition("!")[0].split()
-        if not code or code[0] in {"LET", "SUB", "IF", "END", "ELSE", "CALL"} or "CALL" in code[1:2]:
+        is_continued, before = before.rstrip().endswith(";"), text.partition("!")[0]
+        code = before.split()
+        if (
+            is_continued
+            or not code
+            or code[0] in {"LET", "SUB", "IF", "END", "ELSE", "CALL"}
+            or "CALL" in code[1:2]
+        ):
             continue
-        if PLAIN.match(text.partition("!")[0]):
+        if PLAIN.match(before):
             assert plain_statement(text) == parse_statement(text) == statement_by_grammar(text)
 
 

@@ -42,7 +42,7 @@ def page(program, tmp_path_factory):
             if message["method"] in {"Network.requestWillBeSent", "Network.webSocketCreated"}
         }
         own = re.compile(
-            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome:|about:"
+            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome(-untrusted)?:|about:"
         )
         assert [one for one in asked if not own.match(one)] == []
         assert any(own.match(one) for one in asked)

@@ -56,7 +56,7 @@ FINDINGS = (
         "error",
         "a trajectory file isn't beside its program",
         "A trajectory is a part of its program. Its file is called .csv and is in the folder of the program, or of the module that names it, or in a folder in there, so that both are copied, saved and reviewed together.",
-        'P0010 MOVEJ_TIMED "/tmp/path.csv"',
+        'P0010 MOVEJ_TIMED "../elsewhere/path.csv"',
         'P0010 MOVEJ_TIMED "path.csv"',
     ),
 )

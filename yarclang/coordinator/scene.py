@@ -220,6 +220,7 @@ def _item(
         rule=None if zone is None else zone.rule,
         speed=None if zone is None or zone.speed is None else round(zone.speed / MM, 6),
         sure=sure,
+        carried=mount.on_flange,
         frame=links[mount.on_flange],
         pose=tuple(map(tuple, (np.round(mount.transform, _DIGITS) + 0.0).tolist())),
         shape=told,

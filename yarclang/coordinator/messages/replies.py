@@ -253,6 +253,8 @@ class SceneItem(Message):
     """Of a slow zone [mm/s]."""
     sure: bool
     """false: a part that may be here, or elsewhere."""
+    carried: bool
+    """true: the robot carries it."""
     frame: str
     """The link of the URDF in which the pose is told: {B}, or {FLANGE} for what the robot carries."""
     pose: tuple[tuple[float, ...], ...]

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
-from typing import Protocol
+from typing import Any, Protocol
 
 from yarclang.ros.node.action import Feedback, Result
 from yarclang.ros.node.trajectory import Goal, Values

@@ -13,7 +13,7 @@ import functools
 import threading
 import time
 from dataclasses import dataclass, replace
-from typing import Any, Callable, Dict, Tuple
+from typing import Any, Callable, Dict, Sequence, Tuple
 
 from control_msgs.action import FollowJointTrajectory
 from rcl_interfaces.msg import ParameterDescriptor
@@ -31,10 +31,18 @@ from yarclang.client import Gone, Refused
 from yarclang.ros.node import ros2_messages as messages
 from yarclang.ros.node.action import ABORTED, CANCELED, INVALID_GOAL, SUCCEEDED, SUCCESSFUL, Feedback, Result
 from yarclang.ros.node.driver import Driver, JointState, Status
+from yarclang.ros.node.kinematics import Kinematics
+from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
 from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal, fault_of
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
 """The action of ros2_control's trajectory controller: the same as in what `yarc export --moveit` writes."""
+
+_KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""Of what is published only when it changes: who comes later gets it, too."""
+
+_LAST_WORDS = 0.2
+"""What was sent last needs so long to reach its receivers before the node is destroyed [s]."""
 
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
@@ -78,10 +86,12 @@ class Node:
         self._name = self._robot
         self._changed, self._closed = threading.Event(), threading.Event()
         self._orders = concurrent.futures.ThreadPoolExecutor(4, thread_name_prefix="orders")
-        kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._joint_states = node.create_publisher(JointStateMessage, "joint_states", 10)
-        self._description = node.create_publisher(String, "robot_description", kept)
+        self._description = node.create_publisher(String, "robot_description", _KEPT)
         self._diagnostics = self._optional(_Diagnostics, "diagnostic_msgs", "/diagnostics")
+        self._markers = self._optional(_Markers, "visualization_msgs", "~/scene and ~/ghost")
+        self._model: Dict[str, Any] = {}
+        self._kinematics: Kinematics | None = None
 
     def _parameter(self, name: str, default: Any) -> Any:
         return self._node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True)).value
@@ -304,28 +314,45 @@ class Node:
         self._orders.submit(carried_out)
         return future
 
-    # the picture
+    # what is drawn
 
     def _attend(self) -> None:
         """Ask the driver after changes, in a thread of its own: it may take its time."""
+        told: Dict[str, str] = {}
+        works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         while self._changed.wait() and not self._closed.is_set():
             self._changed.clear()
-            try:
-                self._describe()
-            except _FAILED as error:
-                self.say("warn", f"robot_description isn't up to date: {said(error)}")
+            for topic, work in works.items():
+                try:
+                    work()
+                    told.pop(topic, None)
+                except (*_FAILED, ValueError) as error:
+                    if told.get(topic) != said(error):
+                        self.say("warn", f"{topic} isn't up to date: {said(error)}")
+                    told[topic] = said(error)
 
     def _describe(self) -> None:
         model = self._connected().model()
-        self._name = str(model["name"])
         text = str(model["urdf"])
-        if text != self._node.get_parameter("robot_description").value:
+        if text != self._model.get("urdf"):
+            self._kinematics = None
             self._node.set_parameters([Parameter("robot_description", value=text)])
             self._description.publish(String(data=text))
+        self._model, self._name = model, str(model["name"])
 
+    def _draw_scene(self) -> None:
+        if self._markers is not None:
+            self._markers.draw_scene(scene_markers(self._connected().scene()))
 
-_LAST_WORDS = 0.2
-"""What was sent last needs so long to reach its receivers before the node is destroyed [s]."""
+    def _draw_ghost(self) -> None:
+        if self._markers is None or not self._model:
+            return
+        if self._kinematics is None:
+            self._kinematics = Kinematics(str(self._model["urdf"]), str(self._model["base"]))
+        driver = self._connected()
+        course = [positions for _, positions in driver.ghost()]
+        tool = str(self._model["tool"])
+        self._markers.draw_ghost(ghost_markers(self._kinematics, tool, driver.joint_names, course))
 
 
 class _Diagnostics:
@@ -345,6 +372,32 @@ def said(error: Exception) -> str:
     """Return what an order was refused with, and what to do about it."""
     to_do = getattr(error, "help", "")
     return f"{error} ({to_do})" if to_do else str(error)
+
+
+class _Markers:
+    """Publisher of what RViz draws: the scene, and the plan under way. What is drawn already isn't drawn again."""
+
+    def __init__(self, node: Any) -> None:
+        from geometry_msgs.msg import Point
+        from visualization_msgs.msg import Marker as MarkerMessage
+        from visualization_msgs.msg import MarkerArray
+
+        self._kinds = MarkerArray, MarkerMessage, Point
+        self._scene = node.create_publisher(MarkerArray, "~/scene", _KEPT)
+        self._ghost = node.create_publisher(MarkerArray, "~/ghost", _KEPT)
+        self._drawn: Dict[Any, Sequence[Marker]] = {}
+
+    def draw_scene(self, markers: Sequence[Marker]) -> None:
+        self._draw(self._scene, markers)
+
+    def draw_ghost(self, markers: Sequence[Marker]) -> None:
+        self._draw(self._ghost, markers)
+
+    def _draw(self, publisher: Any, markers: Sequence[Marker]) -> None:
+        if self._drawn.get(publisher) != markers:
+            array, kind, point = self._kinds
+            publisher.publish(array(markers=[fill(kind(), one, point) for one in markers]))
+            self._drawn[publisher] = markers
 
 
 def _id_of(handle: Any) -> str:

@@ -29,11 +29,11 @@ from std_srvs.srv import Trigger
 
 from yarclang.client import Gone, Refused
 from yarclang.ros.node import ros2_messages as messages
-from yarclang.ros.node.action import ABORTED, CANCELED, INVALID_GOAL, SUCCEEDED, SUCCESSFUL, Feedback, Result
+from yarclang.ros.node.action import ABORTED, CANCELED, INVALID_GOAL, SUCCEEDED, Feedback, Result
 from yarclang.ros.node.driver import Driver, JointState, Status
 from yarclang.ros.node.kinematics import Kinematics
 from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
-from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal, fault_of
+from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
 """The action of ros2_control's trajectory controller: the same as in what `yarc export --moveit` writes."""
@@ -190,8 +190,8 @@ class Node:
     # what the driver tells
 
     def accepted(self, goal_id: str) -> None:
-        """Log that planning begins."""
-        self._log.info(f"goal {goal_id[:8]} is planned")
+        """Log that a goal is planned from now on, or as soon as the robot rests."""
+        self._log.info(f"goal {goal_id} is accepted")
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
         """Publish how a goal goes on."""
@@ -239,13 +239,16 @@ class Node:
     def _judge(self, request: Any) -> Any:
         """Accept or reject a goal by its form. Only `_begin` knows its id, so that only there the driver gets it."""
         others = messages.multi_dof_joints(request)
-        why = fault_of(self._goal_of(request), self._connected().joints)
         if others:
-            why = Result(INVALID_JOINTS, f"the robot has no multi-DOF joint {others[0][:64]!r}")
+            why: Result | None = Result(
+                INVALID_JOINTS, f"the robot has no multi-DOF joint {others[0][:64]!r}"
+            )
+        else:
+            why = self._connected().check(self._goal_of(request))
         if why is None:
             return GoalResponse.ACCEPT
         # a rejection has no text in ROS 2
-        self._log.error(f"a goal was rejected ({why.error_code}): {why.error_string}")
+        self.say("error", f"a goal was rejected ({why.error_code}): {why.error_string}")
         return GoalResponse.REJECT
 
     def _begin(self, handle: Any) -> None:
@@ -254,6 +257,7 @@ class Node:
         handle.execute()
         refused = self._connected().goal(goal_id, self._goal_of(handle.request))
         if refused is not None:
+            self.say("error", f"goal {goal_id}: {refused.error_string}")
             self.ended(goal_id, ABORTED, refused)
 
     def _goal_of(self, request: Any) -> Goal:
@@ -278,7 +282,8 @@ class Node:
         else:
             handle.abort()
         del self._goals[goal_id]
-        self.say(*_line_of(goal_id, outcome, result))
+        note = f" ({result.error_string})" if result.error_string else ""
+        self.say("info", f"goal {goal_id} has ended: {outcome}{note}")
         return messages.result_message(FollowJointTrajectory.Result, result)
 
     # orders
@@ -402,13 +407,6 @@ class _Markers:
 
 def _id_of(handle: Any) -> str:
     return bytes(handle.goal_id.uuid).hex()
-
-
-def _line_of(goal_id: str, outcome: str, result: Result) -> Tuple[str, str]:
-    """Return level and text of the line that tells a goal's end."""
-    code = f" ({result.error_code})" if result.error_code != SUCCESSFUL else ""
-    reason = f": {result.error_string}" if result.error_string else ""
-    return ("error" if outcome == ABORTED else "info"), f"goal {goal_id[:8]} {outcome}{code}{reason}"
 
 
 def _truth(name: str, value: Any) -> bool:

@@ -84,7 +84,7 @@ class Node:
         self._driver: Driver | None = None
         self._goals: Dict[str, _UnderWay] = {}
         self._name = self._robot
-        self._changed, self._closed = threading.Event(), threading.Event()
+        self._changed, self._closing, self._closed = (threading.Event() for _ in range(3))
         self._orders = concurrent.futures.ThreadPoolExecutor(4, thread_name_prefix="orders")
         self._joint_states = node.create_publisher(JointStateMessage, "joint_states", 10)
         self._description = node.create_publisher(String, "robot_description", _KEPT)
@@ -171,6 +171,8 @@ class Node:
         Args:
             patience: longest wait until the results are sent [s].
         """
+        self._closing.set()
+        self._changed.set()
         if self._driver is not None:
             self._driver.close()
         for goal_id in list(self._goals):
@@ -180,7 +182,6 @@ class Node:
             time.sleep(0.01)
         time.sleep(_LAST_WORDS)
         self._closed.set()
-        self._changed.set()
         self._orders.shutdown(wait=False)
 
     def _connected(self) -> Driver:
@@ -325,13 +326,15 @@ class Node:
         """Ask the driver after changes, in a thread of its own: it may take its time."""
         told: Dict[str, str] = {}
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
-        while self._changed.wait() and not self._closed.is_set():
+        while self._changed.wait() and not self._closing.is_set():
             self._changed.clear()
             for topic, work in works.items():
                 try:
                     work()
                     told.pop(topic, None)
-                except (*_FAILED, ValueError) as error:
+                except Gone:  # the driver tells that, and of a robot that is served again
+                    break
+                except (Refused, TimeoutError, ValueError) as error:
                     if told.get(topic) != said(error):
                         self.say("warn", f"{topic} isn't up to date: {said(error)}")
                     told[topic] = said(error)

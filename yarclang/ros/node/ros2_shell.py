@@ -76,8 +76,8 @@ class Node:
 
     def __init__(self, node: Any, executor: Any) -> None:
         self._node, self._executor, self._log = node, executor, node.get_logger()
-        self._robot = str(self._parameter("robot", ""))
-        self._action = str(self._parameter("action", ACTION))
+        self._robot = _text("robot", self._parameter("robot", ""))
+        self._action = _text("action", self._parameter("action", ACTION))
         self._hold_on_cancel = _truth("hold_on_cancel", self._parameter("hold_on_cancel", True))
         self._pace = _percent("override", self._parameter("override", 0.0))
         node.declare_parameter("robot_description", "")
@@ -121,8 +121,8 @@ class Node:
                 driver.start()
             except (Gone, TimeoutError) as error:
                 if str(error) != told:
-                    to_do = "start it (yarc serve --robot NAME) as the same user and with the same XDG_RUNTIME_DIR, or name it (-p robot:=NAME)"
-                    self.say("error", f"{error}: {to_do}; the node tries again each second")
+                    to_do = "Serve the robot as the same user and with the same XDG_RUNTIME_DIR, or name it with -p robot:=NAME; the node tries again each second"
+                    self.say("error", f"{error}. {to_do}")
                 told = str(error)
                 over.wait(_TRIED_EACH)
             else:
@@ -410,6 +410,13 @@ class _Markers:
 
 def _id_of(handle: Any) -> str:
     return bytes(handle.goal_id.uuid).hex()
+
+
+def _text(name: str, value: Any) -> str:
+    """Return a name; a number is the one of a process."""
+    if isinstance(value, bool) or not isinstance(value, (str, int)):
+        raise ValueError(f"the parameter {name} is {value!r}: it must be a text")
+    return str(value)
 
 
 def _truth(name: str, value: Any) -> bool:

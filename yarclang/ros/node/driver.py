@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Callable, Protocol, Sequence
 
-from yarclang.client import Gone, Refused, Robot
+from yarclang.client import Gone, Refused, Robot, find
 from yarclang.ros.node.action import (
     ABORTED,
     INVALID_GOAL,
@@ -167,7 +167,7 @@ class _Link:
     @property
     def robot(self) -> str:
         """The robot's name, as others may look for the process."""
-        return re.sub(r"-\d+\.sock$", "", os.path.basename(self.path))  # noqa: PTH119
+        return _robot_of(self.path)
 
     def close(self) -> None:
         """Go away; whoever waits for an answer gets `Gone`."""
@@ -217,7 +217,7 @@ class Driver:
         self._action = TrajectoryAction((), hold_on_cancel)
         self._link: _Link | None = None
         self._lost = "it wasn't started"
-        self._robot: str | int | None = which
+        self._last = ""
         self._seen = _Seen()
         self._plans: collections.deque[Plan] = collections.deque()
         self._program: tuple[int, int] | None = None
@@ -432,7 +432,7 @@ class Driver:
     def _use(self, link: _Link) -> None:
         status = link.orders.welcome["status"]
         with self._lock:
-            self._link, self._lost, self._robot = link, "", link.robot
+            self._link, self._lost, self._last = link, "", link.path
             self._seen = _Seen(
                 status["state"], status["why"], "", status["owner"] or "", status["cell"] or ""
             )
@@ -484,7 +484,7 @@ class Driver:
                 self._look(link, health, status)
 
     def _try_again(self) -> None:
-        for which in dict.fromkeys((self._which, self._robot)):
+        for which in dict.fromkeys((self._which, self._anew())):
             try:
                 link = _Link(which, self._name)
             except (Gone, Refused, TimeoutError):
@@ -496,6 +496,12 @@ class Driver:
                 self._say("info", f"{link.robot} is served again")
                 self._use(link)
             return
+
+    def _anew(self) -> str | int | None:
+        """Return the socket of the process that serves the same robot now, in the same folder."""
+        folder, robot = os.path.dirname(self._last), _robot_of(self._last)  # noqa: PTH120
+        there = [one.path for one in find(folder) if one.robot == robot]
+        return there[0] if len(there) == 1 else self._which
 
     def _look(self, link: _Link, health: dict[str, Any], status: dict[str, Any]) -> None:
         motors = health["motors"]
@@ -730,6 +736,11 @@ class Driver:
             error_code=_number(code),
             why=why,
         )
+
+
+def _robot_of(path: str) -> str:
+    """Return the name of the robot by the path of a socket."""
+    return re.sub(r"-\d+\.sock$", "", os.path.basename(path))  # noqa: PTH119
 
 
 def _number(text: str) -> int:

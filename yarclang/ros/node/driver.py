@@ -224,6 +224,7 @@ class Driver:
         self._running: tuple[int, int] | None = None
         self._stops: list[int] = []
         self._pace: float | None = None
+        self._owns = False
         self._telling: int | None = None
         self._ghost: list[tuple[float, Values]] = []
         self._failed: Result | None = None
@@ -451,6 +452,7 @@ class Driver:
             self._link, self._lost = None, reason
             self._seen = _Seen(why=reason)
             self._running = self._program = self._telling = None
+            self._owns = False
             self._stops.clear()
             self._plans.clear()
             if not self._closing:
@@ -528,26 +530,29 @@ class Driver:
     # goals
 
     def _carry_out(self, link: _Link) -> None:
-        """Plan goals and wait for their ends, one after the other."""
+        """Plan goals, wait for their ends, and release the robot after the last one."""
         try:
             while True:
                 with self._lock:
-                    self._news.wait_for(
-                        lambda: self._plans or self._running is not None or self._link is not link
-                    )
+                    self._news.wait_for(lambda: self._link is not link or self._has_work)
                     if self._link is not link:
                         return
                     running = self._running
-                    plan = self._plans.popleft() if running is None else None
+                    plan = self._plans.popleft() if running is None and self._plans else None
                 if running is not None:
                     self._await_end(link, *running)
                 elif plan is not None:
                     self._plan(link, plan)
-                self._release(link)
+                else:
+                    self._release(link)
         except (Gone, TimeoutError) as error:
             self._lose(link, str(error))
         except Refused as refused:
             self._lose(link, _said(refused))
+
+    @property
+    def _has_work(self) -> bool:
+        return bool(self._plans or self._running is not None or (self._owns and self._action.is_idle))
 
     def _plan(self, link: _Link, plan: Plan) -> None:
         made: Ready | Result
@@ -579,6 +584,7 @@ class Driver:
         robot = link.orders
         robot.ask("own", shared=True, patience=_PREPARES)
         with self._lock:
+            self._owns = True
             pace, self._pace = self._pace, None
         if pace is not None:
             robot.ask("override", percent=pace)
@@ -631,10 +637,8 @@ class Driver:
                 link.orders.answer(stop, _PREPARES)
 
     def _release(self, link: _Link) -> None:
-        """Leave the robot to others, if no goal is under way."""
-        with self._lock:
-            if not self._action.is_idle or self._plans:
-                return
+        """Leave the robot to others."""
+        self._owns = False
         with contextlib.suppress(Refused):
             log = link.orders.ask("release", patience=_PREPARES)["log"]
             if log is not None:

@@ -75,6 +75,7 @@ SOCKETS = {
     "pendant/web/tools.py": {"asyncio"},
     "parallel.py": {"multiprocessing", "signal"},
     "ros/carrying.py": {"asyncio"},
+    "ros/node/driver.py": {"threading", "time"},
     "ros/serving.py": {"asyncio", "socket"},
     "runtime/log.py": {"datetime", "queue", "threading", "time"},
     "runtime/session.py": {"asyncio"},

@@ -6,6 +6,7 @@ Inside a `Track` the joints are in the robot's order; a `Goal` has them in its o
 from __future__ import annotations
 
 import bisect
+import collections
 import math
 from dataclasses import dataclass, replace
 from typing import Sequence, Tuple
@@ -170,9 +171,11 @@ def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
 
 
 def _wrong_names(names: Sequence[str], robots: Sequence[str]) -> str | None:
-    doubled = sorted({name for name in names if names.count(name) > 1})
-    unknown = [name for name in names if name not in robots]
-    missing = [name for name in robots if name not in names]
+    # a hostile goal may have as many names as it likes
+    given = collections.Counter(names)
+    doubled = sorted(name for name, count in given.items() if count > 1)
+    unknown = [name for name in given if name not in robots]
+    missing = [name for name in robots if name not in given]
     for found, what in ((unknown, "unknown"), (doubled, "doubled"), (missing, "missing")):
         if found:
             return f"joint names: {_listed(found)} {what}; the robot has {_listed(list(robots))}"

@@ -1,48 +1,64 @@
-"""The rules of FollowJointTrajectory as a state machine: goals, positions and the time go in, what is to be done comes out. No I/O, no threads, no clock."""
+"""The rules of FollowJointTrajectory as a state machine: goals, positions and the time go in, what is to be done comes out. No I/O, no threads, no clock.
+
+One goal is under way, and at most one waits until the robot rests: a new goal preempts what is under way. Each accepted goal ends exactly once.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Tuple
+import math
+from dataclasses import dataclass, field
+from typing import Sequence, Union
 
-from yarclang.ros.node.trajectory import Values
+from yarclang.ros.node.trajectory import (
+    GOAL_TOLERANCE_VIOLATED,
+    INVALID_GOAL,
+    INVALID_JOINTS,
+    OLD_HEADER_TIMESTAMP,
+    PATH_TOLERANCE_VIOLATED,
+    SUCCESSFUL,
+    Goal,
+    Joint,
+    Moment,
+    Result,
+    Track,
+    Values,
+    fault_of,
+)
 
-SUCCESSFUL = 0
-INVALID_GOAL = -1
-INVALID_JOINTS = -2
-OLD_HEADER_TIMESTAMP = -3
-PATH_TOLERANCE_VIOLATED = -4
-GOAL_TOLERANCE_VIOLATED = -5
+__all__ = [
+    "ABORTED",
+    "CANCELED",
+    "GOAL_TOLERANCE_VIOLATED",
+    "INVALID_GOAL",
+    "INVALID_JOINTS",
+    "OLD_HEADER_TIMESTAMP",
+    "PATH_TOLERANCE_VIOLATED",
+    "SUCCEEDED",
+    "SUCCESSFUL",
+    "Accepted",
+    "Action",
+    "End",
+    "Feedback",
+    "Give",
+    "Moment",
+    "Move",
+    "Plan",
+    "Ready",
+    "Result",
+    "Stop",
+    "TrajectoryAction",
+]
 
+SUCCEEDED, ABORTED, CANCELED = "succeeded", "aborted", "canceled"
 
-@dataclass(frozen=True)
-class Result:
-    """What a goal ends with.
+GOAL_TOLERANCE = {"deg": 0.01, "mm": 0.001}
+"""How far a joint may be from the last point at the end [rad], [m], if the goal doesn't say it."""
 
-    Attributes:
-        error_code: one of the constants of control_msgs/FollowJointTrajectoryResult.
-        error_string: the reason, or a note; may be empty.
-    """
+SETTLING = 2.0
+"""How long after the end of the program the joints may take to be there [s], if the goal doesn't say it."""
 
-    error_code: int
-    error_string: str = ""
-
-
-@dataclass(frozen=True)
-class Moment:
-    """The joints at one time, in the order of the feedback's joint names.
-
-    Attributes:
-        positions: [rad or m].
-        velocities: [rad/s or m/s].
-        accelerations: [rad/s² or m/s²]; empty: not known.
-        time: since the goal's start, in time of the trajectory [s].
-    """
-
-    positions: Values
-    velocities: Values = ()
-    accelerations: Values = ()
-    time: float = 0.0
+STEP = 0.03
+"""How far the program may be beyond what was heard of it [s]: it is heard in whole segments."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +72,405 @@ class Feedback:
         error: desired - actual.
     """
 
-    joint_names: Tuple[str, ...]
+    joint_names: tuple[str, ...]
     desired: Moment
     actual: Moment
     error: Moment
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A goal that was planned and proved.
+
+    Attributes:
+        track: its path, with joints in the robot's order; None: the robot stands at its end already.
+        lead: how long the way to its first point takes [s].
+        course: (time of the program [s], positions [rad or m]) of that way.
+    """
+
+    track: Track | None
+    lead: float = 0.0
+    course: tuple[tuple[float, Values], ...] = ()
+
+
+# what is to be done
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """Tell the client that its goal is planned from now on, or as soon as the robot rests."""
+
+    goal_id: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Plan and prove a goal from where the robot rests; `TrajectoryAction.planned` is to be called with its number."""
+
+    number: int
+    goal_id: str
+    goal: Goal
+
+
+@dataclass(frozen=True)
+class Move:
+    """Carry out the goal of this number, which was planned; `TrajectoryAction.ended` is to be called."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Hold the robot on its path at once, and end what it carries out."""
+
+
+@dataclass(frozen=True)
+class Give:
+    """Give feedback of a goal."""
+
+    goal_id: str
+    feedback: Feedback
+
+
+@dataclass(frozen=True)
+class End:
+    """End a goal: `outcome` is "succeeded", "aborted" or "canceled"."""
+
+    goal_id: str
+    outcome: str
+    result: Result
+
+
+Action = Union[Accepted, Plan, Move, Stop, Give, End]
+
+
+@dataclass
+class _UnderWay:
+    """A goal from its acceptance to its end."""
+
+    number: int
+    goal_id: str
+    goal: Goal
+    begins: float
+    """When it is to begin, by the caller's clock [s]."""
+    phase: str = "planning"
+    """planning, ready, moving, settling."""
+    ready: Ready | None = None
+    due: float | None = None
+    ending: tuple[str, Result] | None = None
+    """How it ends when the robot rests, whatever becomes of the motion."""
+    done: float = 0.0
+    """How far the program is [s]."""
+    late: float = 0.0
+    """How much later than its stamp it began [s]."""
+
+
+@dataclass(frozen=True)
+class _Tolerances:
+    """In the robot's order; infinite: none."""
+
+    path: Values
+    goal: Values
+
+
+@dataclass
+class TrajectoryAction:
+    """The action on one robot.
+
+    Args:
+        joints: of the robot.
+        hold_on_cancel: True if a cancelled goal is held on its path; False if one that moves goes on to its end.
+
+    Attributes:
+        joints: of the robot; may be replaced while the action is idle.
+    """
+
+    joints: Sequence[Joint]
+    hold_on_cancel: bool = True
+    _current: _UnderWay | None = field(default=None, init=False)
+    _next: _UnderWay | None = field(default=None, init=False)
+    _numbers: int = field(default=0, init=False)
+
+    @property
+    def is_idle(self) -> bool:
+        """True if no goal is under way."""
+        return self._current is None
+
+    @property
+    def moves(self) -> bool:
+        """True if the robot moves for a goal, or may do so."""
+        return self._current is not None and self._current.phase == "moving"
+
+    @property
+    def due(self) -> float | None:
+        """When `passed` is to be called next [s]; None: nothing is waited for."""
+        return None if self._current is None else self._current.due
+
+    # clients
+
+    def goal(self, goal_id: str, goal: Goal, now: float) -> tuple[Result | None, list[Action]]:
+        """Take a goal.
+
+        Args:
+            goal_id: by which the client knows it.
+            goal: as it arrived.
+            now: the time [s], of any clock that never goes back.
+
+        Returns:
+            Why it is rejected, or None if it is accepted; and what is to be done.
+        """
+        fault = fault_of(goal, self.joints)
+        if fault is None and goal_id in (one.goal_id for one in (self._current, self._next) if one):
+            fault = Result(INVALID_GOAL, f"a goal with the id {goal_id[:64]} is under way")
+        if fault is not None:
+            return fault, []
+        self._numbers += 1
+        taken = _UnderWay(self._numbers, goal_id, goal, now + goal.starts_in)
+        preempted = CANCELED, Result(SUCCESSFUL, "preempted: another goal has come")
+        actions: list[Action] = [Accepted(goal_id), *self._end_next(preempted)]
+        current = self._current
+        if current is None:
+            return None, actions + self._plan(taken)
+        if current.phase != "moving":
+            return None, actions + self._end(preempted) + self._plan(taken)
+        self._next = taken
+        return None, actions + self._stop(preempted)
+
+    def cancel(self, goal_id: str | None = None) -> list[Action]:
+        """Cancel a goal, or all (None). One that moves ends when the robot rests."""
+        canceled = CANCELED, Result(SUCCESSFUL, "canceled")
+        actions: list[Action] = []
+        if self._next is not None and goal_id in (None, self._next.goal_id):
+            actions = self._end_next(canceled)
+        current = self._current
+        if current is None or goal_id not in (None, current.goal_id):
+            return actions
+        if current.phase != "moving":
+            return actions + self._end(canceled)
+        return actions + (self._stop(canceled) if self.hold_on_cancel else [])
+
+    # what has become of an order
+
+    def planned(self, number: int, made: Ready | Result, now: float) -> list[Action]:
+        """Take note that a goal was planned, or can't be (a `Result`). One that has ended meanwhile isn't carried out."""
+        current = self._current
+        if current is None or current.number != number or current.phase != "planning":
+            return []
+        if isinstance(made, Result):
+            return self._end((ABORTED, made))
+        current.ready, current.phase = made, "ready"
+        if current.begins > now:
+            current.due = current.begins
+            return []
+        return self._begin(current, now)
+
+    def ended(self, number: int, failed: Result | None, now: float) -> list[Action]:
+        """Take note that what `Move` has begun is over, and the robot rests.
+
+        Args:
+            number: of the goal.
+            failed: why the robot isn't at its end; None: it is.
+            now: the time [s].
+        """
+        current = self._current
+        if current is None or current.number != number or current.phase != "moving":
+            return []
+        if current.ending is not None or failed is not None:
+            outcome = current.ending or (ABORTED, failed or Result(INVALID_GOAL))
+            return self._end(outcome) + self._plan_next()
+        return self._settle(current, now)
+
+    def lost(self, reason: str) -> list[Action]:
+        """Take note that nobody can be asked about the robot any more, or that all is to end: all goals are aborted."""
+        aborted = ABORTED, Result(INVALID_GOAL, reason)
+        return self._end_next(aborted) + (self._end(aborted) if self._current is not None else [])
+
+    def stopped(self, reason: str) -> list[Action]:
+        """Take note that somebody has ordered a stop: what doesn't move yet doesn't begin."""
+        aborted = ABORTED, Result(INVALID_GOAL, reason)
+        actions = self._end_next(aborted)
+        current = self._current
+        if current is not None and current.phase in ("planning", "ready"):
+            actions += self._end(aborted)
+        return actions
+
+    # what is heard
+
+    def position(self, actual: Moment, done: float | None, now: float) -> list[Action]:
+        """Take where the joints are.
+
+        Args:
+            actual: in the robot's order.
+            done: how far the program of the goal that moves is [s]; None: its motion isn't heard of yet, or has ended.
+            now: the time [s].
+        """
+        current = self._current
+        if current is None or current.ready is None:
+            return []
+        if current.phase == "settling":
+            return self._near(current, actual, now)
+        if current.phase != "moving" or done is None:
+            return []
+        current.done = max(current.done, done)
+        return self._watched(current, current.ready, actual)
+
+    def passed(self, now: float) -> list[Action]:
+        """Take note that time has passed: a goal is to begin, or hasn't come to its end in time."""
+        current = self._current
+        if current is None or current.due is None or now < current.due:
+            return []
+        current.due = None
+        if current.phase == "ready":
+            return self._begin(current, now)
+        text = f"the joints weren't at the last point within {self._patience(current):g} s after the program's end"
+        return self._end((ABORTED, Result(GOAL_TOLERANCE_VIOLATED, text)))
+
+    # goals
+
+    def _plan(self, taken: _UnderWay) -> list[Action]:
+        self._current = taken
+        return [Plan(taken.number, taken.goal_id, taken.goal)]
+
+    def _plan_next(self) -> list[Action]:
+        waiting, self._next = self._next, None
+        return [] if waiting is None else self._plan(waiting)
+
+    def _begin(self, current: _UnderWay, now: float) -> list[Action]:
+        ready = current.ready
+        assert ready is not None
+        if current.goal.starts_in != 0.0:
+            current.late = max(0.0, now - current.begins)
+        current.due = None
+        if ready.track is None:
+            return self._settle(current, now)
+        current.phase = "moving"
+        return [Move(current.number)]
+
+    def _settle(self, current: _UnderWay, now: float) -> list[Action]:
+        current.phase = "settling"
+        patience = self._patience(current)
+        current.due = None if math.isinf(patience) else now + patience
+        return []
+
+    def _patience(self, current: _UnderWay) -> float:
+        given = current.goal.goal_time_tolerance
+        return SETTLING if given == 0.0 else math.inf if given < 0.0 else given
+
+    def _stop(self, ending: tuple[str, Result]) -> list[Action]:
+        """Hold the goal that moves; it ends so when the robot rests, unless it was to end otherwise before."""
+        current = self._current
+        assert current is not None
+        if current.ending is not None:
+            return []
+        current.ending = ending
+        return [Stop()]
+
+    def _end(self, ending: tuple[str, Result]) -> list[Action]:
+        current, self._current = self._current, None
+        assert current is not None
+        return [End(current.goal_id, *ending)]
+
+    def _end_next(self, ending: tuple[str, Result]) -> list[Action]:
+        waiting, self._next = self._next, None
+        return [] if waiting is None else [End(waiting.goal_id, *ending)]
+
+    # tolerances
+
+    def _watched(self, current: _UnderWay, ready: Ready, actual: Moment) -> list[Action]:
+        """Return the feedback of a goal that moves, and a stop where its path tolerance is broken."""
+        assert ready.track is not None
+        time = current.done - ready.lead
+        if time < 0.0:
+            desired = Moment(
+                _between(ready.course, current.done), actual.velocities, actual.accelerations, time
+            )
+        else:
+            desired = ready.track.nearest(actual.positions, time, time + STEP)
+        actions: list[Action] = [Give(current.goal_id, self._feedback(current.goal, desired, actual))]
+        if time < 0.0 or current.ending is not None:
+            return actions
+        for joint, limit, wanted, found in zip(
+            self.joints, self._tolerances(current.goal).path, desired.positions, actual.positions
+        ):
+            if abs(wanted - found) > limit:
+                text = (
+                    f"{joint.name} is {abs(wanted - found):.6g} off its path at {time:.3f} s, path_tolerance allows {limit:g}; the robot is held: "
+                    "look whether the joint is blocked, or allow more"
+                )
+                return actions + self._stop((ABORTED, Result(PATH_TOLERANCE_VIOLATED, text)))
+        return actions
+
+    def _near(self, current: _UnderWay, actual: Moment, now: float) -> list[Action]:
+        """End a goal if the joints are at its last point, or haven't come there in time."""
+        ready = current.ready
+        assert ready is not None
+        last = self._last(current)
+        limits = self._tolerances(current.goal).goal
+        if all(abs(a - b) <= limit for a, b, limit in zip(last, actual.positions, limits)):
+            note = "the robot stood there already" if ready.track is None else ""
+            if current.late > 0.1:
+                note = f"it began {current.late:.2f} s later than its stamp says, since planning took so long"
+            return self._end((SUCCEEDED, Result(SUCCESSFUL, note)))
+        if current.due is not None and now >= current.due:
+            off = [abs(a - b) - limit for a, b, limit in zip(last, actual.positions, limits)]
+            worst = off.index(max(off))
+            text = (
+                f"{self.joints[worst].name} is {abs(last[worst] - actual.positions[worst]):.6g} off the last point {self._patience(current):g} s after "
+                f"the program's end, goal_tolerance allows {limits[worst]:g}"
+            )
+            return self._end((ABORTED, Result(GOAL_TOLERANCE_VIOLATED, text)))
+        return []
+
+    def _last(self, current: _UnderWay) -> Values:
+        point, names = current.goal.points[-1], current.goal.joint_names
+        return tuple(point.positions[names.index(one.name)] for one in self.joints)
+
+    def _tolerances(self, goal: Goal) -> _Tolerances:
+        path = {one.name: one.position for one in goal.path_tolerance}
+        end = {one.name: one.position for one in goal.goal_tolerance}
+        return _Tolerances(
+            tuple(_limit(path.get(one.name, 0.0), math.inf) for one in self.joints),
+            tuple(_limit(end.get(one.name, 0.0), GOAL_TOLERANCE[one.unit]) for one in self.joints),
+        )
+
+    def _feedback(self, goal: Goal, desired: Moment, actual: Moment) -> Feedback:
+        """Return feedback in the order of the goal's joints."""
+        names = [one.name for one in self.joints]
+        order = [names.index(name) for name in goal.joint_names]
+        desired, actual = _reordered(desired, order), _reordered(actual, order)
+        actual = Moment(actual.positions, actual.velocities, actual.accelerations, desired.time)
+        error = Moment(
+            _minus(desired.positions, actual.positions),
+            _minus(desired.velocities, actual.velocities),
+            (),
+            desired.time,
+        )
+        return Feedback(goal.joint_names, desired, actual, error)
+
+
+def _limit(given: float, default: float) -> float:
+    return default if given == 0.0 else math.inf if given < 0.0 else given
+
+
+def _reordered(moment: Moment, order: Sequence[int]) -> Moment:
+    def ordered(values: Values) -> Values:
+        return tuple(values[place] for place in order) if values else ()
+
+    return Moment(
+        ordered(moment.positions), ordered(moment.velocities), ordered(moment.accelerations), moment.time
+    )
+
+
+def _minus(first: Values, second: Values) -> Values:
+    return tuple(a - b for a, b in zip(first, second))
+
+
+def _between(course: Sequence[tuple[float, Values]], time: float) -> Values:
+    """Return the positions of a course at a time, straight between its samples."""
+    before = course[0]
+    for after in course:
+        if after[0] >= time:
+            share = 0.0 if after[0] <= before[0] else (time - before[0]) / (after[0] - before[0])
+            return tuple(a + share * (b - a) for a, b in zip(before[1], after[1]))
+        before = after
+    return before[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Tuple
+from typing import Any
 
 from typing import Protocol
 
@@ -21,7 +21,7 @@ class JointState:
         velocities: [rad/s or m/s].
     """
 
-    names: Tuple[str, ...]
+    names: tuple[str, ...]
     positions: Values
     velocities: Values
 
@@ -89,7 +89,7 @@ class Driver:
         joint_names: of the robot, in its order; empty before `start`.
     """
 
-    joint_names: Tuple[str, ...]
+    joint_names: tuple[str, ...]
 
     def __init__(
         self, which: str | None, shell: Shell, *, name: str = "ros", hold_on_cancel: bool = True
@@ -114,23 +114,23 @@ class Driver:
         """Cancel a goal, or whatever goes on (None). It ends "canceled" when the robot rests."""
         raise NotImplementedError
 
-    def hold(self) -> Tuple[bool, str]:
+    def hold(self) -> tuple[bool, str]:
         """Hold the robot on its path, ready to go on. Return True if that was taken, and what was answered."""
         raise NotImplementedError
 
-    def resume(self) -> Tuple[bool, str]:
+    def resume(self) -> tuple[bool, str]:
         """Go on after a hold; returns as `hold`."""
         raise NotImplementedError
 
-    def stop(self) -> Tuple[bool, str]:
+    def stop(self) -> tuple[bool, str]:
         """Come to rest on the path and end what is under way; returns as `hold`."""
         raise NotImplementedError
 
-    def override(self, percent: float) -> Tuple[bool, str]:
+    def override(self, percent: float) -> tuple[bool, str]:
         """Change the pace, 1 to 100 %; returns as `hold`."""
         raise NotImplementedError
 
-    def model(self) -> Dict[str, Any]:
+    def model(self) -> dict[str, Any]:
         """Return the answer of the order `model`.
 
         Raises:
@@ -140,11 +140,11 @@ class Driver:
         """
         raise NotImplementedError
 
-    def scene(self) -> Dict[str, Any]:
+    def scene(self) -> dict[str, Any]:
         """Return the answer of the order `scene`; raises as `model`."""
         raise NotImplementedError
 
-    def ghost(self) -> List[Tuple[float, Values]]:
+    def ghost(self) -> list[tuple[float, Values]]:
         """Return (time [s], positions [rad or m] in the order of `joint_names`) of the plan under way, thinned; empty if there is none."""
         raise NotImplementedError
 

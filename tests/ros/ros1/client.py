@@ -189,6 +189,13 @@ class Client:
     def param(self, name):
         return rospy.get_param(name, None)
 
+    def set_param(self, name, value):
+        rospy.set_param(name, value)
+
+    def delete_param(self, name):
+        if rospy.has_param(name):
+            rospy.delete_param(name)
+
     def types(self):
         """The type of each topic that the master knows."""
         return dict(Master("/client").getTopicTypes())

@@ -18,6 +18,7 @@ def test_every_order_has_its_role():
 def test_what_changes_something_is_for_more_than_viewers(kind):
     asks = {orders.AskStatus, orders.AskPlace, orders.AskFrames, orders.AskHealth, orders.AskSurroundings}
     asks |= {orders.Read, orders.AskDeclarations, orders.AskParts, orders.AskCourse}
+    asks |= {orders.AskModel, orders.AskScene}
     role = NEEDS.get(kind)
     assert role is None or role is not Role.VIEWER or kind in asks | {orders.Stop}
 
@@ -51,6 +52,8 @@ def test_what_moves_the_robot_or_changes_it_is_audited():
     silent |= {
         orders.AskDeclarations,
         orders.AskParts,
+        orders.AskModel,
+        orders.AskScene,
         orders.Look,
         orders.AskHoming,
         orders.AskSettings,

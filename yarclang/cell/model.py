@@ -216,6 +216,17 @@ class HalfSpace:
     normal: Array
     offset: float
 
+    @property
+    def base_from_plane(self) -> Array:
+        """A frame (4, 4) [m] on the border: its z axis is the normal, its origin the border's point nearest to that of {B}."""
+        placed = np.eye(4)
+        # any two directions across the normal
+        across = np.cross(self.normal, np.eye(3)[int(np.argmin(np.abs(self.normal)))])
+        across /= np.linalg.norm(across)
+        placed[:3, :3] = np.column_stack([across, np.cross(self.normal, across), self.normal])
+        placed[:3, 3] = self.normal * self.offset
+        return placed
+
 
 @frozen(eq=False)
 class JointWindow:

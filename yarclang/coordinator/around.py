@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from yarclang.cell.model import Cell
@@ -38,6 +38,8 @@ class Around:
         self._revision = -1
         self._known = Known({}, {})
         self._cell: str | None = None
+        self._program_cell: Cell | None = None
+        self._session_cell: Cell | None = None
 
     @property
     def is_current(self) -> bool:
@@ -53,6 +55,12 @@ class Around:
         """
         self._known = known_in(program, cell)
         self._cell = _file(cell)
+        self._program_cell = None if cell is None else replace(cell, present=None)
+
+    @property
+    def cells(self) -> tuple[Cell | None, Cell | None]:
+        """The cells of the program that was run last and of the session, as they were read; None: it has none, or none is known before `look`."""
+        return self._program_cell, self._session_cell
 
     def look(self) -> Seen:
         """Return what is around; after a declaration of the session its lines are read again."""
@@ -68,7 +76,9 @@ class Around:
                     outputs[name] = meaning.signal.variable
             program = self._names.cell().value
             # a cell that can't be read any more is still the one that motions keep to
-            cell = self._session.cell if program is None else _file(program.cell)
+            if program is not None:
+                self._session_cell = program.cell
+            cell = _file(self._session_cell)
             self._session = Seen(cell, inputs, outputs)
             self._revision = revision
         own, known = self._session, self._known

@@ -25,6 +25,7 @@ from yarclang.coordinator.names import Names
 from yarclang.coordinator.offers import Planner
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.ownership import Ownership
+from yarclang.coordinator.scene import Scenes
 from yarclang.coordinator.signals import hear_inputs, signal_event
 from yarclang.coordinator.subscription import Subscription
 from yarclang.lasting import Lasting
@@ -74,6 +75,7 @@ class Coordinator:
         history: what it has done.
         names: what names mean behind them.
         around: the cell, and inputs and outputs by name.
+        scenes: what robot and cell are for programs that draw them.
         stops: how often somebody wanted a stop or an abort: what was asked for before doesn't begin any more.
         rests: how often somebody wanted a stop, an abort or a hold: who steers doesn't begin anew by going on.
         why: the reason of the robot's last state.
@@ -111,6 +113,7 @@ class Coordinator:
         self.lines = Lines()
         self.names = Names(self.lines, self.planner)
         self.around = Around(self.names, self.lines)
+        self.scenes = Scenes(self)
         self.history = History(robot)
         self._planning = asyncio.Lock()
         self._plan = plan or self.engine.beside
@@ -369,10 +372,13 @@ class Coordinator:
             if self.surroundings is not None:
                 self.surroundings.begin()
             self._tell(began)
+            self.scenes.begin()
             self.behind = 0.0
             self.engine.client = client
             ended = await work()
+            self.scenes.begin()
             self._tell(finished(self.time, name, ended, self.robot))
+            self.tell_scene()
             return ended
 
         return await self.engine.move(name, told, serves=serves)
@@ -438,6 +444,11 @@ class Coordinator:
             self._percent = self.override
             self._tell(events.OverrideChanged(time_s=self.time, percent=round(self.override, 6)))
 
+    def tell_scene(self) -> None:
+        """Tell everybody if what is around the robot may be something else now."""
+        if self.scenes.is_another():
+            self._tell(events.SceneChanged(time_s=self.time))
+
     def announce(self, event: events.BaseEvent) -> None:
         """Tell everybody an event."""
         self._tell(event)
@@ -469,7 +480,10 @@ class Coordinator:
             case Reached(place=place):
                 if self.surroundings is not None:
                     self.surroundings.reached(place)
-            case OutputSet() | WaitBegan() | WaitEnded() | InputChanged():
+            case OutputSet(variable=variable, value=value):
+                self.scenes.output_set(variable, value, self.position)
+                self._tell(signal_event(notice))
+            case WaitBegan() | WaitEnded() | InputChanged():
                 self._tell(signal_event(notice))
             case Remark(text=text, warning=warning):
                 self._tell(events.Told(time_s=time, text=text, warning=warning))
@@ -480,6 +494,7 @@ class Coordinator:
                 done = round(notice.reached, 4)
                 self._tell(events.Position(time_s=time, joints=joints, done_s=done))
         self.tell_override()
+        self.tell_scene()
 
     def _bug(self, error: BaseException, where: str) -> None:
         rests = f"; {where}" if where else ""

@@ -103,6 +103,8 @@ class Desk:
             orders.SetInput: lambda order: _value(client.signals.set_input(order.name, order.value)),
             orders.AskSurroundings: lambda _: self._surroundings(),
             orders.AskParts: lambda order: parts_described(client.parts.where(order.cell)),
+            orders.AskModel: lambda _: coordinator.beside(coordinator.scenes.model),
+            orders.AskScene: lambda _: self._scene(),
             orders.PlacePart: self._place_part,
             orders.AskDeclarations: lambda _: self._declarations(),
             orders.Adopt: self._adopt,
@@ -131,6 +133,7 @@ class Desk:
         """
         made = self.answer_now(order)
         answer: R = await made if inspect.iscoroutine(made) else made
+        self._coordinator.tell_scene()
         return answer
 
     def answer_now(self, order: Order[R]) -> Any:
@@ -243,6 +246,11 @@ class Desk:
             outputs=signals_described(seen.outputs, values),
             fixed=signals.fixed,
         )
+
+    async def _scene(self) -> replies.Scene:
+        await self._coordinator.look_around(waits=False)
+        scene: replies.Scene = await self._coordinator.beside(self._coordinator.scenes.scene)
+        return scene
 
     async def _place_part(self, order: orders.PlacePart) -> replies.Parts:
         parts, name = self.client.parts, None if order.part is None else order.part.upper()

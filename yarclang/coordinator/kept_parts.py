@@ -69,6 +69,11 @@ class KeptParts:
 
     # what is known
 
+    @property
+    def all(self) -> tuple[Known, ...]:
+        """What is known of all cells: equal to what it was as long as nothing else is known."""
+        return tuple(self._known.values())
+
     def known(self, cell: Cell) -> Known | None:
         """Return what is known of the parts of a cell; None: nothing but its file."""
         found = self._known.get(file_of_cell(cell)) if cell.parts else None

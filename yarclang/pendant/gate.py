@@ -37,6 +37,8 @@ _SHARED = (
     orders.AskSurroundings,
     orders.AskDeclarations,
     orders.AskParts,
+    orders.AskModel,
+    orders.AskScene,
     orders.Read,
     orders.Look,
     orders.Connect,

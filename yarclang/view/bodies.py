@@ -115,18 +115,12 @@ def _border(zone: Zone) -> tuple[Array, Solid] | None:
         case ShapeRegion(base_from_shape=placed, shape=shape):
             solid = solid_of(shape)
             return None if solid is None else (placed, solid)
-        case HalfSpace(normal=normal, offset=offset):
-            placed = np.eye(4)
-            # any two directions across the normal
-            across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-            across /= np.linalg.norm(across)
-            placed[:3, :3] = np.column_stack([across, np.cross(normal, across), normal])
-            placed[:3, 3] = normal * offset
+        case HalfSpace():
             half = _PLANE / 2.0
             corners = np.array(
                 [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
             )
-            return placed, Solid(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+            return region.base_from_plane, Solid(corners, np.array([[0, 1, 2], [0, 2, 3]]))
     return None
 
 

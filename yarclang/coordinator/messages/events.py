@@ -179,6 +179,12 @@ class InputChanged(BaseEvent):
     cause: Literal["script", "sensor", "hand"]
 
 
+class SceneChanged(BaseEvent):
+    """The bodies, zones or parts around the robot may be other ones now, or elsewhere: ask for `scene`."""
+
+    event: Literal["scene_changed"] = "scene_changed"
+
+
 class Missed(BaseEvent):
     """So many events came faster than this subscriber took them, and were left out."""
 
@@ -202,9 +208,10 @@ Event = Annotated[
     | WaitBegan
     | WaitEnded
     | InputChanged
+    | SceneChanged
     | Missed,
     Field(discriminator="event"),
 ]
 
-COALESCED = (Position, ProgressMade)
+COALESCED = (Position, ProgressMade, SceneChanged)
 """Events of which only the newest counts."""

@@ -237,6 +237,18 @@ class AskParts(Order[replies.Parts]):
     cell: Annotated[str | None, Field(description="path of a cell's file, or null for the session's")] = None
 
 
+class AskModel(Order[replies.Model]):
+    """What is the robot, for programs that draw it: its URDF with the files of its meshes, its joints and their limits?"""
+
+    order: Literal["model"] = "model"
+
+
+class AskScene(Order[replies.Scene]):
+    """What is around the robot, for programs that draw it: the bodies, zones and parts of its cell, and where they are now? `scene_changed` tells when to ask again."""
+
+    order: Literal["scene"] = "scene"
+
+
 class PlacePart(Order[replies.Parts]):
     """Say where a part of the session's cell is: the person at the robot knows it."""
 
@@ -415,6 +427,8 @@ KINDS: tuple[type[Order[Any]], ...] = (
     SetInput,
     AskSurroundings,
     AskParts,
+    AskModel,
+    AskScene,
     PlacePart,
     AskDeclarations,
     Adopt,

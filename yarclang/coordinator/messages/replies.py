@@ -205,6 +205,77 @@ class Parts(Reply):
     findings: tuple[Finding, ...]
 
 
+class ModelJoint(Message):
+    """A joint, with its limits per `unit` (deg or mm) and s; null: it turns without end."""
+
+    name: str
+    unit: str
+    lower: float | None
+    upper: float | None
+    velocity: float
+    acceleration: float
+
+
+class Model(Reply):
+    """The robot. `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if it has no {TCP})."""
+
+    name: str
+    urdf: str
+    """Its text, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml are links on the flange; joints that aren't the robot's axes are fixed at zero."""
+    base: str
+    flange: str
+    tool: str
+    joints: tuple[ModelJoint, ...]
+    findings: tuple[Finding, ...]
+
+
+class SceneShape(Message):
+    """A shape around the origin of its pose, in m: a `box` has its edges as `size`; a `cylinder`, and the straight piece of a `capsule`, lie along z with their middle at the origin;
+    a `mesh` is the URI of a file on this computer, whose coordinates count `scale`; a `half-space` is all that lies above the plane z = 0.
+    """
+
+    type: Literal["box", "sphere", "cylinder", "capsule", "mesh", "half-space"]
+    size: tuple[float, ...] | None = None
+    radius: float | None = None
+    length: float | None = None
+    mesh: str | None = None
+    scale: tuple[float, ...] | None = None
+
+
+class SceneItem(Message):
+    """A body of the cell, a zone or a part."""
+
+    name: str
+    kind: Literal["body", "zone", "part"]
+    rule: Literal["allowed", "forbidden", "slow", "posture"] | None
+    """Of a zone: to stay inside, to stay outside, to go slowly inside, to keep the joints in a window inside."""
+    speed: float | None
+    """Of a slow zone [mm/s]."""
+    sure: bool
+    """false: a part that may be here, or elsewhere."""
+    carried: bool
+    """true: the robot carries it."""
+    frame: str
+    """The link of the URDF in which the pose is told: {B}, or {FLANGE} for what the robot carries."""
+    pose: tuple[tuple[float, ...], ...]
+    """(4, 4) frame_from_item [m]."""
+    shape: SceneShape
+
+
+class Scene(Reply):
+    """What is around the robot: of the cell of the program that was run last, else of the session's."""
+
+    version: str
+    """Another one if anything else here is another one."""
+    cell: str | None
+    """The file of the cell; null: there is none."""
+    items: tuple[SceneItem, ...]
+    notes: tuple[str, ...]
+    """What can't be shown, and why."""
+    doubt: str | None
+    """Why nobody knows where the parts are; null: it is known."""
+
+
 class Declarations(Reply):
     """The declarations of the session as they were written, and how many commands were carried out."""
 

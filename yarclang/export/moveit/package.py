@@ -30,7 +30,7 @@ class Package:
 def package_of(robot: Robot) -> Result[Package]:
     """Return MoveIt's configuration of a robot; None with findings if ROS can't have it."""
     findings = list(_names(robot))
-    read = _files_of(robot)
+    read = urdf_of(robot)
     if isinstance(read, Diagnostic):
         return Result(None, (*findings, read))
     scene = scene_of(robot, None)
@@ -68,8 +68,8 @@ def _names(robot: Robot) -> list[Diagnostic]:
     return found
 
 
-def _files_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
-    """The URDF, and the links that are the arm's base and flange."""
+def urdf_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
+    """Return a robot's URDF, and the links that are {B} and {FLANGE}; a finding if the files aren't as they were read."""
     table = read_text(robot.folder / "robot.toml", "Name a folder with a robot.toml.")
     if isinstance(table, Diagnostic):
         return table

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from xml.sax.saxutils import quoteattr
@@ -43,23 +44,46 @@ def exported_urdf(
         ends: the links {B} and {FLANGE}.
         bodies: what is added on the flange.
     """
-    meshes = _Meshes(robot, package)
+    meshes = PackageMeshes(robot, package)
+    text = urdf_text(urdf, ends[1], bodies, meshes)
+    name = f"{FOLDER}/{robot.name.lower()}.urdf"
+    files = {name: text.encode(), **meshes.files}
+    return Result(files, tuple(meshes.findings))
+
+
+def urdf_text(
+    urdf: Urdf, flange: str, bodies: Bodies, meshes: MeshNames, axes: frozenset[str] | None = None
+) -> str:
+    """Return a URDF as all of ROS reads it.
+
+    Args:
+        urdf: a sound one.
+        flange: the link {FLANGE}.
+        bodies: what is added on the flange.
+        meshes: names the files of the meshes; what of them is missing is said there.
+        axes: the joints that move: all others are fixed at zero, where the robot has them. None: the joints stay as they are.
+    """
     text, root = urdf.text, urdf.root
     assert root is not None  # a sound one has a root
     edits = [_version(text, root)]
+    if axes is not None:
+        others = (joint for name, joint in urdf.joints.items() if name not in axes)
+        edits += [_fixed(text, joint.element) for joint in others]
     for link in urdf.links.values():
         for body in (*link.all("visual"), *link.all("collision")):
             edits += _body(urdf, body, meshes)
     for start, end, new in sorted(edits, reverse=True):
         text = f"{text[:start]}{new}{text[end:]}"
-    added = "".join(f"{line}\n" for line in _added(ends[1], bodies, meshes))
+    added = "".join(f"{line}\n" for line in _added(flange, bodies, meshes))
     end = _COMMENT.sub(lambda found: " " * len(found[0]), text).rindex("</")
     text = f"{text[:end]}{added}{text[end:]}"
-    name = f"{FOLDER}/{robot.name.lower()}.urdf"
     # the text is UTF-8, whatever its first line says
-    text = _ENCODING.sub(r'\1"UTF-8"', text, count=1)
-    files = {name: text.encode(), **meshes.files}
-    return Result(files, tuple(meshes.findings))
+    return _ENCODING.sub(r'\1"UTF-8"', text, count=1)
+
+
+def _fixed(text: str, joint: Element) -> Edit:
+    tag = text[joint.start : joint.end]
+    return joint.start, joint.end, re.sub(r"""(\stype\s*=\s*)(["']).*?\2""", r'\1"fixed"', tag, count=1)
 
 
 def _version(text: str, root: Element) -> Edit:
@@ -68,7 +92,7 @@ def _version(text: str, root: Element) -> Edit:
     return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
 
 
-def _body(urdf: Urdf, body: Element, meshes: _Meshes) -> Iterator[Edit]:
+def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
     """Yield the changes of a <visual> or <collision>: the name of its mesh; a capsule, which version 1.0 doesn't have, becomes three bodies."""
     geometry = body.first("geometry")
     shape = geometry.children[0] if geometry is not None and geometry.children else None
@@ -105,22 +129,62 @@ def _material(material: Element | None) -> str:
     return f"<material name={name}><color rgba={quoteattr(colour.attributes.get('rgba', ''))}/></material>"
 
 
-class _Meshes:
-    """The mesh files of a package, as they are asked for."""
+class MeshNames(ABC):
+    """Names the files of meshes, as they are asked for.
 
-    def __init__(self, robot: Robot, package: str) -> None:
-        self.files: dict[str, bytes] = {}
+    Args:
+        robot: whose URDF names them.
+
+    Attributes:
+        findings: what is said of meshes that are missing.
+    """
+
+    def __init__(self, robot: Robot) -> None:
         self.findings: list[Diagnostic] = []
-        self._robot, self._package = robot, package
-        self._places: dict[Path, str] = {}
+        self._robot = robot
 
     def url(self, filename: str) -> str | None:
-        """Return how the package names a mesh of the URDF; None with a finding if there is no such file."""
+        """Return the name of a mesh of the URDF; None with a finding if there is no such file."""
         path = mesh_path(filename, (self._robot.folder / self._robot.urdf).parent)
         if path is None:
             self._lost(filename, "there is no such file")
             return None
         return self.url_of(path)
+
+    @abstractmethod
+    def url_of(self, path: Path) -> str | None:
+        """Return the name of a mesh file; None with a finding if it can't be used."""
+
+    def _lost(self, name: str, reason: str) -> None:
+        message = f"the mesh {name[:100]!r} isn't exported: {reason}"
+        self.findings.append(
+            Diagnostic("Y1537", message, help="put it where the URDF names it, or take it out of the URDF")
+        )
+
+
+class FileMeshes(MeshNames):
+    """Names meshes by URIs of the files where they are, for readers on the same computer."""
+
+    def url_of(self, path: Path) -> str | None:
+        """Return the URI of a mesh file."""
+        if not path.is_file():
+            self._lost(path.name, "there is no such file")
+            return None
+        return path.resolve().as_uri()
+
+
+class PackageMeshes(MeshNames):
+    """The mesh files of a package of ROS.
+
+    Attributes:
+        files: their bytes, by their paths in the package.
+    """
+
+    def __init__(self, robot: Robot, package: str) -> None:
+        super().__init__(robot)
+        self.files: dict[str, bytes] = {}
+        self._package = package
+        self._places: dict[Path, str] = {}
 
     def url_of(self, path: Path) -> str | None:
         """Return how the package names a mesh file."""
@@ -148,14 +212,8 @@ class _Meshes:
             place, number_ = f"{FOLDER}/meshes/{stem}_{number_}{path.suffix}", number_ + 1
         return place
 
-    def _lost(self, name: str, reason: str) -> None:
-        message = f"the mesh {name[:100]!r} isn't exported: {reason}"
-        self.findings.append(
-            Diagnostic("Y1537", message, help="put it where the URDF names it, or take it out of the URDF")
-        )
 
-
-def _added(flange: str, bodies: Bodies, meshes: _Meshes) -> Iterator[str]:
+def _added(flange: str, bodies: Bodies, meshes: MeshNames) -> Iterator[str]:
     """The lines of the links on the flange."""
     for link, pose in bodies.frames.items():
         yield f"  <link name={quoteattr(link)}/>"
@@ -175,7 +233,7 @@ def _joint(link: str, flange: str, pose: Array) -> Iterator[str]:
     yield "  </joint>"
 
 
-def _shapes(tool: Tool, meshes: _Meshes) -> Iterator[str]:
+def _shapes(tool: Tool, meshes: MeshNames) -> Iterator[str]:
     for placed in tool.shapes:
         for shape, pose in _simple(placed.shape, placed.flange_from_shape):
             geometry = _geometry(shape, meshes)
@@ -196,7 +254,7 @@ def _simple(shape: Shape, pose: Array) -> Iterator[tuple[Shape, Array]]:
         yield Sphere(shape.radius), end
 
 
-def _geometry(shape: Shape, meshes: _Meshes) -> str | None:
+def _geometry(shape: Shape, meshes: MeshNames) -> str | None:
     match shape:
         case Box(size=size):
             return f'<box size="{_row(size)}"/>'

@@ -39,6 +39,8 @@ NEEDS: dict[type[Order[Any]], Role] = {
     orders.Read: Role.VIEWER,
     orders.AskDeclarations: Role.VIEWER,
     orders.AskParts: Role.VIEWER,
+    orders.AskModel: Role.VIEWER,
+    orders.AskScene: Role.VIEWER,
     orders.AskCourse: Role.VIEWER,
     orders.Hold: Role.OPERATOR,
     orders.Resume: Role.OPERATOR,

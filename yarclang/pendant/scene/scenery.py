@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from yarclang.cell.model import Cell, Item, Parts, Present
+from yarclang.cell.model import Cell, Item, Parts
 from yarclang.collision.scene import Scene
 from yarclang.coordinator.attached import Attached
 from yarclang.coordinator.messages import events, orders, replies
-from yarclang.handling.parts import first_parts, remove
-from yarclang.handling.present import presently
-from yarclang.handling.walk import flange_pose, handling_of
+from yarclang.handling.parts import first_parts
+from yarclang.handling.switched import parts_after
 from yarclang.pendant.messages.scene import Placements
 from yarclang.pendant.scene.described import Drawn, drawn
 from yarclang.pendant.scene.meshes import Blob
@@ -160,7 +159,7 @@ class Scenery:
             return first
         switched, self._switched = self._switched, []
         if before is not None and self._showing.under_way:
-            return await asyncio.to_thread(_switched_parts, self._robot, cell, before, switched)
+            return await asyncio.to_thread(parts_after, self._robot, cell, before, switched)
         try:
             told = await attached.ask(orders.AskParts())
         except Trouble:  # the session has no cell with parts: only the program has
@@ -210,21 +209,6 @@ def parts_told(cell: Cell, told: replies.Parts) -> Parts | None:
             Item(part, int(number) if part.count > 1 and number.isdecimal() else 1, pose, gripper, one.sure)
         )
     return Parts(tuple(items))
-
-
-def _switched_parts(
-    robot: Robot, cell: Cell, parts: Parts, switched: list[tuple[str, float, Array]]
-) -> Parts:
-    """Return the parts after outputs were set: a variable, its value and where the robot was (n,) [rad or m]."""
-    for variable, value, q in switched:
-        if variable in cell.grips:
-            handling = handling_of(robot, presently(cell, Present(parts)), ())
-            grasp = handling.at_pose(parts, 0, variable, value, flange_pose(robot, q))
-            parts = parts if grasp is None else grasp.after
-        removal = cell.removals.get(variable)
-        if removal is not None and value == removal.value:
-            parts = remove(parts, removal)
-    return parts
 
 
 def placed(robot: Robot, asked: Placements) -> bytes:

@@ -1,0 +1,276 @@
+"""What a robot is and what is around it, for programs that draw both: the answers to `model` and `scene`, and when the second is another one."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, assert_never
+
+import numpy as np
+
+from yarclang.cell.model import Cell, HalfSpace, Item, Mount, Obstacle, Parts, ShapeRegion, Zone
+from yarclang.coordinator.messages import replies
+from yarclang.coordinator.messages.findings import finding_messages
+from yarclang.diagnostics import Diagnostic
+from yarclang.export.moveit.described import described
+from yarclang.export.moveit.package import urdf_of
+from yarclang.handling.parts import first_parts
+from yarclang.handling.switched import Switched, parts_after
+from yarclang.pipeline.cells import CellLoader, cell_loader, is_same_file
+from yarclang.robot.description import load_robot
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Trouble
+from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from yarclang.units import MM
+
+if TYPE_CHECKING:
+    from yarclang.coordinator.coordinator import Coordinator
+
+MOST_ITEMS = 2000
+"""Bodies, zones and parts that are told; those beyond are left out, with a note."""
+_MOST_NOTES = 100
+_MOST_SWITCHED = 10_000
+"""Outputs that a program may set before those set first are forgotten."""
+_DIGITS = 9
+"""Decimals of lengths [m]."""
+
+
+class Scenes:
+    """Tells what is around a coordinator's robot.
+
+    Args:
+        coordinator: whose.
+    """
+
+    def __init__(self, coordinator: Coordinator) -> None:
+        self._coordinator = coordinator
+        self._loader: tuple[Path, CellLoader] | None = None
+        self._switched: list[Switched] = []
+        self._told = self._state()
+
+    def begin(self) -> None:
+        """Take note that something is carried out from now on: the parts are where they are kept until it sets outputs."""
+        self._switched.clear()
+
+    def output_set(self, variable: str, value: float, q: Array | None) -> None:
+        """Take note that what is carried out has set an output while the robot was at `q` (n,) [rad or m]."""
+        if q is not None and self._coordinator.under_way and len(self._switched) < _MOST_SWITCHED:
+            self._switched.append((variable, value, q))
+
+    def is_another(self) -> bool:
+        """Return True once after anything has happened that may have changed the scene. Asks no disk."""
+        before, self._told = self._told, self._state()
+        return before != self._told
+
+    def _state(self) -> tuple[Any, ...]:
+        coordinator = self._coordinator
+        cell, _ = coordinator.around.cells
+        return coordinator.lines.revision, cell, coordinator.carrying.kept.all, len(self._switched)
+
+    def model(self) -> replies.Model:
+        """Return the robot. Waits for the disk.
+
+        Raises:
+            Trouble: its files can't be read any more, or have changed since it is served.
+        """
+        return model_described(self._coordinator.robot)
+
+    def scene(self) -> replies.Scene:
+        """Return what is around the robot now. Waits for the disk.
+
+        Raises:
+            Trouble: the robot's files can't be read any more.
+        """
+        robot = self._coordinator.robot
+        cell, notes = self._cell()
+        if cell is None:
+            return _versioned(replies.Scene(version="", cell=None, items=(), notes=notes, doubt=None))
+        known = self._coordinator.carrying.kept.known(cell)
+        parts = first_parts(cell) if known is None else known.present.parts
+        parts = parts_after(robot, cell, parts, tuple(self._switched))
+        return scene_described(robot, cell, parts, "" if known is None else known.doubt, notes)
+
+    def _cell(self) -> tuple[Cell | None, tuple[str, ...]]:
+        """Return the cell in use as its file is now, else as it was read before."""
+        around = self._coordinator.around
+        around.look()
+        program, session = around.cells
+        if program is None:
+            return session, ()
+        path = Path(program.source.name)
+        if session is not None and is_same_file(path, Path(session.source.name)):
+            return session, ()
+        if self._loader is None or self._loader[0] != path or not self._loader[1].is_current:
+            self._loader = path, cell_loader(path.parent, self._coordinator.robot)
+        read = self._loader[1].at(path)
+        errors = [one.message for one in read.diagnostics if one.is_error]
+        if read.value is not None and not errors:
+            return read.value, ()
+        first = errors[0] if errors else "it can't be read"
+        return program, (f"{path} is shown as it was when the program was loaded: {first}",)
+
+
+def model_described(robot: Robot) -> replies.Model:
+    """Return a robot as a message.
+
+    Raises:
+        Trouble: its files can't be read any more, or have changed since it was read.
+    """
+    _check_files(robot)
+    made = described(robot)
+    if made.value is None:
+        raise _unread(made.diagnostics[0])
+    found, limits, units = made.value, robot.limits, robot.axis_units
+    return replies.Model(
+        name=robot.name,
+        urdf=found.urdf,
+        base=found.base,
+        flange=found.flange,
+        tool=found.tool,
+        joints=tuple(
+            replies.ModelJoint(
+                name=name,
+                unit=robot.axis_unit_names[at],
+                lower=_finite(limits.lower[at] / units[at]),
+                upper=_finite(limits.upper[at] / units[at]),
+                velocity=float(limits.velocity[at] / units[at]),
+                acceleration=float(limits.acceleration[at] / units[at]),
+            )
+            for at, name in enumerate(robot.joint_names)
+        ),
+        findings=finding_messages(made.diagnostics),
+    )
+
+
+def scene_described(
+    robot: Robot, cell: Cell, parts: Parts, doubt: str, notes: tuple[str, ...]
+) -> replies.Scene:
+    """Return what is around a robot as a message.
+
+    Args:
+        robot: whose URDF names the links in which poses are told.
+        cell: with bodies and zones.
+        parts: where its parts are.
+        doubt: why nobody knows that; empty: it is known.
+        notes: what is to be said besides.
+
+    Raises:
+        Trouble: the robot's files can't be read any more.
+    """
+    found = urdf_of(robot)
+    if isinstance(found, Diagnostic):
+        raise _unread(found)
+    _, base, flange = found
+    items: list[replies.SceneItem] = []
+    said, left = [*notes], 0
+    bodies: tuple[Obstacle | Zone | Item, ...] = (*cell.obstacles, *cell.zones, *parts.items)
+    for one in bodies:
+        made = _described(one, base, flange)
+        if isinstance(made, str):
+            said.append(made)
+        elif len(items) < MOST_ITEMS:
+            items.append(made)
+        else:
+            left += 1
+    if left:
+        said.insert(0, f"{left} more bodies, zones and parts are left out: {MOST_ITEMS} are told")
+    return _versioned(
+        replies.Scene(
+            version="",
+            cell=str(Path(cell.source.name).absolute()),
+            items=tuple(items),
+            notes=tuple(said[:_MOST_NOTES]),
+            doubt=doubt or None,
+        )
+    )
+
+
+def _described(one: Obstacle | Zone | Item, base: str, flange: str) -> replies.SceneItem | str:
+    """Return a body, zone or part as a message, or why it can't be shown."""
+    match one:
+        case Obstacle():
+            return _item(one.name, "body", one.shape, one.mount, (base, flange))
+        case Item():
+            mount = Mount(one.transform, one.gripper is not None)
+            return _item(one.name, "part", one.part.body.shape, mount, (base, flange), sure=one.is_sure)
+    match one.region:
+        case ShapeRegion(base_from_shape=pose, shape=shape):
+            return _item(one.name, "zone", shape, Mount(pose, False), (base, flange), one)
+        case HalfSpace() as region:
+            return _item(one.name, "zone", None, Mount(region.base_from_plane, False), (base, flange), one)
+    return f"the zone {one.name} is a window of the joints, which has no place to be shown"
+
+
+def _item(
+    name: str,
+    kind: Literal["body", "zone", "part"],
+    shape: Shape | None,
+    mount: Mount,
+    links: tuple[str, str],
+    zone: Zone | None = None,
+    *,
+    sure: bool = True,
+) -> replies.SceneItem | str:
+    told = _shape(shape)
+    if isinstance(told, str):
+        return f"{name} isn't shown: {told}"
+    return replies.SceneItem(
+        name=name,
+        kind=kind,
+        rule=None if zone is None else zone.rule,
+        speed=None if zone is None or zone.speed is None else round(zone.speed / MM, 6),
+        sure=sure,
+        carried=mount.on_flange,
+        frame=links[mount.on_flange],
+        pose=tuple(map(tuple, (np.round(mount.transform, _DIGITS) + 0.0).tolist())),
+        shape=told,
+    )
+
+
+def _shape(shape: Shape | None) -> replies.SceneShape | str:
+    """Return a shape as a message (None: a half space), or why it can't be shown."""
+    match shape:
+        case None:
+            return replies.SceneShape(type="half-space")
+        case Box(size=size):
+            return replies.SceneShape(type="box", size=tuple(np.round(size, _DIGITS).tolist()))
+        case Sphere(radius=radius):
+            return replies.SceneShape(type="sphere", radius=radius)
+        case Cylinder(radius=radius, length=length):
+            return replies.SceneShape(type="cylinder", radius=radius, length=length)
+        case Capsule(radius=radius, length=length):
+            return replies.SceneShape(type="capsule", radius=radius, length=length)
+        case Mesh(path=path, unit=unit, scale=scale):
+            if not path.is_file():
+                return f"there is no file {path}"
+            factors = tuple(unit * one for one in scale)
+            return replies.SceneShape(type="mesh", mesh=path.resolve().as_uri(), scale=factors)
+    assert_never(shape)
+
+
+def _check_files(robot: Robot) -> None:
+    """Check that a robot's files are as they were when it was read.
+
+    Raises:
+        Trouble: they can't be read, or have changed.
+    """
+    read = load_robot(str(robot.folder))
+    if read.value is None:
+        raise _unread(read.diagnostics[0])
+    if read.value.fingerprint != robot.fingerprint:
+        what = f"the robot in {robot.folder} has changed since it is served"
+        raise Trouble(what, "end its process and serve it again", "Y1302")
+
+
+def _unread(found: Diagnostic) -> Trouble:
+    return Trouble(f"the robot's files can't be read: {found.message}", found.help or "", found.code)
+
+
+def _versioned(scene: replies.Scene) -> replies.Scene:
+    """Return a scene with the version that its content gives it."""
+    version = hashlib.sha256(scene.model_dump_json().encode()).hexdigest()[:16]
+    return scene.model_copy(update={"version": version})
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

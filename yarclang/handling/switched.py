@@ -1,0 +1,34 @@
+"""Where parts are after outputs were set, as whoever watches a robot hears of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from yarclang.cell.model import Cell, Parts, Present
+from yarclang.handling.parts import remove
+from yarclang.handling.present import presently
+from yarclang.handling.walk import flange_pose, handling_of
+from yarclang.robot.model import Array, Robot
+
+Switched = tuple[str, float, Array]
+"""An output's variable, the value that it was given, and where the robot was (n,) [rad or m]."""
+
+
+def parts_after(robot: Robot, cell: Cell, parts: Parts, switched: Iterable[Switched]) -> Parts:
+    """Return the parts of a cell after outputs were set.
+
+    Args:
+        robot: that carries them.
+        cell: whose grippers and machines the outputs move.
+        parts: where they were before.
+        switched: in the order of time; outputs that move no part may be among them.
+    """
+    for variable, value, q in switched:
+        if variable in cell.grips:
+            handling = handling_of(robot, presently(cell, Present(parts)), ())
+            grasp = handling.at_pose(parts, 0, variable, value, flange_pose(robot, q))
+            parts = parts if grasp is None else grasp.after
+        removal = cell.removals.get(variable)
+        if removal is not None and value == removal.value:
+            parts = remove(parts, removal)
+    return parts

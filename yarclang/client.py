@@ -13,7 +13,7 @@ comes back; docs/coordinator.md of yarclang lists them all.
         for event in robot.events():
             print(event)
 
-Written for Python 3.8 and later. Each `Robot` is for one thread; `stop`, `hold` and `abort` may be called from any.
+Written for Python 3.8 and later. Each `Robot` is for one thread; `order`, `stop`, `hold`, `abort` and `close` may be called from any.
 """
 
 from __future__ import annotations
@@ -151,7 +151,9 @@ class Robot:
         self.close()
 
     def close(self) -> None:
-        """Go away. If this client owned the robot, it comes to rest on its path."""
+        """Go away, from any thread: one that waits for an answer or an event gets `Gone`. If this client owned the robot, it comes to rest on its path."""
+        with contextlib.suppress(OSError):
+            self._wire.shutdown(socket.SHUT_RDWR)
         self._wire.close()
 
     # what there is to say
@@ -170,6 +172,18 @@ class Robot:
             Gone: nobody is there any more.
         """
         return self._asked(dict(fields, order=order), self._timeout if patience is None else patience)
+
+    def order(self, order: str, **fields: Any) -> int:
+        """Order something without waiting, from any thread: what is ordered by one connection is heard in this order. Return a number for `answer`.
+
+        Raises:
+            Gone: nobody is there any more.
+        """
+        return self._ordered(dict(fields, order=order))
+
+    def answer(self, number: int, patience: float | None = None) -> Message:
+        """Wait for the answer to an `order`, and return it; arguments and errors as for `ask`."""
+        return self._answered(number, self._timeout if patience is None else patience)
 
     def want(self, **fields: Any) -> Message:
         """Say what is wanted of a live motion (`joints`, `pose`, `velocity`, `twist` or `finish`), and return the answer; see `ask`."""
@@ -237,10 +251,16 @@ class Robot:
     # lines
 
     def _asked(self, content: Message, patience: float) -> Message:
+        return self._answered(self._ordered(content), patience)
+
+    def _ordered(self, content: Message) -> int:
         with self._writing:
             self._numbers += 1
             number = self._numbers
         self._send(dict(content, id=number))
+        return number
+
+    def _answered(self, number: int, patience: float) -> Message:
         while number not in self._answers:
             self._take(None if patience == float("inf") else patience)
         answer = self._answers.pop(number)

@@ -294,6 +294,11 @@ class TrajectoryAction:
             actions += self._end(aborted)
         return actions
 
+    def leave(self, reason: str) -> list[Action]:
+        """End all goals; one that moves is held on its path first."""
+        aborted = ABORTED, Result(INVALID_GOAL, reason)
+        return self.stopped(reason) + (self._stop(aborted) if self.moves else self._end_settling(aborted))
+
     # what is heard
 
     def position(self, actual: Moment, done: float | None, now: float) -> list[Action]:
@@ -369,6 +374,9 @@ class TrajectoryAction:
         current, self._current = self._current, None
         assert current is not None
         return [End(current.goal_id, *ending)]
+
+    def _end_settling(self, ending: tuple[str, Result]) -> list[Action]:
+        return [] if self._current is None else self._end(ending)
 
     def _end_next(self, ending: tuple[str, Result]) -> list[Action]:
         waiting, self._next = self._next, None

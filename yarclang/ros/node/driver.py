@@ -1,12 +1,73 @@
-"""Connects the action to a robot that `yarc serve` owns: orders, events, and a new connection when it is served anew. The threads are here."""
+"""Connects the action to a robot that `yarc serve` owns: orders, events, and a new connection when it is served anew. The threads are here.
+
+There are three connections. One orders goals, and is the robot's owner while there are any; one hears events; one asks each second how the motors are, so that a process that hangs is noticed.
+Stops go the way of the goals: so they never overtake the start that they are to end.
+"""
 
 from __future__ import annotations
 
+import collections
+import contextlib
+import logging
+import math
+import os
+import re
+import threading
+import time
 from dataclasses import dataclass
-from typing import Any, Protocol
+from functools import partial
+from typing import Any, Callable, Protocol, Sequence
 
-from yarclang.ros.node.action import Feedback, Result
-from yarclang.ros.node.trajectory import Goal, Values
+from yarclang.client import Gone, Refused, Robot
+from yarclang.ros.node.action import (
+    ABORTED,
+    INVALID_GOAL,
+    Accepted,
+    Action,
+    End,
+    Feedback,
+    Give,
+    Move,
+    Plan,
+    Ready,
+    Result,
+    Stop,
+    TrajectoryAction,
+)
+from yarclang.ros.node.trajectory import Goal, Joint, Moment, Values, program_of, too_long
+
+__all__ = ["Driver", "Feedback", "Goal", "JointState", "Result", "Shell", "Status"]
+
+_AGAIN = 0.5
+"""How often a lost connection is tried to be made again [s]."""
+
+_EACH = 1.0
+"""How often the motors are asked for, and a status is given at least [s]."""
+
+_HANGS = 10.0
+"""A process that doesn't answer within this time hangs, or its computer does [s]."""
+
+_PREPARES = 60.0
+"""What needs the controller, but no motion, takes so long at most [s]."""
+
+_RESTS = 5.0
+"""How long `close` waits for the robot to rest [s]."""
+
+_MOST_WAITING = 256
+"""Calls that wait for a shell which blocks; positions beyond are left out."""
+
+_STANDS = {"deg": 0.002, "mm": 0.0005}
+"""A joint that is slower stands [rad/s, m/s]: a position that flickers between two counts isn't a motion."""
+
+_COURSE, _LEAD_COURSE = 200, 2000
+"""Samples of the planned course, and of one with a way to the first point, which feedback follows."""
+
+_UNKNOWN, _NO, _YES = -1, 0, 1
+_MANUAL, _AUTOMATIC = 1, 2
+
+_GOAL_NAME = "ros-goal-"
+
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -30,7 +91,7 @@ class Status:
 
     Attributes:
         mode: 1 manual (somebody else owns the robot), 2 automatic, -1 unknown.
-        e_stopped: always -1: no controller of ours says it.
+        e_stopped: always -1: nothing says it.
         drives_powered: 1 if all loops are closed.
         motion_possible: 1 if a goal may move the robot now.
         in_motion: 1 while a program is carried out or joints move.
@@ -53,7 +114,7 @@ class Shell(Protocol):
     """What the ROS side does. Called from one thread of the driver, in order; it must not block."""
 
     def accepted(self, goal_id: str) -> None:
-        """Take note that planning begins."""
+        """Take note that a goal is planned from now on, or as soon as the robot rests."""
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
         """Publish how a goal goes on."""
@@ -74,6 +135,62 @@ class Shell(Protocol):
         """Tell people: `level` is "info", "warn" or "error"."""
 
 
+class _Link:
+    """The connections to one process.
+
+    Args:
+        which: as for `Driver`.
+        name: likewise.
+
+    Raises:
+        Gone: nobody serves the robot.
+        Refused: it was denied.
+        TimeoutError: it doesn't answer.
+    """
+
+    def __init__(self, which: str | int | None, name: str) -> None:
+        made: list[Robot] = []
+        try:
+            made.append(Robot(which, name=name))
+            self.path = made[0].path
+            made.extend(Robot(self.path, name=f"{name} {what}") for what in ("events", "health"))
+        except BaseException:
+            for one in made:
+                one.close()
+            raise
+        self.orders, self.events, self.health = made
+        self.name = str(self.orders.welcome["name"])
+        self.joints = tuple(
+            Joint(one["name"], one["unit"]) for one in self.orders.welcome["status"]["joints"]
+        )
+
+    @property
+    def robot(self) -> str:
+        """The robot's name, as others may look for the process."""
+        return re.sub(r"-\d+\.sock$", "", os.path.basename(self.path))  # noqa: PTH119
+
+    def close(self) -> None:
+        """Go away; whoever waits for an answer gets `Gone`."""
+        for one in (self.orders, self.events, self.health):
+            one.close()
+
+
+@dataclass
+class _Seen:
+    """How the robot is, as it was heard of last."""
+
+    state: str = "disconnected"
+    why: str = ""
+    code: str = ""
+    owner: str = ""
+    cell: str = ""
+    powered: int = _UNKNOWN
+    moves: int = _UNKNOWN
+    moment: Moment | None = None
+    heard: float = 0.0
+    """When the joints were there, by the coordinator's clock [s]."""
+
+
 class Driver:
     """A FollowJointTrajectory action on a robot that `yarc serve` owns.
 
@@ -81,18 +198,41 @@ class Driver:
         which: as for `yarclang.client.Robot`: path of the socket, name of the process or of the robot; None: the only one that there is.
         shell: the ROS side.
         name: under which others know the driver.
-        hold_on_cancel: True if a cancelled goal is held on its path at once; else it goes on to its end, and a cancellation only keeps goals from beginning.
+        hold_on_cancel: True if a cancelled goal is held on its path at once; else one that moves goes on to its end.
 
     Attributes:
         joint_names: of the robot, in its order; empty before `start`.
     """
 
-    joint_names: tuple[str, ...]
-
     def __init__(
-        self, which: str | None, shell: Shell, *, name: str = "ros", hold_on_cancel: bool = True
+        self, which: str | int | None, shell: Shell, *, name: str = "ros", hold_on_cancel: bool = True
     ) -> None:
-        raise NotImplementedError
+        self.joint_names: tuple[str, ...] = ()
+        self._which = which
+        self._shell = shell
+        self._name = name
+        self._hold_on_cancel = hold_on_cancel
+        self._lock = threading.RLock()
+        self._news = threading.Condition(self._lock)
+        self._action = TrajectoryAction((), hold_on_cancel)
+        self._link: _Link | None = None
+        self._lost = "it wasn't started"
+        self._robot: str | int | None = which
+        self._seen = _Seen()
+        self._plans: collections.deque[Plan] = collections.deque()
+        self._program: tuple[int, int] | None = None
+        self._running: tuple[int, int] | None = None
+        self._stops: list[int] = []
+        self._telling: int | None = None
+        self._ghost: list[tuple[float, Values]] = []
+        self._failed: Result | None = None
+        self._told: Status | None = None
+        self._outbox: collections.deque[Callable[[], None]] = collections.deque()
+        self._closing = False
+        self._is_told_out = False
+        self._threads: list[threading.Thread] = []
+
+    # what shells call
 
     def start(self) -> None:
         """Connect, and serve goals from now on.
@@ -102,31 +242,61 @@ class Driver:
             yarclang.client.Refused: it was denied.
             TimeoutError: it doesn't answer.
         """
-        raise NotImplementedError
+        try:
+            link = _Link(self._which, self._name)
+        except Gone as gone:
+            raise Gone(f"{gone}; `yarc serve --robot NAME` serves one") from None
+        self._use(link)
+        for work in (self._tell, self._keep_time, self._supervise):
+            self._begin(work)
 
     def goal(self, goal_id: str, goal: Goal) -> Result | None:
         """Take a goal, at once, from any thread. Return None if it is accepted (planning follows), else why it is rejected."""
-        raise NotImplementedError
+        with self._lock:
+            if self._link is None or self._closing:
+                return Result(INVALID_GOAL, f"no robot is there: {self._lost}")
+            rejected, actions = self._action.goal(goal_id, goal, time.monotonic())
+            self._do(actions)
+            return rejected
 
     def cancel(self, goal_id: str | None = None) -> None:
         """Cancel a goal, or whatever goes on (None). It ends "canceled" when the robot rests."""
-        raise NotImplementedError
+        with self._lock:
+            self._do(self._action.cancel(goal_id))
 
     def hold(self) -> tuple[bool, str]:
         """Hold the robot on its path, ready to go on. Return True if that was taken, and what was answered."""
-        raise NotImplementedError
+        return self._ordered("hold")
 
     def resume(self) -> tuple[bool, str]:
         """Go on after a hold; returns as `hold`."""
-        raise NotImplementedError
+        return self._ordered("resume")
 
     def stop(self) -> tuple[bool, str]:
         """Come to rest on the path and end what is under way; returns as `hold`."""
-        raise NotImplementedError
+        with self._lock:
+            self._do(self._action.stopped("a stop was ordered"))
+            if self._action.moves:
+                self._send_stop()
+        return self._ordered("stop")
 
     def override(self, percent: float) -> tuple[bool, str]:
         """Change the pace, 1 to 100 %; returns as `hold`."""
-        raise NotImplementedError
+        if not 1.0 <= percent <= 100.0:
+            return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
+        ordered = self._ordered("override", percent=percent)
+        return ordered if ordered[0] else self._ordered_alone("override", percent=percent) or ordered
+
+    def _ordered_alone(self, order: str, **fields: Any) -> tuple[bool, str] | None:
+        """Order what only an owner may while nobody owns the robot; None: somebody does."""
+        try:
+            with Robot(self._path(), name=f"{self._name} orders") as robot:
+                robot.own(shared=True)
+                robot.ask(order, **fields)
+                robot.release()
+        except (Refused, Gone, TimeoutError):
+            return None
+        return True, f"{order} was taken"
 
     def model(self) -> dict[str, Any]:
         """Return the answer of the order `model`.
@@ -136,16 +306,465 @@ class Driver:
             yarclang.client.Refused: it was denied.
             TimeoutError: it doesn't answer.
         """
-        raise NotImplementedError
+        return self._asked("model")
 
     def scene(self) -> dict[str, Any]:
         """Return the answer of the order `scene`; raises as `model`."""
-        raise NotImplementedError
+        return self._asked("scene")
 
     def ghost(self) -> list[tuple[float, Values]]:
         """Return (time [s], positions [rad or m] in the order of `joint_names`) of the plan under way, thinned; empty if there is none."""
-        raise NotImplementedError
+        with self._lock:
+            return list(self._ghost)
 
     def close(self) -> None:
         """Go away. If a goal of ours moves, the robot comes to rest on its path first."""
-        raise NotImplementedError
+        with self._lock:
+            if self._closing:
+                return
+            self._do(self._action.leave("the node was ended"))
+            self._closing = True
+            self._news.wait_for(lambda: self._action.is_idle, _RESTS)
+            self._lose(self._link, "the node was ended")
+            self._is_told_out = True
+            self._news.notify_all()
+        for thread in self._threads:
+            if thread is not threading.current_thread():
+                thread.join(_RESTS)
+
+    def _ordered(self, order: str, **fields: Any) -> tuple[bool, str]:
+        """Order what anybody may, by a connection of its own: it waits for nothing."""
+        try:
+            with Robot(self._path(), name=None) as robot:
+                state = robot.ask(order, **fields)["state"]
+        except Refused as refused:
+            return False, _said(refused)
+        except (Gone, TimeoutError) as error:
+            return False, str(error)
+        return True, f"{order} was taken, in the state {state}"
+
+    def _asked(self, order: str) -> dict[str, Any]:
+        with Robot(self._path(), name=f"{self._name} asks") as robot:
+            return robot.ask(order, patience=_PREPARES)
+
+    def _path(self) -> str:
+        with self._lock:
+            if self._link is None:
+                raise Gone(f"no robot is there: {self._lost}")
+            return self._link.path
+
+    # actions; all under the lock
+
+    def _do(self, actions: Sequence[Action]) -> None:
+        for action in actions:
+            if isinstance(action, Plan):
+                self._plans.append(action)
+            elif isinstance(action, Move):
+                self._send_run(action.number)
+            elif isinstance(action, Stop):
+                self._send_stop()
+            elif isinstance(action, Accepted):
+                self._failed = None
+                self._call(partial(self._shell.accepted, action.goal_id))
+            elif isinstance(action, Give):
+                self._call(partial(self._shell.feedback, action.goal_id, action.feedback), often=True)
+            elif isinstance(action, End):
+                self._end(action)
+        if actions:
+            self._news.notify_all()
+
+    def _end(self, action: End) -> None:
+        if action.outcome == ABORTED:
+            self._failed = action.result
+            self._say("error", f"goal {action.goal_id}: {action.result.error_string}")
+        self._call(partial(self._shell.ended, action.goal_id, action.outcome, action.result))
+        self._show([])
+        self._tell_status()
+
+    def _send_run(self, number: int) -> None:
+        assert self._link is not None
+        assert self._program is not None
+        try:
+            self._running = number, self._link.orders.order("run", program=self._program[1])
+        except Gone as gone:
+            self._lose(self._link, str(gone))
+
+    def _send_stop(self) -> None:
+        if self._link is None:
+            return
+        try:
+            self._stops.append(self._link.orders.order("stop"))
+        except Gone as gone:
+            self._lose(self._link, str(gone))
+
+    def _show(self, ghost: list[tuple[float, Values]]) -> None:
+        if ghost != self._ghost:
+            self._ghost = ghost
+            self._call(self._shell.changed)
+
+    # the shell
+
+    def _call(self, call: Callable[[], None], *, often: bool = False) -> None:
+        with self._lock:
+            if not (often and len(self._outbox) >= _MOST_WAITING):
+                self._outbox.append(call)
+                self._news.notify_all()
+
+    def _say(self, level: str, text: str) -> None:
+        self._call(partial(self._shell.say, level, text))
+
+    def _tell(self) -> None:
+        """Call the shell, until the driver is closed and all was told."""
+        while True:
+            with self._lock:
+                self._news.wait_for(lambda: self._outbox or self._is_told_out)
+                if not self._outbox:
+                    return
+                call = self._outbox.popleft()
+            try:
+                call()
+            except Exception:
+                _LOG.exception("the ROS side has failed")
+
+    # connections
+
+    def _begin(self, work: Callable[..., None], *arguments: Any) -> None:
+        thread = threading.Thread(
+            target=work, args=arguments, name=f"yarc {work.__name__.strip('_')}", daemon=True
+        )
+        with self._lock:
+            self._threads = [*(one for one in self._threads if one.is_alive()), thread]
+        thread.start()
+
+    def _use(self, link: _Link) -> None:
+        status = link.orders.welcome["status"]
+        with self._lock:
+            self._link, self._lost, self._robot = link, "", link.robot
+            self._seen = _Seen(
+                status["state"], status["why"], "", status["owner"] or "", status["cell"] or ""
+            )
+            self._action.joints = link.joints
+            self.joint_names = tuple(one.name for one in link.joints)
+            self._call(self._shell.changed)
+            self._tell_status()
+        self._begin(self._carry_out, link)
+        self._begin(self._hear, link)
+
+    def _lose(self, link: _Link | None, reason: str) -> None:
+        """Give a connection up, and abort what was under way by it."""
+        with self._lock:
+            if link is None or self._link is not link:
+                return
+            self._link, self._lost = None, reason
+            self._seen = _Seen(why=reason)
+            self._running = self._program = self._telling = None
+            self._stops.clear()
+            self._plans.clear()
+            if not self._closing:
+                self._say("error", f"{reason}: look at the robot; goals are refused until it is served again")
+            self._do(self._action.lost(f"{reason}: look at the robot"))
+            self._show([])
+            self._tell_status()
+            self._news.notify_all()
+        link.close()
+
+    def _supervise(self) -> None:
+        """Ask each second how it is, and connect again where nobody answers."""
+        while True:
+            with self._lock:
+                link = self._link
+                self._news.wait_for(lambda: self._closing, _AGAIN if link is None else _EACH)
+                if self._closing:
+                    return
+                link = self._link
+            if link is None:
+                self._try_again()
+                continue
+            try:
+                health = link.health.ask("health", patience=_HANGS)
+                status = link.health.ask("status", patience=_HANGS)
+            except Refused as refused:
+                self._say("warn", _said(refused))
+            except (Gone, TimeoutError) as error:
+                self._lose(link, str(error))
+            else:
+                self._look(link, health, status)
+
+    def _try_again(self) -> None:
+        for which in dict.fromkeys((self._which, self._robot)):
+            try:
+                link = _Link(which, self._name)
+            except (Gone, Refused, TimeoutError):
+                continue
+            with self._lock:
+                if self._closing:
+                    link.close()
+                    return
+                self._say("info", f"{link.robot} is served again")
+                self._use(link)
+            return
+
+    def _look(self, link: _Link, health: dict[str, Any], status: dict[str, Any]) -> None:
+        motors = health["motors"]
+        powered = _UNKNOWN if not motors else _YES if all(one["closed_loop"] for one in motors) else _NO
+        with self._lock:
+            if self._link is not link:
+                return
+            cell = status["cell"] or ""
+            if cell != self._seen.cell:
+                self._call(self._shell.changed)
+            self._seen.powered, self._seen.cell = powered, cell
+            self._tell_status(anyway=True)
+
+    # time
+
+    def _keep_time(self) -> None:
+        """Tell the action when what it waits for is due."""
+        with self._lock:
+            while not self._closing:
+                due = self._action.due
+                self._news.wait(None if due is None else max(0.0, due - time.monotonic()))
+                self._do(self._action.passed(time.monotonic()))
+
+    # goals
+
+    def _carry_out(self, link: _Link) -> None:
+        """Plan goals and wait for their ends, one after the other."""
+        try:
+            while True:
+                with self._lock:
+                    self._news.wait_for(
+                        lambda: self._plans or self._running is not None or self._link is not link
+                    )
+                    if self._link is not link:
+                        return
+                    running = self._running
+                    plan = self._plans.popleft() if running is None else None
+                if running is not None:
+                    self._await_end(link, *running)
+                elif plan is not None:
+                    self._plan(link, plan)
+                self._release(link)
+        except (Gone, TimeoutError) as error:
+            self._lose(link, str(error))
+        except Refused as refused:
+            self._lose(link, _said(refused))
+
+    def _plan(self, link: _Link, plan: Plan) -> None:
+        made: Ready | Result
+        program: int | None = None
+        ghost: list[tuple[float, Values]] = []
+        try:
+            made, program, ghost = self._prepared(link, plan)
+        except Refused as refused:
+            made = Result(INVALID_GOAL, _said(refused))
+        with self._lock:
+            if self._link is not link:
+                return
+            self._program = None if program is None else (plan.number, program)
+            actions = self._action.planned(plan.number, made, time.monotonic())
+            if not self._action.is_idle and isinstance(made, Ready):
+                self._show(ghost)
+            self._do(actions)
+
+    def _prepared(
+        self, link: _Link, plan: Plan
+    ) -> tuple[Ready | Result, int | None, list[tuple[float, Values]]]:
+        """Return what came of planning a goal, the number of its program, and its course.
+
+        Raises:
+            Refused: somebody else owns the robot, or is moving it.
+            Gone: the process has ended.
+            TimeoutError: it doesn't answer.
+        """
+        robot = link.orders
+        robot.ask("own", shared=True, patience=_PREPARES)
+        stands = robot.ask("where", patience=_PREPARES)["exact"]
+        planned = program_of(plan.goal, link.joints, tuple(stands))
+        if not planned.text:
+            return Ready(None), None, []
+        if (text := too_long(planned)) is not None:
+            return Result(INVALID_GOAL, text), None, []
+        folder = robot.welcome["folder"]
+        loaded = robot.load(os.path.join(folder, f"{_GOAL_NAME}{plan.number}"), text=planned.text, here=True)  # noqa: PTH118
+        program = loaded["program"]
+        if program is None:
+            return _refused(loaded["findings"]), None, []
+        number: int = program["number"]
+        course = robot.ask(
+            "course",
+            program=number,
+            samples=_LEAD_COURSE if planned.has_lead else _COURSE,
+            patience=_PREPARES,
+        )
+        places = _places(link.joints, course["course"])
+        lead = 0.0
+        if planned.has_lead:
+            lead = program["commands"][0]["ends_s"]
+        ready = Ready(planned.track, lead, tuple(places) if planned.has_lead else ())
+        self._say(
+            "info",
+            f"goal {plan.goal_id}: {len(plan.goal.points)} points, {program['duration_s']:.3f} s, was planned and proved",
+        )
+        return ready, number, places[:: max(1, len(places) // _COURSE)]
+
+    def _await_end(self, link: _Link, number: int, answer: int) -> None:
+        failed = None
+        try:
+            ended = link.orders.answer(answer, math.inf)
+        except Refused as refused:
+            failed = Result(INVALID_GOAL, _said(refused))
+        else:
+            if not ended["well"]:
+                failed = Result(INVALID_GOAL, _why(ended))
+        with self._lock:
+            if self._link is not link:
+                return
+            self._running = None
+            stops, self._stops = self._stops, []
+            self._do(self._action.ended(number, failed, time.monotonic()))
+        for stop in stops:
+            with contextlib.suppress(Refused):
+                link.orders.answer(stop, _PREPARES)
+
+    def _release(self, link: _Link) -> None:
+        """Leave the robot to others, if no goal is under way."""
+        with self._lock:
+            if not self._action.is_idle or self._plans:
+                return
+        with contextlib.suppress(Refused):
+            log = link.orders.ask("release", patience=_PREPARES)["log"]
+            if log is not None:
+                self._say("info", f"log: {log['path']}" + (f": {log['problem']}" if log["problem"] else ""))
+
+    # events
+
+    def _hear(self, link: _Link) -> None:
+        """Take events until the process ends."""
+        try:
+            for event in link.events.events(positions=True):
+                with self._lock:
+                    if self._link is not link:
+                        return
+                    self._take(link, event)
+        except (Gone, Refused, TimeoutError) as error:
+            self._lose(link, str(error))
+        else:
+            self._lose(link, f"{os.path.basename(link.path)[:-5]} has ended")  # noqa: PTH119
+
+    def _take(self, link: _Link, event: dict[str, Any]) -> None:
+        kind = event["event"]
+        seen = self._seen
+        if kind == "position":
+            self._place(link, event)
+            return
+        if kind == "state":
+            seen.state, seen.why, seen.code = event["state"], event["why"], event["code"] or ""
+        elif kind == "owner":
+            seen.owner = event["owner"] or ""
+        elif kind == "began" and event["client"] == link.name:
+            number = event["name"].rpartition("-")[2]
+            self._telling = int(number) if number.isdigit() else None
+        elif kind == "finished":
+            self._telling = None
+        elif kind == "scene_changed":
+            self._call(self._shell.changed)
+        elif kind == "message" and event["warning"]:
+            self._say("warn", event["text"])
+        else:
+            return
+        self._tell_status()
+
+    def _place(self, link: _Link, event: dict[str, Any]) -> None:
+        seen = self._seen
+        positions = tuple(event["joints"][one.name] / one.scale for one in link.joints)
+        before, passed = seen.moment, event["time_s"] - seen.heard
+        velocities = (0.0,) * len(positions)
+        if before is not None and passed > 0.0:
+            velocities = tuple((b - a) / passed for a, b in zip(before.positions, positions))
+            moves = any(abs(v) > _STANDS[one.unit] for v, one in zip(velocities, link.joints))
+            seen.moves = _YES if moves else _NO
+        elif before is not None:
+            velocities = before.velocities
+        seen.moment, seen.heard = Moment(positions, velocities), event["time_s"]
+        state = JointState(self.joint_names, positions, velocities)
+        self._call(partial(self._shell.joint_state, state), often=True)
+        is_ours = self._running is not None and self._running[0] == self._telling
+        done = event["done_s"] if is_ours else None
+        self._do(self._action.position(seen.moment, done, time.monotonic()))
+        self._tell_status()
+
+    # how it is
+
+    def _tell_status(self, *, anyway: bool = False) -> None:
+        status = self._status()
+        if anyway or status != self._told:
+            self._told = status
+            self._call(partial(self._shell.status, status))
+
+    def _status(self) -> Status:
+        link, seen = self._link, self._seen
+        if link is None:
+            return Status(_UNKNOWN, _UNKNOWN, _UNKNOWN, _NO, _UNKNOWN, _YES, _number(self._lost), self._lost)
+        out_of_order = seen.state in ("fault", "disconnected")
+        others = seen.owner not in ("", link.name)
+        failed = self._failed
+        moves = seen.moves
+        if seen.state == "move":
+            moves = _YES
+        elif seen.state == "disconnected":
+            moves = _UNKNOWN
+        code = why = ""
+        if out_of_order:
+            code, why = seen.code or ("Y1612" if seen.state == "fault" else "Y1606"), seen.why
+        elif failed is not None:
+            code = why = failed.error_string
+        elif others:
+            why = f"{seen.owner} owns the robot"
+        else:
+            why = seen.why
+        return Status(
+            mode=_MANUAL if others else _AUTOMATIC,
+            e_stopped=_UNKNOWN,
+            drives_powered=_UNKNOWN if seen.state == "disconnected" else seen.powered,
+            motion_possible=_NO if out_of_order or others or seen.powered == _NO else _YES,
+            in_motion=moves,
+            in_error=_YES if out_of_order or failed is not None else _NO,
+            error_code=_number(code),
+            why=why,
+        )
+
+
+def _number(text: str) -> int:
+    """Return the number of the first finding's code in a text; 0 if there is none."""
+    found = re.search(r"\bY(\d{4})\b", text)
+    return 0 if found is None else int(found[1])
+
+
+def _said(refused: Refused) -> str:
+    return _worded(refused.code, refused.error, refused.help)
+
+
+def _why(ended: dict[str, Any]) -> str:
+    what = f"the goal was ended before its last point: {ended['what'] or 'nobody says why'}"
+    return _worded(ended["code"] or "", what, ended["help"] or "")
+
+
+def _refused(findings: Sequence[dict[str, Any]]) -> Result:
+    """Return the first error of a program as the reason for which a goal is aborted."""
+    for one in findings:
+        if one["severity"] == "error":
+            return Result(INVALID_GOAL, _worded(one["code"], one["message"], one["help"] or ""))
+    return Result(INVALID_GOAL, "the goal can't be planned, and nothing says why: report it")
+
+
+def _worded(code: str, what: str, help_: str) -> str:
+    return "".join((f"{code}: " if code else "", what, f"; {help_}" if help_ else ""))
+
+
+def _places(joints: Sequence[Joint], course: dict[str, Any]) -> list[tuple[float, Values]]:
+    """Return a course of the coordinator in rad and m."""
+    return [
+        (at, tuple(value / one.scale for value, one in zip(row, joints)))
+        for at, row in zip(course["times"], course["joints"])
+    ]

@@ -75,6 +75,8 @@ SOCKETS = {
     "pendant/web/tools.py": {"asyncio"},
     "parallel.py": {"multiprocessing", "signal"},
     "ros/carrying.py": {"asyncio"},
+    "ros/node/ros2.py": {"signal", "threading"},
+    "ros/node/ros2_shell.py": {"concurrent", "threading", "time"},
     "ros/serving.py": {"asyncio", "socket"},
     "runtime/log.py": {"datetime", "queue", "threading", "time"},
     "runtime/session.py": {"asyncio"},

@@ -223,6 +223,7 @@ class Driver:
         self._program: tuple[int, int] | None = None
         self._running: tuple[int, int] | None = None
         self._stops: list[int] = []
+        self._pace: float | None = None
         self._telling: int | None = None
         self._ghost: list[tuple[float, Values]] = []
         self._failed: Result | None = None
@@ -281,22 +282,14 @@ class Driver:
         return self._ordered("stop")
 
     def override(self, percent: float) -> tuple[bool, str]:
-        """Change the pace, 1 to 100 %; returns as `hold`."""
+        """Change the pace, 1 to 100 %; returns as `hold`. While nobody owns the robot, the pace is for the next goal."""
         if not 1.0 <= percent <= 100.0:
             return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
-        ordered = self._ordered("override", percent=percent)
-        return ordered if ordered[0] else self._ordered_alone("override", percent=percent) or ordered
-
-    def _ordered_alone(self, order: str, **fields: Any) -> tuple[bool, str] | None:
-        """Order what only an owner may while nobody owns the robot; None: somebody does."""
-        try:
-            with Robot(self._path(), name=f"{self._name} orders") as robot:
-                robot.own(shared=True)
-                robot.ask(order, **fields)
-                robot.release()
-        except (Refused, Gone, TimeoutError):
-            return None
-        return True, f"{order} was taken"
+        with self._lock:
+            if self._link is not None and not self._seen.owner:
+                self._pace = percent
+                return True, f"the next goal begins with {percent:g} %"
+        return self._ordered("override", percent=percent)
 
     def model(self) -> dict[str, Any]:
         """Return the answer of the order `model`.
@@ -579,6 +572,10 @@ class Driver:
         """
         robot = link.orders
         robot.ask("own", shared=True, patience=_PREPARES)
+        with self._lock:
+            pace, self._pace = self._pace, None
+        if pace is not None:
+            robot.ask("override", percent=pace)
         stands = robot.ask("where", patience=_PREPARES)["exact"]
         planned = program_of(plan.goal, link.joints, tuple(stands))
         if not planned.text:

@@ -75,6 +75,7 @@ SOCKETS = {
     "pendant/web/tools.py": {"asyncio"},
     "parallel.py": {"multiprocessing", "signal"},
     "ros/carrying.py": {"asyncio"},
+    "ros/node/description.py": {"time"},
     "ros/node/ros2.py": {"signal", "threading"},
     "ros/node/ros2_shell.py": {"concurrent", "threading", "time"},
     "ros/serving.py": {"asyncio", "socket"},

@@ -163,7 +163,7 @@ def test_a_capsule_is_a_cylinder_with_two_spheres_and_a_name_above():
     assert [one.pose[2][3] for one in ends] == pytest.approx([2.7, 3.3])
     assert {one.type for one in ends} == {markers.SPHERE}
     assert name.text == "A"
-    assert name.pose[2][3] == pytest.approx(3.0 + 0.3 + 0.1 + 0.05)
+    assert name.pose[2][3] == pytest.approx(3.0 + 0.3 + 0.1 + 0.06)
 
 
 @pytest.mark.parametrize(("rule", "side"), [("allowed", 1.0), ("forbidden", -1.0), ("slow", 1.0)])

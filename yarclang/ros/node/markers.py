@@ -22,6 +22,7 @@ from yarclang.ros.node.kinematics import (
     Shape,
     Vector,
     origin_of,
+    placed,
     quaternion,
     times,
 )
@@ -53,7 +54,7 @@ _UNSURE = 0.45
 """Opacity of a part that may be elsewhere."""
 _PLANE, _THIN = 2.4, 0.002
 """Edges and thickness of the piece of a half space's border that is drawn [m]."""
-_LETTERS = 0.05
+_LETTERS = 0.06
 """Height of names [m]."""
 _WIDTH = 0.008
 """Of the tool's path [m]."""
@@ -174,7 +175,10 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
             (side, 0.0, 0.0, 0.0),
             IDENTITY[3],
         )
+        # away from the robot, which stands where the plane's origin is
+        pose = times(pose, placed((0.45 * _PLANE, 0.45 * _PLANE, 0.0)))
         yield Marker("zones", 0, ARROW, frame, times(pose, along), _SHAFT, (*colour[:3], 0.8))
+        top = _SHAFT[0]
     else:
         namespace = {"zone": "zones", "part": "parts"}.get(kind, "bodies")
         for made in _told(shape):

@@ -27,6 +27,8 @@ Edit = tuple[int, int, str]
 
 FOLDER = "urdf"
 _PLAIN = re.compile(r"[A-Za-z0-9_.\-/]+", re.ASCII)
+_GREY = '<material name="yarclang_grey"><color rgba="0.8 0.82 0.85 1"/></material>'
+"""Without a material RViz draws in red."""
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ENCODING = re.compile(r"""^(\s*<\?xml[^>]*?\sencoding\s*=\s*)(["']).*?\2""", re.DOTALL)
 _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
@@ -107,7 +109,7 @@ def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
         for simple, pose in _simple(shape_of(urdf, shape, folder), placed):
             made = _geometry(simple, meshes)
             if made is not None:
-                lines.append(f"\n    <visual>{_origin(pose)}<geometry>{made}</geometry></visual>")
+                lines.append(f"\n    <visual>{_origin(pose)}<geometry>{made}</geometry>{_GREY}</visual>")
     return link.end, link.end, "".join(lines)
 
 

@@ -284,19 +284,7 @@ class Driver:
         """Change the pace, 1 to 100 %; returns as `hold`."""
         if not 1.0 <= percent <= 100.0:
             return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
-        ordered = self._ordered("override", percent=percent)
-        return ordered if ordered[0] else self._ordered_alone("override", percent=percent) or ordered
-
-    def _ordered_alone(self, order: str, **fields: Any) -> tuple[bool, str] | None:
-        """Order what only an owner may while nobody owns the robot; None: somebody does."""
-        try:
-            with Robot(self._path(), name=f"{self._name} orders") as robot:
-                robot.own(shared=True)
-                robot.ask(order, **fields)
-                robot.release()
-        except (Refused, Gone, TimeoutError):
-            return None
-        return True, f"{order} was taken"
+        return self._ordered("override", percent=percent)
 
     def model(self) -> dict[str, Any]:
         """Return the answer of the order `model`.

@@ -57,8 +57,11 @@ GOAL_TOLERANCE = {"deg": 0.01, "mm": 0.001}
 SETTLING = 2.0
 """How long after the end of the program the joints may take to be there [s], if the goal doesn't say it."""
 
-STEP = 0.03
-"""How far the program may be beyond what was heard of it [s]: it is heard in whole segments."""
+STEP = 0.05
+"""The program's time is heard in steps of its segments, so long at most before two were heard [s]."""
+
+BEHIND, AHEAD = 1.5, 2.5
+"""How many steps the joints may be behind or ahead of the time that was heard with them: both are read from the controller one after the other."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +164,8 @@ class _UnderWay:
     """How it ends when the robot rests, whatever becomes of the motion."""
     done: float = 0.0
     """How far the program is [s]."""
+    step: float = STEP
+    """The smallest by which that has grown [s]."""
     late: float = 0.0
     """How much later than its stamp it began [s]."""
 
@@ -316,7 +321,9 @@ class TrajectoryAction:
             return self._near(current, actual, now)
         if current.phase != "moving" or done is None:
             return []
-        current.done = max(current.done, done)
+        if done > current.done:
+            current.step = min(current.step, done - current.done)
+            current.done = done
         return self._watched(current, current.ready, actual)
 
     def passed(self, now: float) -> list[Action]:
@@ -393,7 +400,8 @@ class TrajectoryAction:
                 _between(ready.course, current.done), actual.velocities, actual.accelerations, time
             )
         else:
-            desired = ready.track.nearest(actual.positions, time, time + STEP)
+            step = current.step
+            desired = ready.track.nearest(actual.positions, time - BEHIND * step, time + AHEAD * step)
         actions: list[Action] = [Give(current.goal_id, self._feedback(current.goal, desired, actual))]
         if time < 0.0 or current.ending is not None:
             return actions

@@ -223,6 +223,7 @@ class Driver:
         self._program: tuple[int, int] | None = None
         self._running: tuple[int, int] | None = None
         self._stops: list[int] = []
+        self._pace: float | None = None
         self._telling: int | None = None
         self._ghost: list[tuple[float, Values]] = []
         self._failed: Result | None = None
@@ -281,9 +282,13 @@ class Driver:
         return self._ordered("stop")
 
     def override(self, percent: float) -> tuple[bool, str]:
-        """Change the pace, 1 to 100 %; returns as `hold`."""
+        """Change the pace, 1 to 100 %; returns as `hold`. While nobody owns the robot, the pace is for the next goal."""
         if not 1.0 <= percent <= 100.0:
             return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
+        with self._lock:
+            if self._link is not None and not self._seen.owner:
+                self._pace = percent
+                return True, f"the next goal begins with {percent:g} %"
         return self._ordered("override", percent=percent)
 
     def model(self) -> dict[str, Any]:
@@ -567,6 +572,10 @@ class Driver:
         """
         robot = link.orders
         robot.ask("own", shared=True, patience=_PREPARES)
+        with self._lock:
+            pace, self._pace = self._pace, None
+        if pace is not None:
+            robot.ask("override", percent=pace)
         stands = robot.ask("where", patience=_PREPARES)["exact"]
         planned = program_of(plan.goal, link.joints, tuple(stands))
         if not planned.text:

@@ -327,8 +327,8 @@ class Track:
         return (q0, v0, a0 / 2.0, third, fourth, fifth)
 
 
-_ROUNDS, _TRIED = 3, 8
-"""Of the search for the nearest time: a width of 50 ms ends at 1 ms."""
+_ROUNDS, _TRIED = 4, 6
+"""Of the search for the nearest time: a width of 100 ms ends at 0.6 ms."""
 
 
 def _values(coefficients: Values, since: float) -> tuple[float, float, float]:

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from ros.ros1.conftest import Client, ended
+from ros.ros1.conftest import ended
 
 JOINTS = ["J1", "J2", "J3", "J4", "J5", "J6"]
 AWAY = [0.4, -0.3, 0.3, 0.2, 0.4, 0.3]
@@ -292,15 +292,12 @@ def test_goals_go_on_without_a_master_and_a_new_one_learns_of_the_node(ros, stag
     stage.node.until("ROS master .* doesn't answer")
     stage.start_master()
     stage.node.until("the ROS master was started anew")
-    client = Client(stage.start)
-    try:
-        assert client.ready()
-        assert client.param(name="controller_joint_names") == JOINTS
-        client.send(name="anew", names=JOINTS, points=there_and_back(client)[2])
-        assert client.outcome(name="anew")["status"] == SUCCEEDED
-        assert client.call(service="get_robot_info")["code"]["val"] == 1
-    finally:
-        ended(client.process, signal.SIGKILL)
+    ended(ros.process, signal.SIGKILL)  # it is a node of rospy, too, and unknown to the new master
+    anew = stage.ready()
+    assert anew.param(name="controller_joint_names") == JOINTS
+    anew.send(name="anew", names=JOINTS, points=there_and_back(anew)[2])
+    assert anew.outcome(name="anew")["status"] == SUCCEEDED
+    assert anew.call(service="get_robot_info")["code"]["val"] == 1
 
 
 def test_the_robot_of_a_killed_node_rests_on_its_path(ros, stage):

@@ -4,7 +4,8 @@
     for marker in scene_markers(driver.scene()):
         array.markers.append(fill(Marker(), marker, Point))
 
-Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own: the first marker deletes what was drawn there before.
+Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own (`~scene` and `~ghost`, visualization_msgs/MarkerArray in the node's name space, latched): the first
+marker deletes what was drawn there before.
 """
 
 from __future__ import annotations

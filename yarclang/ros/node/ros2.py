@@ -1,0 +1,127 @@
+"""The ROS 2 node: MoveIt moves the robot that `yarc serve` owns.
+
+    yarc serve --robot industrial6
+    source /opt/ros/jazzy/setup.bash
+    /usr/bin/python3 -m yarclang.ros.node.ros2 --ros-args -p robot:=industrial6
+
+Parameters:
+
+    robot            which robot: its name, the name or number of the process that owns it, or the path of its socket; needed if there are several
+    action           name of the action: joint_trajectory_controller/follow_joint_trajectory
+    hold_on_cancel   hold a cancelled goal at once (true), or let it go on to its end
+    override         pace at the start [%]; 0: as it is
+
+docs/ros2.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs rclpy, control_msgs and ROS's usual messages, and nothing else.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import traceback
+from typing import Any, List
+
+from yarclang.client import Refused
+
+NAME = "yarc_driver"
+
+END_TIME = 2.0
+"""Longest wait for what the executor has still to do when the node ends [s]."""
+
+
+def main(arguments: List[str] | None = None) -> int:
+    """Run the node until SIGINT or SIGTERM.
+
+    Args:
+        arguments: the program's name, then ROS's (`--ros-args`); None: those of the process.
+
+    Returns:
+        The exit status: 0; 1 if the robot or a parameter is refused, or the node has failed; 2 if a package is missing.
+    """
+    given = sys.argv if arguments is None else arguments
+    if {"-h", "--help"} & set(given[1:]):
+        sys.stdout.write(__doc__ or "")
+        return 0
+    try:
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.signals import SignalHandlerOptions
+
+        from yarclang.ros.node.ros2_shell import Node, said
+    except ImportError as missing:
+        sys.stderr.write(what_is_missing(missing, os.environ.get("ROS_DISTRO")))
+        return 2
+    over = threading.Event()
+    for one in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(one, _ender(over))
+    try:
+        # rclpy's own handlers would end the context before the robot rests
+        rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+        node = rclpy.create_node(NAME)
+    except Exception as error:  # rcl's exceptions for arguments that it can't read have no common class
+        sys.stderr.write(f"yarc_ros2: ROS refuses the arguments: {error}\n")
+        return 1
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        status = _served(Node(node, executor), executor, over, node.get_logger())
+    except (ValueError, Refused) as error:
+        node.get_logger().fatal(said(error))
+        status = 1
+    executor.shutdown(timeout_sec=END_TIME)
+    node.destroy_node()
+    rclpy.try_shutdown()
+    return status
+
+
+def _served(shell: Any, executor: Any, over: threading.Event, log: Any) -> int:
+    """Serve until `over` is set, bring the robot to rest, and return the exit status."""
+    failed = threading.Event()
+
+    def spin() -> None:
+        try:
+            executor.spin()
+        except Exception:
+            log.fatal(f"the node has failed, please report this:\n{traceback.format_exc()}")
+            failed.set()
+        over.set()
+
+    threading.Thread(target=spin, name="executor", daemon=True).start()
+    try:
+        if shell.connect(over):
+            shell.offer()
+            over.wait()
+            log.info("the node ends; if it moves the robot, the robot comes to rest on its path")
+    finally:
+        shell.close(END_TIME)
+    return int(failed.is_set())
+
+
+def _ender(over: threading.Event) -> Any:
+    def end(_number: int, _frame: Any) -> None:
+        over.set()
+        for one in (signal.SIGINT, signal.SIGTERM):  # a second signal ends the process at once
+            signal.signal(one, signal.SIG_DFL)
+
+    return end
+
+
+def what_is_missing(error: ImportError, distribution: str | None) -> str:
+    """Return a line that says which package can't be imported, and how to get it.
+
+    Args:
+        error: what Python says.
+        distribution: of ROS, as `jazzy`; None: no setup.bash of a distribution was sourced.
+    """
+    package = (error.name or "rclpy").partition(".")[0]
+    if distribution is None:
+        to_do = "source /opt/ros/DISTRIBUTION/setup.bash first, and use the Python that it is for"
+    else:
+        to_do = f"apt install ros-{distribution}-{package.replace('_', '-')}, and source /opt/ros/{distribution}/setup.bash"
+    return f"yarc_ros2: {package} can't be imported ({error}): {to_do}\n"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

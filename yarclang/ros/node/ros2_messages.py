@@ -1,0 +1,148 @@
+"""ROS 2's messages from and to the values of the driver. Knows field names, and gets the classes: no ROS is imported here.
+
+Fields that only some distributions have are read if they are there, and never set. Written for Python 3.8 and later.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Dict, Tuple
+
+from yarclang.ros.node.action import Feedback
+from yarclang.ros.node.driver import JointState, Status
+from yarclang.ros.node.trajectory import Goal, Moment, Point, Result, Tolerance
+
+LONGEST = float(2**31 - 1)
+"""Longest time that builtin_interfaces/Duration can say [s]; longer ones become this."""
+
+OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
+"""Levels of diagnostic_msgs/DiagnosticStatus."""
+
+_MODES = {-1: "unknown", 1: "manual", 2: "automatic"}
+_SAID = {-1: "unknown", 0: "no", 1: "yes"}
+
+
+def seconds_of(time: Any) -> float:
+    """Return a builtin_interfaces/Duration or Time in seconds."""
+    return float(time.sec) + 1e-9 * float(time.nanosec)
+
+
+def fill_duration(message: Any, seconds: float) -> None:
+    """Write a time [s] into a builtin_interfaces/Duration, to the nearest nanosecond; no number becomes 0."""
+    within = 0.0 if math.isnan(seconds) else max(-LONGEST, min(LONGEST, seconds))
+    message.sec, message.nanosec = divmod(round(within * 1e9), 1_000_000_000)
+
+
+def goal_of(goal: Any, now: Any) -> Goal:
+    """Return a goal of the action.
+
+    Args:
+        goal: control_msgs/action/FollowJointTrajectory.Goal.
+        now: builtin_interfaces/Time, against which the header's stamp is read.
+    """
+    trajectory = goal.trajectory
+    return Goal(
+        tuple(trajectory.joint_names),
+        tuple(_point_of(one) for one in trajectory.points),
+        _starts_in(trajectory.header.stamp, now),
+        _tolerances_of(goal.path_tolerance),
+        _tolerances_of(goal.goal_tolerance),
+        seconds_of(goal.goal_time_tolerance),
+    )
+
+
+def multi_dof_joints(goal: Any) -> Tuple[str, ...]:
+    """Return the names of the planar and floating joints of a goal, which no robot here has; older distributions have no field for them."""
+    trajectory = getattr(goal, "multi_dof_trajectory", None)
+    return () if trajectory is None else tuple(trajectory.joint_names)
+
+
+def result_message(kind: Any, result: Result) -> Any:
+    """Return a result as a message of the class `kind` (FollowJointTrajectory.Result)."""
+    return kind(error_code=result.error_code, error_string=result.error_string)
+
+
+def feedback_message(kind: Any, feedback: Feedback, stamp: Any) -> Any:
+    """Return feedback as a message of the class `kind` (FollowJointTrajectory.Feedback)."""
+    message = kind(joint_names=list(feedback.joint_names))
+    message.header.stamp = stamp
+    _fill_point(message.desired, feedback.desired)
+    _fill_point(message.actual, feedback.actual)
+    _fill_point(message.error, feedback.error)
+    return message
+
+
+def joint_state_message(kind: Any, state: JointState, stamp: Any) -> Any:
+    """Return where the joints are as a message of the class `kind` (sensor_msgs/msg/JointState)."""
+    message = kind(name=list(state.names), position=list(state.positions), velocity=list(state.velocities))
+    message.header.stamp = stamp
+    return message
+
+
+def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: Status, stamp: Any) -> Any:
+    """Return how the robot is as one entry of diagnostics.
+
+    Args:
+        array: the class diagnostic_msgs/msg/DiagnosticArray.
+        entry: the class diagnostic_msgs/msg/DiagnosticStatus.
+        pair: the class diagnostic_msgs/msg/KeyValue.
+        name: of the robot.
+        status: how it is.
+        stamp: builtin_interfaces/Time.
+    """
+    values = [pair(key=key, value=value) for key, value in shown(status).items()]
+    message = array(
+        status=[
+            entry(
+                level=level_of(status),
+                name=f"yarc: {name}",
+                message=status.why or "ready",
+                hardware_id=name,
+                values=values,
+            )
+        ]
+    )
+    message.header.stamp = stamp
+    return message
+
+
+def level_of(status: Status) -> bytes:
+    """Return the level of diagnostics: an error, a warning while a goal can't be taken, else OK."""
+    if status.in_error == 1:
+        return ERROR
+    return OK if status.motion_possible == 1 or status.in_motion == 1 else WARN
+
+
+def shown(status: Status) -> Dict[str, str]:
+    """Return the fields of the status in words; the keys are the field names of ROS 1's industrial_msgs/RobotStatus."""
+    words = {"mode": _MODES.get(status.mode, "unknown")}
+    for name in ("e_stopped", "drives_powered", "motion_possible", "in_motion", "in_error"):
+        words[name] = _SAID.get(getattr(status, name), "unknown")
+    return {**words, "error_code": str(status.error_code)}
+
+
+def _point_of(point: Any) -> Point:
+    return Point(
+        tuple(point.positions),
+        seconds_of(point.time_from_start),
+        tuple(point.velocities),
+        tuple(point.accelerations),
+    )
+
+
+def _starts_in(stamp: Any, now: Any) -> float:
+    """Return the time until the stamp [s]: 0 without one, below 0 for one that is over."""
+    if stamp.sec == 0 and stamp.nanosec == 0:
+        return 0.0
+    return float(stamp.sec - now.sec) + 1e-9 * float(stamp.nanosec - now.nanosec)
+
+
+def _tolerances_of(tolerances: Any) -> Tuple[Tolerance, ...]:
+    return tuple(Tolerance(one.name, one.position, one.velocity, one.acceleration) for one in tolerances)
+
+
+def _fill_point(point: Any, moment: Moment) -> None:
+    """Write a moment into a trajectory_msgs/JointTrajectoryPoint."""
+    point.positions, point.velocities = list(moment.positions), list(moment.velocities)
+    point.accelerations = list(moment.accelerations)
+    fill_duration(point.time_from_start, moment.time)

@@ -1,0 +1,423 @@
+"""rclpy's side of the driver: action, topics, services and parameters of the ROS 2 node.
+
+One executor with one thread takes all that comes, and none of its callbacks waits: a goal's coroutine waits for a future that the driver's thread sets; an order to
+`yarc serve`, and what is asked for after a change, have threads of their own.
+
+Written for Python 3.8 and later, and for Humble, Jazzy and Kilted.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import functools
+import threading
+import time
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, Sequence, Tuple
+
+from control_msgs.action import FollowJointTrajectory
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import NameValidationException
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
+from sensor_msgs.msg import JointState as JointStateMessage
+from std_msgs.msg import Float64, String
+from std_srvs.srv import Trigger
+
+from yarclang.client import Gone, Refused
+from yarclang.ros.node import ros2_messages as messages
+from yarclang.ros.node.action import ABORTED, CANCELED, INVALID_GOAL, SUCCEEDED, SUCCESSFUL, Feedback, Result
+from yarclang.ros.node.driver import Driver, JointState, Status
+from yarclang.ros.node.kinematics import Kinematics
+from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
+from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal, fault_of
+
+ACTION = "joint_trajectory_controller/follow_joint_trajectory"
+"""The action of ros2_control's trajectory controller: the same as in what `yarc export --moveit` writes."""
+
+_KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""Of what is published only when it changes: who comes later gets it, too."""
+
+_LAST_WORDS = 0.2
+"""What was sent last needs so long to reach its receivers before the node is destroyed [s]."""
+
+_UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
+
+_FAILED = (Gone, Refused, TimeoutError)
+"""What an order to the robot raises if it isn't carried out."""
+
+_TRIED_EACH = 1.0
+"""How often a robot that nobody serves is looked for [s]."""
+
+_Answer = Tuple[bool, str]
+
+
+@dataclass
+class _UnderWay:
+    """A goal that was accepted: rclpy's handle, and the future of (outcome, result)."""
+
+    handle: Any
+    ending: Any
+
+
+class Node:
+    """The node: a `Shell` of the driver.
+
+    Args:
+        node: rclpy's.
+        executor: carries its callbacks out, in one thread.
+
+    Raises:
+        ValueError: a parameter has a value of another kind.
+    """
+
+    def __init__(self, node: Any, executor: Any) -> None:
+        self._node, self._executor, self._log = node, executor, node.get_logger()
+        self._robot = str(self._parameter("robot", ""))
+        self._action = str(self._parameter("action", ACTION))
+        self._hold_on_cancel = _truth("hold_on_cancel", self._parameter("hold_on_cancel", True))
+        self._pace = _percent("override", self._parameter("override", 0.0))
+        node.declare_parameter("robot_description", "")
+        self._driver: Driver | None = None
+        self._goals: Dict[str, _UnderWay] = {}
+        self._name = self._robot
+        self._changed, self._closed = threading.Event(), threading.Event()
+        self._orders = concurrent.futures.ThreadPoolExecutor(4, thread_name_prefix="orders")
+        self._joint_states = node.create_publisher(JointStateMessage, "joint_states", 10)
+        self._description = node.create_publisher(String, "robot_description", _KEPT)
+        self._diagnostics = self._optional(_Diagnostics, "diagnostic_msgs", "/diagnostics")
+        self._markers = self._optional(_Markers, "visualization_msgs", "~/scene and ~/ghost")
+        self._model: Dict[str, Any] = {}
+        self._kinematics: Kinematics | None = None
+
+    def _parameter(self, name: str, default: Any) -> Any:
+        return self._node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True)).value
+
+    def _optional(self, made: Callable[[Any], Any], package: str, what: str) -> Any:
+        """Return what needs a package of messages; None, and a warning, if it isn't installed."""
+        try:
+            return made(self._node)
+        except ImportError:
+            self._log.warning(f"{package} isn't installed: {what} isn't published")
+            return None
+
+    # life
+
+    def connect(self, over: threading.Event) -> bool:
+        """Connect to the robot, as soon as somebody serves it. Return False if `over` was set before.
+
+        Raises:
+            yarclang.client.Refused: it was denied; another try would be, too.
+        """
+        told = ""
+        self.status(_UNHEARD)
+        client = f"ROS 2 {self._node.get_fully_qualified_name()}"
+        while not over.is_set():
+            driver = Driver(self._robot or None, self, name=client, hold_on_cancel=self._hold_on_cancel)
+            try:
+                driver.start()
+            except (Gone, TimeoutError) as error:
+                if str(error) != told:
+                    to_do = "start it (yarc serve --robot NAME) as the same user and with the same XDG_RUNTIME_DIR, or name it (-p robot:=NAME)"
+                    self.say("error", f"{error}: {to_do}; the node tries again each second")
+                told = str(error)
+                over.wait(_TRIED_EACH)
+            else:
+                self._driver = driver
+                return True
+        return False
+
+    def offer(self) -> None:
+        """Take goals and orders from now on, after `connect`.
+
+        Raises:
+            ValueError: the action can't have the name that was asked for.
+        """
+        driver, node, apart = self._connected(), self._node, ReentrantCallbackGroup()
+        if self._pace:
+            self._override(Float64(data=self._pace))
+        try:
+            server = ActionServer(
+                node,
+                FollowJointTrajectory,
+                self._action,
+                self._execute,
+                goal_callback=self._judge,
+                handle_accepted_callback=self._begin,
+                cancel_callback=self._cancel,
+                callback_group=apart,
+            )
+        except (NameValidationException, ValueError) as error:
+            raise ValueError(
+                f"the parameter action is {self._action!r}, no name for an action: {error}"
+            ) from None
+        del server  # the node keeps it
+        for name, order in (("hold", driver.hold), ("resume", driver.resume), ("stop", driver.stop)):
+            node.create_service(
+                Trigger, f"~/{name}", functools.partial(self._trigger, order), callback_group=apart
+            )
+        node.create_subscription(Float64, "~/override", self._override, 10, callback_group=apart)
+        self._changed.set()
+        threading.Thread(target=self._attend, name="attending", daemon=True).start()
+        names = ", ".join(driver.joint_names)
+        self.say("info", f"goals are taken on {self._action}, for joints {names}")
+
+    def close(self, patience: float) -> None:
+        """End: the robot comes to rest on its path if a goal of ours moves it, and all goals are ended.
+
+        Args:
+            patience: longest wait until the results are sent [s].
+        """
+        if self._driver is not None:
+            self._driver.close()
+        for goal_id in list(self._goals):
+            self.ended(goal_id, ABORTED, Result(INVALID_GOAL, "the node was ended"))
+        until = time.monotonic() + patience
+        while self._goals and time.monotonic() < until:
+            time.sleep(0.01)
+        time.sleep(_LAST_WORDS)
+        self._closed.set()
+        self._changed.set()
+        self._orders.shutdown(wait=False)
+
+    def _connected(self) -> Driver:
+        assert self._driver is not None
+        return self._driver
+
+    # what the driver tells
+
+    def accepted(self, goal_id: str) -> None:
+        """Log that planning begins."""
+        self._log.info(f"goal {goal_id[:8]} is planned")
+
+    def feedback(self, goal_id: str, feedback: Feedback) -> None:
+        """Publish how a goal goes on."""
+        goal = self._goals.get(goal_id)
+        if goal is not None and not self._closed.is_set():
+            kind = FollowJointTrajectory.Feedback
+            goal.handle.publish_feedback(messages.feedback_message(kind, feedback, self._now()))
+
+    def ended(self, goal_id: str, outcome: str, result: Result) -> None:
+        """End a goal; of two ends the first counts."""
+        goal = self._goals.get(goal_id)
+        if goal is not None and not goal.ending.done():
+            goal.ending.set_result((outcome, result))
+            self._executor.wake()  # a coroutine that waits is looked at only when something wakes the executor
+
+    def joint_state(self, state: JointState) -> None:
+        """Publish where the joints are."""
+        if not self._closed.is_set():
+            self._joint_states.publish(messages.joint_state_message(JointStateMessage, state, self._now()))
+
+    def status(self, status: Status) -> None:
+        """Publish how the robot is."""
+        if self._diagnostics is not None and not self._closed.is_set():
+            self._diagnostics.publish(self._name or "robot", status, self._now())
+
+    def changed(self) -> None:
+        """Take note that robot, cell or plan have changed."""
+        self._changed.set()
+
+    def say(self, level: str, text: str) -> None:
+        """Tell people, on the terminal and on rosout."""
+        # each level has a line of its own: a logger's call is known by its place, and its level must not change
+        if level == "error":
+            self._log.error(text)
+        elif level == "warn":
+            self._log.warning(text)
+        else:
+            self._log.info(text)
+
+    def _now(self) -> Any:
+        return self._node.get_clock().now().to_msg()
+
+    # the action
+
+    def _judge(self, request: Any) -> Any:
+        """Accept or reject a goal by its form. Only `_begin` knows its id, so that only there the driver gets it."""
+        others = messages.multi_dof_joints(request)
+        why = fault_of(self._goal_of(request), self._connected().joints)
+        if others:
+            why = Result(INVALID_JOINTS, f"the robot has no multi-DOF joint {others[0][:64]!r}")
+        if why is None:
+            return GoalResponse.ACCEPT
+        # a rejection has no text in ROS 2
+        self._log.error(f"a goal was rejected ({why.error_code}): {why.error_string}")
+        return GoalResponse.REJECT
+
+    def _begin(self, handle: Any) -> None:
+        goal_id = _id_of(handle)
+        self._goals[goal_id] = _UnderWay(handle, Future(executor=self._executor))
+        handle.execute()
+        refused = self._connected().goal(goal_id, self._goal_of(handle.request))
+        if refused is not None:
+            self.ended(goal_id, ABORTED, refused)
+
+    def _goal_of(self, request: Any) -> Goal:
+        return messages.goal_of(request, self._now())
+
+    def _cancel(self, handle: Any) -> Any:
+        self._connected().cancel(_id_of(handle))
+        return CancelResponse.ACCEPT
+
+    async def _execute(self, handle: Any) -> Any:
+        """Wait for the end of a goal, and end it for its client."""
+        goal_id = _id_of(handle)
+        outcome, result = await self._goals[goal_id].ending
+        if outcome == CANCELED and not handle.is_cancel_requested:
+            # what no client has cancelled can't end so in ROS 2; and an error_code of 0 would read as success
+            outcome = ABORTED
+            result = replace(result, error_code=result.error_code or INVALID_GOAL)
+        if outcome == SUCCEEDED:
+            handle.succeed()
+        elif outcome == CANCELED:
+            handle.canceled()
+        else:
+            handle.abort()
+        del self._goals[goal_id]
+        self.say(*_line_of(goal_id, outcome, result))
+        return messages.result_message(FollowJointTrajectory.Result, result)
+
+    # orders
+
+    async def _trigger(self, order: Callable[[], _Answer], _request: Any, response: Any) -> Any:
+        response.success, response.message = await self._apart(order)
+        return response
+
+    def _override(self, message: Any) -> None:
+        """Change the pace. A topic has no answer: a refusal is a line of the log."""
+        percent = float(message.data)
+
+        def order() -> _Answer:
+            done, text = self._connected().override(percent)
+            if not done:
+                self.say("error", f"override {percent:g} %: {text}")
+            return done, text
+
+        self._apart(order)
+
+    def _apart(self, order: Callable[[], _Answer]) -> Any:
+        """Carry an order out in a thread; return rclpy's future of its answer."""
+        future = Future(executor=self._executor)
+
+        def carried_out() -> None:
+            try:
+                answer = order()
+            except _FAILED as error:
+                answer = False, said(error)
+            future.set_result(answer)
+            self._executor.wake()
+
+        self._orders.submit(carried_out)
+        return future
+
+    # what is drawn
+
+    def _attend(self) -> None:
+        """Ask the driver after changes, in a thread of its own: it may take its time."""
+        told: Dict[str, str] = {}
+        works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
+        while self._changed.wait() and not self._closed.is_set():
+            self._changed.clear()
+            for topic, work in works.items():
+                try:
+                    work()
+                    told.pop(topic, None)
+                except (*_FAILED, ValueError) as error:
+                    if told.get(topic) != said(error):
+                        self.say("warn", f"{topic} isn't up to date: {said(error)}")
+                    told[topic] = said(error)
+
+    def _describe(self) -> None:
+        model = self._connected().model()
+        text = str(model["urdf"])
+        if text != self._model.get("urdf"):
+            self._kinematics = None
+            self._node.set_parameters([Parameter("robot_description", value=text)])
+            self._description.publish(String(data=text))
+        self._model, self._name = model, str(model["name"])
+
+    def _draw_scene(self) -> None:
+        if self._markers is not None:
+            self._markers.draw_scene(scene_markers(self._connected().scene()))
+
+    def _draw_ghost(self) -> None:
+        if self._markers is None or not self._model:
+            return
+        if self._kinematics is None:
+            self._kinematics = Kinematics(str(self._model["urdf"]), str(self._model["base"]))
+        driver = self._connected()
+        course = [positions for _, positions in driver.ghost()]
+        tool = str(self._model["tool"])
+        self._markers.draw_ghost(ghost_markers(self._kinematics, tool, driver.joint_names, course))
+
+
+class _Diagnostics:
+    """Publisher of diagnostics: ROS 2 has no release of industrial_msgs, whose RobotStatus tells this in ROS 1."""
+
+    def __init__(self, node: Any) -> None:
+        from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+        self._kinds = DiagnosticArray, DiagnosticStatus, KeyValue
+        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+
+    def publish(self, name: str, status: Status, stamp: Any) -> None:
+        self._publisher.publish(messages.diagnostics_message(*self._kinds, name, status, stamp))
+
+
+def said(error: Exception) -> str:
+    """Return what an order was refused with, and what to do about it."""
+    to_do = getattr(error, "help", "")
+    return f"{error} ({to_do})" if to_do else str(error)
+
+
+class _Markers:
+    """Publisher of what RViz draws: the scene, and the plan under way. What is drawn already isn't drawn again."""
+
+    def __init__(self, node: Any) -> None:
+        from geometry_msgs.msg import Point
+        from visualization_msgs.msg import Marker as MarkerMessage
+        from visualization_msgs.msg import MarkerArray
+
+        self._kinds = MarkerArray, MarkerMessage, Point
+        self._scene = node.create_publisher(MarkerArray, "~/scene", _KEPT)
+        self._ghost = node.create_publisher(MarkerArray, "~/ghost", _KEPT)
+        self._drawn: Dict[Any, Sequence[Marker]] = {}
+
+    def draw_scene(self, markers: Sequence[Marker]) -> None:
+        self._draw(self._scene, markers)
+
+    def draw_ghost(self, markers: Sequence[Marker]) -> None:
+        self._draw(self._ghost, markers)
+
+    def _draw(self, publisher: Any, markers: Sequence[Marker]) -> None:
+        if self._drawn.get(publisher) != markers:
+            array, kind, point = self._kinds
+            publisher.publish(array(markers=[fill(kind(), one, point) for one in markers]))
+            self._drawn[publisher] = markers
+
+
+def _id_of(handle: Any) -> str:
+    return bytes(handle.goal_id.uuid).hex()
+
+
+def _line_of(goal_id: str, outcome: str, result: Result) -> Tuple[str, str]:
+    """Return level and text of the line that tells a goal's end."""
+    code = f" ({result.error_code})" if result.error_code != SUCCESSFUL else ""
+    reason = f": {result.error_string}" if result.error_string else ""
+    return ("error" if outcome == ABORTED else "info"), f"goal {goal_id[:8]} {outcome}{code}{reason}"
+
+
+def _truth(name: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"the parameter {name} is {value!r}: it must be true or false")
+    return value
+
+
+def _percent(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"the parameter {name} is {value!r}: it must be a number of percent, as 50")
+    return float(value)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from ros.process import yarc
 
+from tests.robot.made_arms import made, urdf_of
 from yarclang.client import Gone, Robot
 from yarclang.ros.node import driver as driver_module
 from yarclang.ros.node.action import (
@@ -229,16 +230,22 @@ def test_a_goal_with_a_stamp_begins_then(node):
     assert shell.end("g")[:2] == ("succeeded", SUCCESSFUL)
 
 
-def test_a_joint_that_slides_goes_to_its_place(folder):
-    with served(folder, "TRACKED_MANIPULATOR") as told, driven(told.path) as (driver, shell):
-        names = driver.joint_names
-        here = dict(zip(names, shell.positions, strict=True))
-        units = {one["name"]: one["unit"] for one in _status(told.path)["joints"]}
-        slides = next(name for name in names if units[name] == "mm")
-        goes = {**here, slides: here[slides] + 0.05}
-        driver.goal("g", goal_to(driver, (goes[name] for name in names)))
-        assert shell.end("g") == ("succeeded", SUCCESSFUL, "")
-        assert dict(zip(names, shell.positions, strict=True)) == pytest.approx(goes, abs=1e-4)
+def test_a_joint_that_slides_goes_to_its_place():
+    with tempfile.TemporaryDirectory(prefix="node-") as name:
+        folder = Path(name)
+        slide = ("prismatic", (0, 0, 0.3), (0, 0, 0), (0, 0, 1), (-0.3, 0.3))
+        turn = ("revolute", (0.4, 0, 0.1), (0, 0, 0), (0, 0, 1), (-2.0, 2.0))
+        (folder / "arm.urdf").write_text(urdf_of([turn, slide]))
+        made(folder / "arm.urdf", folder / "arm")
+        with served(folder, str(folder / "arm")) as told, driven(told.path) as (driver, shell):
+            assert [one["unit"] for one in _status(told.path)["joints"]] == ["deg", "mm"]
+            assert shell.positions == (0.0, 0.0)
+            tolerances = tuple(Tolerance(one, 0.001) for one in driver.joint_names)
+            driver.goal("g", goal_to(driver, (0.2, 0.05), path_tolerance=tolerances))
+            assert shell.end("g") == ("succeeded", SUCCESSFUL, "")
+            assert shell.positions == pytest.approx((0.2, 0.05), abs=1e-4)
+            driver.goal("far", goal_to(driver, (0.2, 0.4)))
+            assert shell.end("far")[2].startswith("Y0502")
 
 
 def _status(path):
@@ -279,9 +286,10 @@ def test_a_goal_that_cannot_be_carried_out_is_aborted_with_the_finding(node, pat
 
 def test_a_goal_that_does_not_fit_into_a_line_is_refused(node):
     driver, shell = node
-    row = tuple(0.123456789 for _ in driver.joint_names)
+    row = tuple(0.1234567891 for _ in driver.joint_names)
     rest = (0.0,) * len(row)
-    points = (*(Point(row, 0.1 + 0.1 * n, row, row) for n in range(19_000)), Point(row, 1e5, rest, rest))
+    rate = tuple(-12.345678 for _ in row)
+    points = (*(Point(row, 0.123 + 0.1 * n, rate, rate) for n in range(19_900)), Point(row, 1e5, rest, rest))
     driver.goal("g", Goal(driver.joint_names, points))
     outcome, number, why = shell.end("g")
     assert (outcome, number) == ("aborted", INVALID_GOAL)

@@ -158,6 +158,50 @@ def test_meshes_are_files_and_joints_that_are_no_axes_stand_still(meshed):
     assert model.existFrame("finger")
 
 
+def test_links_without_visual_shapes_look_like_their_collision_shapes(meshed):
+    (path,) = meshed.folder.glob("*.urdf")
+    root = ET.parse(path)
+    told = 0
+    for link in root.iter("link"):
+        for one in link.findall("visual"):
+            link.remove(one)
+        for shape in link.iterfind("collision/geometry/*"):
+            told += 3 if shape.tag == "capsule" else 1
+    ET.SubElement(
+        ET.SubElement(ET.SubElement(next(root.iter("link")), "collision"), "geometry"),
+        "mesh",
+        filename="a cup.stl",
+        scale="2 2 2",
+    )
+    root.write(path)
+    robot = load_robot(str(meshed.folder)).value
+    made = ET.fromstring(model_described(robot).urdf)
+    links = {link.get("name"): link for link in made.iter("link")}
+    shown = [one for link in links.values() for one in link.findall("visual")]
+    assert len(shown) == told + 1 > 5
+    for link in links.values():
+        both = [
+            [
+                (
+                    shape.tag,
+                    *map(
+                        float,
+                        " ".join(
+                            value for key, value in sorted(shape.attrib.items()) if key != "filename"
+                        ).split(),
+                    ),
+                )
+                for shape in link.iterfind(f"{tag}/geometry/*")
+            ]
+            for tag in ("visual", "collision")
+        ]
+        assert sorted(both[0]) == sorted(both[1])
+    assert all(
+        one.find("geometry/mesh") is None or one.find("geometry/mesh").get("filename").startswith("file:")
+        for one in shown
+    )
+
+
 def test_a_robot_that_has_changed_is_not_described_as_the_one_that_is_served(meshed):
     (path,) = meshed.folder.glob("*.urdf")
     root = ET.parse(path)

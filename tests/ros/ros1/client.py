@@ -170,6 +170,12 @@ class Client:
         self.wait(lambda: kept and fits(kept[-1][1]), within)
         return kept[-1][1]
 
+    def drawn(self, topic, there=True, within=WITHIN):
+        """The markers of a topic behind the one that deletes those before, as soon as there are any, or none."""
+        kept = self.record(topic)
+        self.wait(lambda: kept and (len(kept[-1][1]["markers"]) > 1) == there, within)
+        return kept[-1][1]["markers"][1:]
+
     def publish(self, topic, **fields):
         kind = {"joint_path_command": JointTrajectory, "yarc_driver/override": Float64}[topic]
         made = trajectory(**fields) if kind is JointTrajectory else kind(**fields)

@@ -21,7 +21,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 PYTHON = "/usr/bin/python3"
 """ROS's packages belong to the system's Python; a venv doesn't see them."""
-MODULES = "rospy, rosmaster, actionlib, sensor_msgs.msg, std_srvs.srv, trajectory_msgs.msg, visualization_msgs.msg"
+MODULES = (
+    "rospy, rosmaster, actionlib, sensor_msgs.msg, std_srvs.srv, trajectory_msgs.msg, visualization_msgs.msg"
+)
 MASTER = "import rosmaster; rosmaster.rosmaster_main()"
 NODE = ("-u", "-m", "yarclang.ros.node.ros1")
 RATE = "4"
@@ -32,7 +34,9 @@ PATIENCE = 60.0
 def ros_or_skip():
     """Without ROS 1 a test is skipped; with YARCLANG_REQUIRE_TOOLS=1, as in .ci/run, it fails."""
     if Path(PYTHON).exists():
-        tried = subprocess.run([PYTHON, "-c", f"import {MODULES}"], capture_output=True, cwd=tempfile.gettempdir())
+        tried = subprocess.run(
+            [PYTHON, "-c", f"import {MODULES}"], capture_output=True, cwd=tempfile.gettempdir(), check=False
+        )
         if not tried.returncode:
             return
     reason = "there is no ROS 1 (Debian: apt-get install python3-rospy python3-rosmaster python3-actionlib python3-sensor-msgs python3-std-srvs python3-trajectory-msgs python3-visualization-msgs)"
@@ -113,7 +117,9 @@ class Stage:
         )
 
     def start_master(self):
-        self.master = self.start(PYTHON, "-c", MASTER, "--core", "-p", str(self.port), stderr=subprocess.DEVNULL)
+        self.master = self.start(
+            PYTHON, "-c", MASTER, "--core", "-p", str(self.port), stderr=subprocess.DEVNULL
+        )
         end = time.monotonic() + PATIENCE
         with xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"]) as proxy:
             while time.monotonic() < end:
@@ -125,7 +131,17 @@ class Stage:
 
     def start_serve(self, *options):
         process = self.start(
-            sys.executable, "-u", "-c", SCRIPT, "serve", "--robot", "industrial6", "--no-log", "--rate", RATE, *options
+            sys.executable,
+            "-u",
+            "-c",
+            SCRIPT,
+            "serve",
+            "--robot",
+            "industrial6",
+            "--no-log",
+            "--rate",
+            RATE,
+            *options,
         )
         self.serve = Told(process)
         self.serve.until("is served")
@@ -151,7 +167,13 @@ class Stage:
     def status(self):
         """What `yarc status` says."""
         run = subprocess.run(
-            [sys.executable, "-c", SCRIPT, "status"], capture_output=True, text=True, cwd=self.folder, env=self.environment, timeout=PATIENCE
+            [sys.executable, "-c", SCRIPT, "status"],
+            check=False,
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+            env=self.environment,
+            timeout=PATIENCE,
         )
         return run.stdout + run.stderr
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Callable, Protocol, Sequence
 
-from yarclang.client import Gone, Refused, Robot
+from yarclang.client import Gone, Refused, Robot, find
 from yarclang.ros.node.action import (
     ABORTED,
     INVALID_GOAL,
@@ -167,7 +167,7 @@ class _Link:
     @property
     def robot(self) -> str:
         """The robot's name, as others may look for the process."""
-        return re.sub(r"-\d+\.sock$", "", os.path.basename(self.path))  # noqa: PTH119
+        return _robot_of(self.path)
 
     def close(self) -> None:
         """Go away; whoever waits for an answer gets `Gone`."""
@@ -217,13 +217,14 @@ class Driver:
         self._action = TrajectoryAction((), hold_on_cancel)
         self._link: _Link | None = None
         self._lost = "it wasn't started"
-        self._robot: str | int | None = which
+        self._last = ""
         self._seen = _Seen()
         self._plans: collections.deque[Plan] = collections.deque()
         self._program: tuple[int, int] | None = None
         self._running: tuple[int, int] | None = None
         self._stops: list[int] = []
         self._pace: float | None = None
+        self._owns = False
         self._telling: int | None = None
         self._ghost: list[tuple[float, Values]] = []
         self._failed: Result | None = None
@@ -432,7 +433,7 @@ class Driver:
     def _use(self, link: _Link) -> None:
         status = link.orders.welcome["status"]
         with self._lock:
-            self._link, self._lost, self._robot = link, "", link.robot
+            self._link, self._lost, self._last = link, "", link.path
             self._seen = _Seen(
                 status["state"], status["why"], "", status["owner"] or "", status["cell"] or ""
             )
@@ -451,6 +452,7 @@ class Driver:
             self._link, self._lost = None, reason
             self._seen = _Seen(why=reason)
             self._running = self._program = self._telling = None
+            self._owns = False
             self._stops.clear()
             self._plans.clear()
             if not self._closing:
@@ -484,7 +486,7 @@ class Driver:
                 self._look(link, health, status)
 
     def _try_again(self) -> None:
-        for which in dict.fromkeys((self._which, self._robot)):
+        for which in dict.fromkeys((self._which, self._anew())):
             try:
                 link = _Link(which, self._name)
             except (Gone, Refused, TimeoutError):
@@ -496,6 +498,12 @@ class Driver:
                 self._say("info", f"{link.robot} is served again")
                 self._use(link)
             return
+
+    def _anew(self) -> str | int | None:
+        """Return the socket of the process that serves the same robot now, in the same folder."""
+        folder, robot = os.path.dirname(self._last), _robot_of(self._last)  # noqa: PTH120
+        there = [one.path for one in find(folder) if one.robot == robot]
+        return there[0] if len(there) == 1 else self._which
 
     def _look(self, link: _Link, health: dict[str, Any], status: dict[str, Any]) -> None:
         motors = health["motors"]
@@ -522,26 +530,29 @@ class Driver:
     # goals
 
     def _carry_out(self, link: _Link) -> None:
-        """Plan goals and wait for their ends, one after the other."""
+        """Plan goals, wait for their ends, and release the robot after the last one."""
         try:
             while True:
                 with self._lock:
-                    self._news.wait_for(
-                        lambda: self._plans or self._running is not None or self._link is not link
-                    )
+                    self._news.wait_for(lambda: self._link is not link or self._has_work)
                     if self._link is not link:
                         return
                     running = self._running
-                    plan = self._plans.popleft() if running is None else None
+                    plan = self._plans.popleft() if running is None and self._plans else None
                 if running is not None:
                     self._await_end(link, *running)
                 elif plan is not None:
                     self._plan(link, plan)
-                self._release(link)
+                else:
+                    self._release(link)
         except (Gone, TimeoutError) as error:
             self._lose(link, str(error))
         except Refused as refused:
             self._lose(link, _said(refused))
+
+    @property
+    def _has_work(self) -> bool:
+        return bool(self._plans or self._running is not None or (self._owns and self._action.is_idle))
 
     def _plan(self, link: _Link, plan: Plan) -> None:
         made: Ready | Result
@@ -573,6 +584,7 @@ class Driver:
         robot = link.orders
         robot.ask("own", shared=True, patience=_PREPARES)
         with self._lock:
+            self._owns = True
             pace, self._pace = self._pace, None
         if pace is not None:
             robot.ask("override", percent=pace)
@@ -625,10 +637,8 @@ class Driver:
                 link.orders.answer(stop, _PREPARES)
 
     def _release(self, link: _Link) -> None:
-        """Leave the robot to others, if no goal is under way."""
-        with self._lock:
-            if not self._action.is_idle or self._plans:
-                return
+        """Leave the robot to others."""
+        self._owns = False
         with contextlib.suppress(Refused):
             log = link.orders.ask("release", patience=_PREPARES)["log"]
             if log is not None:
@@ -730,6 +740,11 @@ class Driver:
             error_code=_number(code),
             why=why,
         )
+
+
+def _robot_of(path: str) -> str:
+    """Return the name of the robot by the path of a socket."""
+    return re.sub(r"-\d+\.sock$", "", os.path.basename(path))  # noqa: PTH119
 
 
 def _number(text: str) -> int:

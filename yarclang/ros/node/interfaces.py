@@ -74,8 +74,12 @@ class Interfaces(NamedTuple):
 
 def interfaces() -> Interfaces:
     """Return the classes: those of the installed packages, or our own of the same names and md5 sums."""
-    found = [_installed("control_msgs.msg"), _installed("industrial_msgs.msg"), _installed("industrial_msgs.srv")]
-    made = _Made() if None in found else None
+    found = [
+        _installed("control_msgs.msg"),
+        _installed("industrial_msgs.msg"),
+        _installed("industrial_msgs.srv"),
+    ]
+    made: Any = _Made() if None in found else None
     control, messages, services = (made if one is None else one for one in found)
     return Interfaces(
         control.FollowJointTrajectoryAction,

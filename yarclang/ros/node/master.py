@@ -48,14 +48,14 @@ class Master:
     def answers(self) -> bool:
         """Return True if a master is there."""
         try:
-            return _call(self.address, "getPid", self._node)[0] == 1
+            return bool(_call(self.address, "getPid", self._node)[0] == 1)
         except LOST:
             return False
 
     def knows(self, node_address: str) -> bool:
         """Return True if the node is registered under an address."""
         code, _, address = _call(self.address, "lookupNode", self._node, self._node)
-        return code == 1 and address == node_address
+        return bool(code == 1 and address == node_address)
 
     def register(self, node_address: str, registered: Registered) -> None:
         """Tell the master all that a node has, and the node who publishes what it subscribes to."""

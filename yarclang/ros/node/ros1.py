@@ -19,8 +19,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from types import FrameType
-from typing import Optional
+from typing import Any
 
 from yarclang.client import Refused
 from yarclang.ros.node.master import Master
@@ -42,44 +41,46 @@ def main() -> int:
         import rosgraph
         import rospy
 
-        from yarclang.ros.node.ros1_shell import Node, settings
+        from yarclang.ros.node.ros1_shell import Node, said, settings
     except ImportError as missing:
         sys.stderr.write(_MISSING.format(missing=missing))
         return 1
-    ended = threading.Event()
+    over = threading.Event()
     try:
-        _wait_for(Master(rosgraph.get_master_uri(), NAME), ended)
+        _wait_for(Master(rosgraph.get_master_uri(), NAME), over)
         rospy.init_node(NAME, disable_signals=True)
     except KeyboardInterrupt:  # nothing has begun
         return 0
     for one in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(one, _ender(ended))
+        signal.signal(one, _ender(over))
     try:
         node = Node(settings())
-        if node.connect(ended):
+        if node.connect(over):
             node.offer()
-            while not ended.wait(0.2) and not rospy.is_shutdown():
+            while not over.wait(0.2) and not rospy.is_shutdown():
                 pass
         node.close()
     except (ValueError, Refused) as error:
-        rospy.logfatal("%s", error)
+        rospy.logfatal("%s", said(error))
         return 1
     return 0
 
 
-def _wait_for(master: Master, ended: threading.Event) -> None:
+def _wait_for(master: Master, over: threading.Event) -> None:
     """Wait until there is a master: rospy would wait, too, but doesn't say for whom."""
     told = False
     while not master.answers():
         if not told:
             sys.stderr.write(_NO_MASTER.format(address=master.address))
         told = True
-        ended.wait(1.0)
+        over.wait(1.0)
 
 
-def _ender(ended: threading.Event):  # type: ignore[no-untyped-def]
-    def end(_number: int, _frame: Optional[FrameType]) -> None:
-        ended.set()
+def _ender(over: threading.Event) -> Any:
+    def end(_number: int, _frame: Any) -> None:
+        over.set()
+        for one in (signal.SIGINT, signal.SIGTERM):  # a second signal ends the process at once
+            signal.signal(one, signal.SIG_DFL)
 
     return end
 

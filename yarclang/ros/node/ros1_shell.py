@@ -12,21 +12,26 @@ import queue
 import threading
 import time
 from dataclasses import dataclass, replace
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Sequence, Tuple
 
 import rosgraph
 import rospy
 from actionlib import ActionServer
+from geometry_msgs.msg import Point
 from rospy.impl import registration
 from sensor_msgs.msg import JointState as JointStateMessage
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger, TriggerResponse
 from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import Marker as MarkerMessage
+from visualization_msgs.msg import MarkerArray
 
 from yarclang.client import Gone, Refused
-from yarclang.ros.node.action import SUCCESSFUL, Feedback, Result
+from yarclang.ros.node.action import INVALID_GOAL, Feedback, Result
 from yarclang.ros.node.driver import Driver, JointState, Status
 from yarclang.ros.node.interfaces import interfaces
+from yarclang.ros.node.kinematics import Kinematics
+from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
 from yarclang.ros.node.master import LOST, Master, Registered
 from yarclang.ros.node.messages import (
     feedback_message,
@@ -69,10 +74,10 @@ class Settings:
         set_description: True to replace a robot_description that is another one.
     """
 
-    robot: Optional[str]
+    robot: str | None
     action: str
     hold_on_cancel: bool
-    override: Optional[float]
+    override: float | None
     set_description: bool
 
 
@@ -99,7 +104,7 @@ def _truth(name: str, default: bool) -> bool:
     return value
 
 
-def _percent(value: Any) -> Optional[float]:
+def _percent(value: Any) -> float | None:
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -117,22 +122,25 @@ class Node:
     def __init__(self, chosen: Settings) -> None:
         self._settings = chosen
         self._kinds = interfaces()
-        self._driver: Optional[Driver] = None
+        self._driver: Driver | None = None
         self._handles: Dict[str, Any] = {}
         self._numbers = itertools.count(1)
-        self._moving: Optional[str] = None
+        self._moving: str | None = None
         self._refused = 0
         self._status = _UNHEARD
-        self._described: Optional[str] = None
-        self._server: Optional[ActionServer] = None
+        self._model: Dict[str, Any] = {}
+        self._kinematics: Kinematics | None = None
+        self._drawn: Dict[Any, Sequence[Marker]] = {}
+        self._told: Dict[str, str] = {}
+        self._server: ActionServer | None = None
         self._closing = threading.Event()
         self._changed = threading.Event()
-        self._work: queue.SimpleQueue[Optional[Callable[[], None]]] = queue.SimpleQueue()
+        self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._joint_states = rospy.Publisher("joint_states", JointStateMessage, queue_size=10)
         self._feedback_states = rospy.Publisher("feedback_states", self._kinds.feedback, queue_size=10)
-        self._robot_status = rospy.Publisher(
-            "robot_status", self._kinds.status, queue_size=10, latch=True
-        )
+        self._robot_status = rospy.Publisher("robot_status", self._kinds.status, queue_size=10, latch=True)
+        self._scene = rospy.Publisher("~scene", MarkerArray, queue_size=1, latch=True)
+        self._ghost = rospy.Publisher("~ghost", MarkerArray, queue_size=1, latch=True)
         self._master = Master(rosgraph.get_master_uri(), rospy.get_name())
         self._publishing = threading.Thread(target=self._publish, daemon=True)
         self._attending = threading.Thread(target=self._attend, daemon=True)
@@ -150,12 +158,15 @@ class Node:
         self.status(_UNHEARD)
         while not ended.is_set() and not rospy.is_shutdown():
             driver = Driver(
-                self._settings.robot, self, name=rospy.get_name(), hold_on_cancel=self._settings.hold_on_cancel
+                self._settings.robot,
+                self,
+                name=rospy.get_name(),
+                hold_on_cancel=self._settings.hold_on_cancel,
             )
             try:
                 driver.start()
             except (Gone, TimeoutError) as error:
-                reason = f"{error}. Start it (yarc serve --robot NAME) as the same user and with the same XDG_RUNTIME_DIR, or name it (_robot:=NAME); the node tries again each second"
+                reason = f"{error}. It must be served by the same user, with the same XDG_RUNTIME_DIR; if there are several, name it with _robot:=NAME. The node tries again each second"
                 if reason != told:
                     self.say("error", reason)
                 told = reason
@@ -168,7 +179,6 @@ class Node:
     def offer(self) -> None:
         """Take goals, paths and orders from now on, after `connect`."""
         driver = self._connected()
-        self._describe()
         if self._settings.override is not None:
             self._override(self._settings.override)
         self._server = ActionServer(
@@ -185,7 +195,9 @@ class Node:
         self._changed.set()
         self._attending.start()
         names = ", ".join(driver.joint_names)
-        self.say("info", f"goals are taken on {rospy.resolve_name(self._settings.action)}, for joints {names}")
+        self.say(
+            "info", f"goals are taken on {rospy.resolve_name(self._settings.action)}, for joints {names}"
+        )
 
     def close(self) -> None:
         """End: the robot comes to rest on its path if a goal of ours moves it, and all goals are ended."""
@@ -194,7 +206,7 @@ class Node:
         if self._driver is not None:
             self._driver.close()
         for goal_id in list(self._handles):
-            self.ended(goal_id, "aborted", Result(SUCCESSFUL, "the node was ended; the robot has come to rest on its path"))
+            self.ended(goal_id, "aborted", Result(INVALID_GOAL, "the node was ended"))
         self._work.put(None)
         self._publishing.join(5.0)
         time.sleep(_LAST_WORDS)
@@ -265,7 +277,9 @@ class Node:
         handle = self._handles.pop(goal_id, None)
         if handle is not None:
             end = {"succeeded": handle.set_succeeded, "canceled": handle.set_canceled}
-            end.get(outcome, handle.set_aborted)(result_message(self._kinds.result, result), result.error_string)
+            end.get(outcome, handle.set_aborted)(
+                result_message(self._kinds.result, result), result.error_string
+            )
         elif outcome == "aborted":
             rospy.logerr("%s", f"{goal_id} was aborted: {result.error_string}")
 
@@ -338,7 +352,9 @@ class Node:
         return self._answer(self._kinds.stop_motion, done)
 
     def _path_command(self, request: Any) -> Any:
-        return self._answer(self._kinds.path_command, self._take(path_of(request.trajectory, rospy.Time.now())))
+        return self._answer(
+            self._kinds.path_command, self._take(path_of(request.trajectory, rospy.Time.now()))
+        )
 
     def _robot_info(self, _request: Any) -> Any:
         try:
@@ -356,46 +372,85 @@ class Node:
         answer.code.val = answer.code.SUCCESS if done else answer.code.FAILURE
         return answer
 
-    # parameters and the master
+    # the master, parameters, and what RViz draws
+
+    def _attend(self) -> None:
+        """Ask the master, and after changes the driver, in a thread of its own: either may take its time."""
+        while not self._closing.is_set():
+            has_changed = self._changed.wait(_ASKED_EACH)
+            self._changed.clear()
+            if self._closing.is_set():
+                return
+            try:
+                if not self._master.knows(rospy.get_node_uri()):
+                    self._master.register(rospy.get_node_uri(), _registered())
+                    self.say("info", "the ROS master was started anew: this node is registered there again")
+                    has_changed = True
+                self._tell_once("master", "")
+                if has_changed:
+                    self._follow()
+            except LOST:
+                text = f"the ROS master at {self._master.address} doesn't answer: goals under way go on, new clients can't find this node. It registers again when there is one"
+                self._tell_once("master", text)
+
+    def _follow(self) -> None:
+        """Describe and draw the robot, its surroundings and its plan anew."""
+        works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
+        for what, work in works.items():
+            try:
+                work()
+                self._tell_once(what, "")
+            except (*_FAILED, ValueError) as error:
+                self._tell_once(what, f"{what} isn't up to date: {said(error)}")
+            except rospy.ROSException:  # rospy is being shut down
+                return
+
+    def _tell_once(self, what: str, text: str) -> None:
+        """Warn of something when it begins, not again and again."""
+        if text and self._told.get(what) != text:
+            self.say("warn", text)
+        self._told[what] = text
 
     def _describe(self) -> None:
         """Set robot_description and controller_joint_names, as far as nobody else has."""
         driver = self._connected()
-        try:
-            urdf = driver.model()["urdf"]
-        except _FAILED as error:
-            self.say("error", f"robot_description isn't set: {error}")
-            return
+        model = driver.model()
+        urdf = str(model["urdf"])
+        if urdf != self._model.get("urdf"):
+            self._kinematics = None
+        before, self._model = self._model.get("urdf"), model
         rospy.set_param("controller_joint_names", list(driver.joint_names))
         there = rospy.get_param("robot_description", None)
-        if there in (None, self._described) or self._settings.set_description:
+        if there in (None, before) or self._settings.set_description:
             rospy.set_param("robot_description", urdf)
         elif there != urdf:
-            self.say(
-                "warn",
-                "robot_description is set already, to another text than that of the robot, and is left so; _set_description:=true replaces it",
-            )
-        self._described = urdf
+            text = "robot_description was set by somebody else, to another text than that of the robot, and is left so; _set_description:=true replaces it"
+            self._tell_once("description", text)
 
-    def _attend(self) -> None:
-        """Ask the master, and the driver after changes, in a thread of its own: either may take its time."""
-        gone = False
-        while not self._closing.is_set():
-            if self._changed.wait(_ASKED_EACH) and not self._closing.is_set():
-                self._changed.clear()
-            try:
-                if not self._master.knows(rospy.get_node_uri()):
-                    self._master.register(rospy.get_node_uri(), _registered())
-                    self._describe()
-                    self.say("info", "the ROS master was started anew: this node is registered there again")
-                gone = False
-            except LOST:
-                if not gone:
-                    self.say(
-                        "warn",
-                        f"the ROS master at {self._master.address} doesn't answer: goals under way go on, new clients can't find this node. It registers again when there is one",
-                    )
-                gone = True
+    def _draw_scene(self) -> None:
+        self._draw(self._scene, scene_markers(self._connected().scene()))
+
+    def _draw_ghost(self) -> None:
+        if not self._model:
+            return
+        if self._kinematics is None:
+            self._kinematics = Kinematics(str(self._model["urdf"]), str(self._model["base"]))
+        driver = self._connected()
+        course = [positions for _, positions in driver.ghost()]
+        tool = str(self._model["tool"])
+        self._draw(self._ghost, ghost_markers(self._kinematics, tool, driver.joint_names, course))
+
+    def _draw(self, publisher: Any, markers: Sequence[Marker]) -> None:
+        """Publish markers, unless these are drawn already."""
+        if self._drawn.get(publisher) != markers:
+            publisher.publish(MarkerArray(markers=[fill(MarkerMessage(), one, Point) for one in markers]))
+            self._drawn[publisher] = markers
+
+
+def said(error: Exception) -> str:
+    """Return what an order was refused with, and what to do about it."""
+    to_do = getattr(error, "help", "")
+    return f"{error} ({to_do})" if to_do else str(error)
 
 
 def _registered() -> Registered:

@@ -71,8 +71,11 @@ def test_a_smaller_tolerance_takes_more_way_points(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ([], "give one of --moveit and --ros"),
-        (["--moveit", "--ros", "job.yarc"], "give one of --moveit and --ros"),
+        ([], "give one of --moveit, --driver and --ros"),
+        (["--moveit", "--ros", "job.yarc"], "give one of --moveit, --driver and --ros"),
+        (["--moveit", "--driver"], "give one of --moveit, --driver and --ros"),
+        (["--driver", "--linear"], "--linear: only with --ros"),
+        (["--driver", "--robot", "INDUSTRIAL6"], "--robot: not with --driver"),
         (["--moveit", "--linear"], "--linear: only with --ros"),
         (["--moveit", "--ros-version", "1"], "--ros-version: only with --ros"),
         (["--ros", "job.yarc", "-o", "a.txt"], ".txt can't be written; there are .yaml, .json and .bag"),

@@ -353,6 +353,6 @@ def test_a_full_disk_is_told(there, monkeypatch):
     def full(path, data):
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr("yarclang.export.moveit.folder.replace_file", full)
+    monkeypatch.setattr("yarclang.export.folder.replace_file", full)
     made = run()
     assert (made.exit_code, "no space left on device" in made.stderr) == (1, True)

@@ -163,7 +163,7 @@ def test_a_capsule_is_a_cylinder_with_two_spheres_and_a_name_above():
     assert [one.pose[2][3] for one in ends] == pytest.approx([2.7, 3.3])
     assert {one.type for one in ends} == {markers.SPHERE}
     assert name.text == "A"
-    assert name.pose[2][3] == pytest.approx(3.0 + 0.3 + 0.1 + 0.05)
+    assert name.pose[2][3] == pytest.approx(3.0 + 0.3 + 0.1 + 0.06)
 
 
 @pytest.mark.parametrize(("rule", "side"), [("allowed", 1.0), ("forbidden", -1.0), ("slow", 1.0)])
@@ -175,6 +175,10 @@ def test_a_half_space_is_a_plane_with_an_arrow_to_where_the_tool_may_be(rule, si
     np.testing.assert_allclose(rows(arrow.pose)[:3, 0], side * normal, atol=1e-12)
     assert np.linalg.det(rows(arrow.pose)) == pytest.approx(1.0)
     assert plane.scale[2] < 0.01 < plane.scale[0]
+    # on the plane, at its upper corner
+    there = np.linalg.inv(rows(plane.pose)) @ rows(arrow.pose)[:, 3]
+    np.testing.assert_allclose([*np.abs(there[:2]), there[2]], [1.08, 1.08, 0.0], atol=1e-12)
+    assert rows(arrow.pose)[2, 3] > 1.0
     assert name.text.startswith("A: ")
 
 
@@ -221,10 +225,12 @@ def test_the_ghost_is_the_path_of_the_tool_and_the_robot_at_its_end(name):
     np.testing.assert_allclose(path.points, (flange_poses(robot.chain, course) @ tcp)[:, :3, 3], atol=1e-9)
     assert path.type == markers.LINE_STRIP
     ghost = made[2:]
-    assert len(ghost) == len(kinematics.bodies) > 0
+    start = kinematics.poses(dict(zip(robot.joint_names, course[0].tolist(), strict=True)))
     assert {one.frame_id for one in made[1:]} == {told.base}
     poses = kinematics.poses(dict(zip(robot.joint_names, course[-1].tolist(), strict=True)))
-    for one, body in zip(ghost, kinematics.bodies, strict=True):
+    moved = [body for body in kinematics.bodies if not np.allclose(start[body.link], poses[body.link])]
+    assert 4 < len(moved) < len(kinematics.bodies)
+    for one, body in zip(ghost, moved, strict=True):
         np.testing.assert_allclose(
             rows(one.pose), rows(poses[body.link]) @ rows(body.link_from_shape), atol=1e-12
         )

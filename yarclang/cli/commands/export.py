@@ -12,6 +12,7 @@ from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
+    from yarclang.export.package import Package
     from yarclang.export.ros.exported import Exported
     from yarclang.export.ros.writing import Version
 
@@ -23,6 +24,11 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
 @click.command("export")
 @click.option("--moveit", is_flag=True, help="Write MoveIt's configuration of a robot, a package of ROS.")
 @click.option(
+    "--driver",
+    is_flag=True,
+    help="Write the ROS nodes that serve MoveIt's goals, a package for ROS 1 and ROS 2.",
+)
+@click.option(
     "--ros",
     metavar="PROGRAM.yarc",
     type=click.Path(allow_dash=True),
@@ -32,7 +38,7 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
     "-o",
     "--output",
     metavar="OUT",
-    help="The folder of --moveit, or a file .yaml, .json or .bag (- for YAML on standard output).",
+    help="The folder of --moveit or --driver, or a file .yaml, .json or .bag (- for YAML on standard output).",
 )
 @click.option(
     "--tolerance",
@@ -61,26 +67,36 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
 @robot_option
 def command(
     moveit: bool,
+    driver: bool,
     ros: str | None,
     output: str | None,
     overwrite: bool,
     robot: str | None,
     **wanted: Any,
 ) -> None:
-    """Write what ROS needs: MoveIt's configuration of a robot (--moveit), or the certified motion of a program (--ros).
+    """Write what ROS needs: MoveIt's configuration of a robot (--moveit), the nodes that move one that is served (--driver), or the certified motion of a program (--ros).
 
     The way-points of a trajectory are as few as keep every driver that interpolates by cubics or quintics within the tolerance of the certified path; the file says it.
     What happens between motions (SET, WAIT, HOLD, WHEN) stands beside the trajectories.
     """
-    if moveit == (ros is not None):
-        raise click.UsageError("give one of --moveit and --ros PROGRAM.yarc")
-    if ros is None:
-        given = [f"--{name.replace('version', 'ros-version')}" for name, value in wanted.items() if value]
-        if given:
-            raise click.UsageError(f"{', '.join(given)}: only with --ros")
-        _export_robot(robot, output, overwrite=overwrite)
-    else:
+    if moveit + driver + (ros is not None) != 1:
+        raise click.UsageError("give one of --moveit, --driver and --ros PROGRAM.yarc")
+    if ros is not None:
         _export_program(ros, output, overwrite, {"robot": robot, **wanted})
+        return
+    given = [f"--{name.replace('version', 'ros-version')}" for name, value in wanted.items() if value]
+    if given:
+        raise click.UsageError(f"{', '.join(given)}: only with --ros")
+    if moveit:
+        _export_robot(robot, output, overwrite=overwrite)
+        return
+    if robot is not None:
+        raise click.UsageError(
+            "--robot: not with --driver, whose nodes serve any robot; they are told which one"
+        )
+    from yarclang.export.driver import driver_package
+
+    _write_package(driver_package(), output, (), overwrite=overwrite)
 
 
 def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict[str, Any]) -> None:
@@ -184,25 +200,34 @@ def _kind(destination: str) -> Literal["yaml", "json", "bag"]:
 
 def _export_robot(name: str | None, output: str | None, *, overwrite: bool) -> None:
     """Write MoveIt's configuration of a robot."""
-    from yarclang.cli.show import show_findings
-    from yarclang.export.moveit.folder import judged, write_folder
     from yarclang.export.moveit.package import package_of
     from yarclang.pipeline.inputs import robot_for
-    from yarclang.report.finding import count_text
 
     found = robot_for(Path.cwd(), name)
     diagnostics = found.diagnostics
+    package: Package | None = None
     if found.value is not None:
         made = package_of(found.value)
-        diagnostics += made.diagnostics
-        if made.value is not None:
-            folder = Path(output or made.value.name)
-            faults = judged(folder, made.value, overwrite=overwrite)
-            diagnostics += faults or write_folder(folder, made.value)
-            if not any(one.is_error for one in diagnostics):
-                show_findings(diagnostics)
-                click.echo(f"{len(made.value.files) + 1} files of {made.value.name} written to {folder}")
-                return
+        package, diagnostics = made.value, (*diagnostics, *made.diagnostics)
+    _write_package(package, output, diagnostics, overwrite=overwrite)
+
+
+def _write_package(
+    package: Package | None, output: str | None, diagnostics: Found, *, overwrite: bool
+) -> None:
+    """Write a package as a folder (None: there is none, as the findings say), and say what was found."""
+    from yarclang.cli.show import show_findings
+    from yarclang.export.folder import judged, write_folder
+    from yarclang.report.finding import count_text
+
+    if package is not None:
+        folder = Path(output or package.name)
+        faults = judged(folder, package, overwrite=overwrite)
+        diagnostics += faults or write_folder(folder, package)
+        if not any(one.is_error for one in diagnostics):
+            show_findings(diagnostics)
+            click.echo(f"{len(package.files) + 1} files of {package.name} written to {folder}")
+            return
     show_findings(diagnostics)
     click.echo(f"{count_text(diagnostics)}; nothing written", err=True)
     raise SystemExit(1)

@@ -11,20 +11,12 @@ from yarclang.export.moveit.limits import check_motors
 from yarclang.export.moveit.settings import settings_files
 from yarclang.export.moveit.srdf import srdf_text
 from yarclang.export.moveit.urdf import exported_urdf
-from yarclang.frozen import frozen
+from yarclang.export.package import Package
 from yarclang.robot.model import Robot
 from yarclang.robot.urdf import Urdf, read_urdf
 from yarclang.toml.reading import parse_toml, read_text
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
-
-
-@frozen(eq=False)
-class Package:
-    """The package `name`: `files` by their paths in it, and where their bytes are."""
-
-    name: str
-    files: dict[str, bytes]
 
 
 def package_of(robot: Robot) -> Result[Package]:

@@ -14,7 +14,7 @@ from yarclang.diagnostics import Diagnostic, Result
 from yarclang.export.moveit.bodies import Bodies
 from yarclang.export.numbers import number
 from yarclang.files import LARGEST_MESH, read_whole
-from yarclang.robot.link_shapes import placed_at
+from yarclang.robot.link_shapes import placed_at, shape_of
 from yarclang.robot.model import Array, Robot, Tool
 from yarclang.robot.urdf import Urdf
 from yarclang.robot.urdf_shapes import mesh_path
@@ -27,6 +27,8 @@ Edit = tuple[int, int, str]
 
 FOLDER = "urdf"
 _PLAIN = re.compile(r"[A-Za-z0-9_.\-/]+", re.ASCII)
+_GREY = '<material name="yarclang_grey"><color rgba="0.8 0.82 0.85 1"/></material>'
+"""Without a material RViz draws in red."""
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ENCODING = re.compile(r"""^(\s*<\?xml[^>]*?\sencoding\s*=\s*)(["']).*?\2""", re.DOTALL)
 _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
@@ -61,7 +63,8 @@ def urdf_text(
         flange: the link {FLANGE}.
         bodies: what is added on the flange.
         meshes: names the files of the meshes; what of them is missing is said there.
-        axes: the joints that move: all others are fixed at zero, where the robot has them. None: the joints stay as they are.
+        axes: for a text that is only drawn: the joints that move. All others are fixed at zero, where the robot has them, and links without visual shapes look like their
+            collision shapes. None: joints and links stay as they are.
     """
     text, root = urdf.text, urdf.root
     assert root is not None  # a sound one has a root
@@ -69,6 +72,7 @@ def urdf_text(
     if axes is not None:
         others = (joint for name, joint in urdf.joints.items() if name not in axes)
         edits += [_fixed(text, joint.element) for joint in others]
+        edits += [_seen(urdf, link, meshes) for link in urdf.links.values() if not link.all("visual")]
     for link in urdf.links.values():
         for body in (*link.all("visual"), *link.all("collision")):
             edits += _body(urdf, body, meshes)
@@ -90,6 +94,23 @@ def _version(text: str, root: Element) -> Edit:
     """The root's tag with the version that all of ROS reads; what later ones have is written otherwise."""
     tag = text[root.start : root.end]
     return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
+
+
+def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
+    """The collision shapes of a link as visual ones."""
+    lines = []
+    for body in link.all("collision"):
+        geometry = body.first("geometry")
+        shape = geometry.children[0] if geometry is not None and geometry.children else None
+        if shape is None:
+            continue
+        placed = placed_at(urdf, body.first("origin"))
+        folder = (meshes.robot.folder / meshes.robot.urdf).parent
+        for simple, pose in _simple(shape_of(urdf, shape, folder), placed):
+            made = _geometry(simple, meshes)
+            if made is not None:
+                lines.append(f"\n    <visual>{_origin(pose)}<geometry>{made}</geometry>{_GREY}</visual>")
+    return link.end, link.end, "".join(lines)
 
 
 def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
@@ -136,16 +157,17 @@ class MeshNames(ABC):
         robot: whose URDF names them.
 
     Attributes:
+        robot: likewise.
         findings: what is said of meshes that are missing.
     """
 
     def __init__(self, robot: Robot) -> None:
         self.findings: list[Diagnostic] = []
-        self._robot = robot
+        self.robot = robot
 
     def url(self, filename: str) -> str | None:
         """Return the name of a mesh of the URDF; None with a finding if there is no such file."""
-        path = mesh_path(filename, (self._robot.folder / self._robot.urdf).parent)
+        path = mesh_path(filename, (self.robot.folder / self.robot.urdf).parent)
         if path is None:
             self._lost(filename, "there is no such file")
             return None
@@ -201,7 +223,7 @@ class PackageMeshes(MeshNames):
 
     def _place(self, path: Path) -> str:
         """The path of a file in the package: as in the robot's folder, if it is in there and has a plain name."""
-        folder = self._robot.folder.resolve()
+        folder = self.robot.folder.resolve()
         if path.is_relative_to(folder):
             inside = str(PurePosixPath(path.relative_to(folder)))
             if _PLAIN.fullmatch(inside) and not inside.endswith(".urdf"):

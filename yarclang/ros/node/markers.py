@@ -4,7 +4,8 @@
     for marker in scene_markers(driver.scene()):
         array.markers.append(fill(Marker(), marker, Point))
 
-Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own: the first marker deletes what was drawn there before.
+Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own (`~scene` and `~ghost`, visualization_msgs/MarkerArray in the node's name space, latched): the first
+marker deletes what was drawn there before.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from yarclang.ros.node.kinematics import (
     Shape,
     Vector,
     origin_of,
+    placed,
     quaternion,
     times,
 )
@@ -52,10 +54,12 @@ _UNSURE = 0.45
 """Opacity of a part that may be elsewhere."""
 _PLANE, _THIN = 2.4, 0.002
 """Edges and thickness of the piece of a half space's border that is drawn [m]."""
-_LETTERS = 0.05
+_LETTERS = 0.06
 """Height of names [m]."""
 _WIDTH = 0.008
 """Of the tool's path [m]."""
+_SEEN = 1e-4
+"""Poses that differ by less [m, or rad] are one."""
 _SHAFT: Vector = (0.25, 0.015, 0.03)
 """Length and widths of the arrow that points to where a half space allows the tool [m]."""
 
@@ -118,7 +122,7 @@ def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def ghost_markers(
     kinematics: Kinematics, tool: str, joints: Sequence[str], course: Sequence[Sequence[float]]
 ) -> Tuple[Marker, ...]:
-    """Return the plan under way: the path of a link's origin as a line, and the robot at the end of it to be seen through.
+    """Return the plan under way: the path of a link's origin as a line, and the links that stand elsewhere at the end of it, to be seen through.
 
     Args:
         kinematics: of the robot.
@@ -135,7 +139,7 @@ def ghost_markers(
     if any(len(row) != len(joints) for row in course):
         raise ValueError(f"the plan has other joints than the {len(joints)} of the robot")
     points = []
-    poses: Mapping[str, Pose] = {}
+    poses = start = kinematics.poses(dict(zip(joints, course[0])))
     for row in thinned(course, MOST_POINTS):
         poses = kinematics.poses(dict(zip(joints, row)))
         if tool not in poses:
@@ -146,10 +150,17 @@ def ghost_markers(
     width = (_WIDTH, 0.0, 0.0)
     made.append(Marker("path", 1, LINE_STRIP, kinematics.base, IDENTITY, width, PATH, tuple(points)))
     for body in kinematics.bodies:
+        if not _differ(start[body.link], poses[body.link]):
+            continue
         pose = times(poses[body.link], body.link_from_shape)
         for marker in _shape("ghost", kinematics.base, body.shape, pose, GHOST):
             made.append(_numbered(marker, len(made)))
     return tuple(made)
+
+
+def _differ(one: Pose, other: Pose) -> bool:
+    """Return True if a link is seen to be elsewhere: what isn't would be drawn within itself."""
+    return any(abs(a - b) > _SEEN for pair in zip(one, other) for a, b in zip(*pair))
 
 
 def thinned(rows: Sequence[Any], most: int) -> Tuple[Any, ...]:
@@ -173,7 +184,9 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
             (side, 0.0, 0.0, 0.0),
             IDENTITY[3],
         )
+        pose = _corner(pose)
         yield Marker("zones", 0, ARROW, frame, times(pose, along), _SHAFT, (*colour[:3], 0.8))
+        top = _SHAFT[0]
     else:
         namespace = {"zone": "zones", "part": "parts"}.get(kind, "bodies")
         for made in _told(shape):
@@ -189,6 +202,13 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
             IDENTITY[3],
         )
         yield Marker("names", 0, TEXT, frame, above, (0.0, 0.0, _LETTERS), NAME, text=_text(item))
+
+
+def _corner(pose: Pose) -> Pose:
+    """Return a place on a plane away from the robot, which often stands where the plane's origin is: its upper corner."""
+    half = 0.45 * _PLANE
+    corners = [times(pose, placed((x, y, 0.0))) for x in (-half, half) for y in (-half, half)]
+    return max(corners, key=lambda one: (round(one[2][3], 6), one[0][3] + one[1][3]))
 
 
 def _colour(item: Mapping[str, Any]) -> Colour:

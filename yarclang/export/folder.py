@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic
-from yarclang.export.moveit.package import Package
+from yarclang.export.package import Package
 from yarclang.files import read_whole, replace_file
 
 LIST = "yarc-export.json"
@@ -79,6 +79,8 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
         replace_file(folder / LIST, listed.encode())
         for path, data in package.files.items():
             replace_file(folder / path, data)
+            if path in package.programs:
+                _make_program(folder / path)
         for path in known.keys() - sums.keys():
             place = folder / path
             if ".." not in Path(path).parts and place.is_file() and _digest(place) == known[path]:
@@ -90,6 +92,12 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
         help_ = "check the path, its rights, and the room on the disk; then export again"
         return (Diagnostic("Y0107", f"{where} can't be written: {reason}", help=help_),)
     return ()
+
+
+def _make_program(path: Path) -> None:
+    """Let whoever may read a file run it."""
+    mode = path.stat().st_mode
+    path.chmod(mode | (mode & 0o444) >> 2)
 
 
 def _known(folder: Path) -> dict[str, str] | None:

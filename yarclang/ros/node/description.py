@@ -1,0 +1,64 @@
+"""The robot's description for launch files, which need it before the nodes start:
+
+    PYTHONPATH=lib /usr/bin/python3 -m yarclang.ros.node.description [ROBOT]
+
+writes the URDF to standard output. It waits up to a minute until the robot is served.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any, Dict
+
+from yarclang.client import Gone, Refused, Robot
+
+PATIENCE = 60.0
+"""Longest wait for a robot that isn't served yet [s]."""
+
+
+def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
+    """Return the answer of the order `model`.
+
+    Args:
+        robot: as for `yarclang.client.Robot`: the path of a socket, the name of a process or of its robot; None or empty: the only one that there is.
+        patience: longest wait until it is served [s].
+
+    Raises:
+        ValueError: it isn't served, doesn't answer, or can't be described; what to do is said.
+    """
+    ends = time.monotonic() + patience
+    told = False
+    while True:
+        try:
+            with Robot(robot or None, name="description") as served:
+                return served.ask("model")
+        except (Gone, OSError) as error:
+            if time.monotonic() >= ends:
+                raise ValueError(f"{error}. Start it as the same user: yarc serve --robot NAME") from None
+            if not told:
+                sys.stderr.write(f"{error}; waiting for it\n")
+            told = True
+        except Refused as error:
+            raise ValueError(f"{error}{error.help and '. ' + error.help}") from None
+        time.sleep(min(0.5, patience))
+
+
+def main() -> int:
+    """Write the URDF of the robot that the command line names, and return the exit status."""
+    if {"-h", "--help"} & set(sys.argv[1:]) or len(sys.argv) > 2:
+        sys.stdout.write(__doc__ or "")
+        return 0 if len(sys.argv) == 2 else 2
+    try:
+        model = described(sys.argv[1] if len(sys.argv) > 1 else None)
+    except ValueError as error:
+        sys.stderr.write(f"{error}\n")
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    sys.stdout.buffer.write(model["urdf"].encode())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

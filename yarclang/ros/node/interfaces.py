@@ -1,0 +1,142 @@
+"""ROS 1's messages of FollowJointTrajectory and ROS-Industrial, where the packages control_msgs and industrial_msgs aren't installed.
+
+ROS 1 knows a type by its name and the md5 sum of its fields. Both come out right from field names and types alone, so that these classes talk to nodes that were built with the packages.
+Debian has ROS 1 without them; Noetic's own repository has both, and then they are used.
+
+Written for Python 3.8 and later.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+from typing import Any, Dict, NamedTuple
+
+_ACTION = "control_msgs/FollowJointTrajectoryAction"
+_RULE = "\n" + "=" * 80 + "\n"
+"""What stands between the texts of messages that depend on each other, as genpy wants it."""
+
+_TEXTS = {
+    "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id",
+    "actionlib_msgs/GoalID": "time stamp\nstring id",
+    "actionlib_msgs/GoalStatus": "GoalID goal_id\nuint8 status\nuint8 PENDING=0\nuint8 ACTIVE=1\nuint8 PREEMPTED=2\nuint8 SUCCEEDED=3\nuint8 ABORTED=4\nuint8 REJECTED=5\n"
+    "uint8 PREEMPTING=6\nuint8 RECALLING=7\nuint8 RECALLED=8\nuint8 LOST=9\nstring text",
+    "trajectory_msgs/JointTrajectoryPoint": "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\nduration time_from_start",
+    "trajectory_msgs/JointTrajectory": "Header header\nstring[] joint_names\nJointTrajectoryPoint[] points",
+    "control_msgs/JointTolerance": "string name\nfloat64 position\nfloat64 velocity\nfloat64 acceleration",
+    "control_msgs/FollowJointTrajectoryGoal": "trajectory_msgs/JointTrajectory trajectory\nJointTolerance[] path_tolerance\nJointTolerance[] goal_tolerance\nduration goal_time_tolerance",
+    "control_msgs/FollowJointTrajectoryResult": "int32 error_code\nint32 SUCCESSFUL=0\nint32 INVALID_GOAL=-1\nint32 INVALID_JOINTS=-2\nint32 OLD_HEADER_TIMESTAMP=-3\n"
+    "int32 PATH_TOLERANCE_VIOLATED=-4\nint32 GOAL_TOLERANCE_VIOLATED=-5\nstring error_string",
+    "control_msgs/FollowJointTrajectoryFeedback": "Header header\nstring[] joint_names\ntrajectory_msgs/JointTrajectoryPoint desired\ntrajectory_msgs/JointTrajectoryPoint actual\n"
+    "trajectory_msgs/JointTrajectoryPoint error",
+    "control_msgs/FollowJointTrajectoryActionGoal": "Header header\nactionlib_msgs/GoalID goal_id\nFollowJointTrajectoryGoal goal",
+    "control_msgs/FollowJointTrajectoryActionResult": "Header header\nactionlib_msgs/GoalStatus status\nFollowJointTrajectoryResult result",
+    "control_msgs/FollowJointTrajectoryActionFeedback": "Header header\nactionlib_msgs/GoalStatus status\nFollowJointTrajectoryFeedback feedback",
+    "control_msgs/FollowJointTrajectoryAction": "FollowJointTrajectoryActionGoal action_goal\nFollowJointTrajectoryActionResult action_result\nFollowJointTrajectoryActionFeedback action_feedback",
+    "industrial_msgs/TriState": "int8 val\nint8 UNKNOWN=-1\nint8 TRUE=1\nint8 ON=1\nint8 ENABLED=1\nint8 HIGH=1\nint8 CLOSED=1\nint8 FALSE=0\nint8 OFF=0\nint8 DISABLED=0\nint8 LOW=0\nint8 OPEN=0",
+    "industrial_msgs/RobotMode": "int8 val\nint8 UNKNOWN=-1\nint8 MANUAL=1\nint8 AUTO=2",
+    "industrial_msgs/RobotStatus": "Header header\nindustrial_msgs/RobotMode mode\nindustrial_msgs/TriState e_stopped\nindustrial_msgs/TriState drives_powered\n"
+    "industrial_msgs/TriState motion_possible\nindustrial_msgs/TriState in_motion\nindustrial_msgs/TriState in_error\nint32 error_code",
+    "industrial_msgs/ServiceReturnCode": "int8 val\nint8 SUCCESS=1\nint8 FAILURE=-1",
+    "industrial_msgs/DeviceInfo": "string model\nstring serial_number\nstring hw_version\nstring sw_version\nstring address",
+    "industrial_msgs/StopMotionRequest": "",
+    "industrial_msgs/StopMotionResponse": "industrial_msgs/ServiceReturnCode code",
+    "industrial_msgs/CmdJointTrajectoryRequest": "trajectory_msgs/JointTrajectory trajectory",
+    "industrial_msgs/CmdJointTrajectoryResponse": "industrial_msgs/ServiceReturnCode code",
+    "industrial_msgs/GetRobotInfoRequest": "",
+    "industrial_msgs/GetRobotInfoResponse": "industrial_msgs/DeviceInfo controller\nindustrial_msgs/DeviceInfo[] robots\nindustrial_msgs/ServiceReturnCode code",
+}
+"""Field names and types of each message, and its constants: all that the md5 sums depend on."""
+
+
+class Interfaces(NamedTuple):
+    """Classes of messages and services. Each has genpy's `_type` and `_md5sum`, and no type that a checker knows."""
+
+    action: Any
+    """control_msgs/FollowJointTrajectoryAction."""
+    feedback: Any
+    """control_msgs/FollowJointTrajectoryFeedback."""
+    result: Any
+    """control_msgs/FollowJointTrajectoryResult."""
+    tolerance: Any
+    """control_msgs/JointTolerance."""
+    status: Any
+    """industrial_msgs/RobotStatus."""
+    device: Any
+    """industrial_msgs/DeviceInfo."""
+    stop_motion: Any
+    """industrial_msgs/StopMotion."""
+    path_command: Any
+    """industrial_msgs/CmdJointTrajectory."""
+    robot_info: Any
+    """industrial_msgs/GetRobotInfo."""
+
+
+def interfaces() -> Interfaces:
+    """Return the classes: those of the installed packages, or our own of the same names and md5 sums."""
+    found = [
+        _installed("control_msgs.msg"),
+        _installed("industrial_msgs.msg"),
+        _installed("industrial_msgs.srv"),
+    ]
+    made: Any = _Made() if None in found else None
+    control, messages, services = (made if one is None else one for one in found)
+    return Interfaces(
+        control.FollowJointTrajectoryAction,
+        control.FollowJointTrajectoryFeedback,
+        control.FollowJointTrajectoryResult,
+        control.JointTolerance,
+        messages.RobotStatus,
+        messages.DeviceInfo,
+        services.StopMotion,
+        services.CmdJointTrajectory,
+        services.GetRobotInfo,
+    )
+
+
+def _installed(module: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        return None
+
+
+class _Made:
+    """The classes made from `_TEXTS`, each an attribute by its name without the package's."""
+
+    def __init__(self) -> None:
+        dynamic = importlib.import_module("genpy.dynamic")
+        rest = [f"MSG: {name}\n{text}" for name, text in _TEXTS.items() if name != _ACTION]
+        classes: Dict[str, Any] = dynamic.generate_dynamic(_ACTION, _RULE.join([_TEXTS[_ACTION], *rest]))
+        sums = _md5_texts()
+        for name, made in classes.items():
+            setattr(self, name.split("/")[1], made)
+        for request in (name for name in _TEXTS if name.endswith("Request")):
+            name = request[: -len("Request")]
+            setattr(self, name.split("/")[1], _service(name, classes, sums))
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"{name} is not among the interfaces that the ROS 1 node makes by itself")
+
+
+def _md5_texts() -> Dict[str, str]:
+    """Return what the md5 sum of each message is taken of, by the message's name."""
+    genmsg = importlib.import_module("genmsg")
+    loader, tools = importlib.import_module("genmsg.msg_loader"), importlib.import_module("genmsg.gentools")
+    context = genmsg.MsgContext.create_default()
+    read = {name: loader.load_msg_from_string(context, text, name) for name, text in _TEXTS.items()}
+    for name, one in read.items():
+        context.register(name, one)
+    return {name: tools.compute_md5_text(context, one) for name, one in read.items()}
+
+
+def _service(name: str, classes: Dict[str, Any], sums: Dict[str, str]) -> Any:
+    """Return the class of a service. Its md5 sum is that of the request's text and the response's, one after the other."""
+    text = sums[f"{name}Request"] + sums[f"{name}Response"]
+    content = {
+        "_type": name,
+        "_md5sum": hashlib.md5(text.encode()).hexdigest(),
+        "_request_class": classes[f"{name}Request"],
+        "_response_class": classes[f"{name}Response"],
+    }
+    return type(name.split("/")[1], (), content)

@@ -6,6 +6,7 @@ Inside a `Track` the joints are in the robot's order; a `Goal` has them in its o
 from __future__ import annotations
 
 import bisect
+import collections
 import math
 from dataclasses import dataclass, replace
 from typing import Sequence, Tuple
@@ -170,7 +171,7 @@ def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
 
 
 def _wrong_names(names: Sequence[str], robots: Sequence[str]) -> str | None:
-    doubled = sorted({name for name in names if names.count(name) > 1})
+    doubled = sorted(name for name, count in collections.Counter(names).items() if count > 1)
     unknown = [name for name in names if name not in robots]
     missing = [name for name in robots if name not in names]
     for found, what in ((unknown, "unknown"), (doubled, "doubled"), (missing, "missing")):

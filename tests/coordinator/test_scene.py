@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio
 import pytest
 from coordinator.virtual import coordinating, done, run
-from handling.carrying import CELL, GIVEN
+from handling.carrying import CELL, GIVEN, HEAD, PICK, PUT
 from programs import robot_of
 
 from yarclang.cell.description import Names, load_cell
@@ -316,5 +316,78 @@ def test_who_watches_hears_of_each_change(tmp_path):
             (tmp_path / "cell.toml").write_text("[[obstacles")
             items, _ = await scene()
             assert "FLOOR" in items  # what motions kept to before
+
+    run(watched())
+
+
+def test_parts_go_with_the_gripper_while_a_program_runs(tmp_path):
+    (tmp_path / "cell.toml").write_text(CELL.format(**GIVEN))
+    (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
+    (tmp_path / "all.yarc").write_text(HEAD + PICK + PUT)
+
+    async def watched():
+        async with coordinating(folder=tmp_path) as (_, coordinator, client):
+            owner, watcher = Here(coordinator, "owner"), Here(coordinator, "watcher")
+            listening = coordinator.subscribe()
+            client.session.release()
+            await owner.ask(orders.Own())
+            loaded = await owner.ask(orders.Load(file=str(tmp_path / "all.yarc")))
+            running = asyncio.create_task(owner.ask(orders.Run(program=loaded.program.number, approach=True)))
+
+            async def box():
+                told = await watcher.ask(orders.AskScene())
+                return {one.name: (one.carried, np.array(one.pose)) for one in told.items}.get("BOX")
+
+            seen = []
+            while not running.done():
+                await asyncio.sleep(0.2)
+                if changes(listening) or not seen:
+                    seen.append(await box())
+            assert (await running).well
+            seen.append(await box())
+            carried = [one[0] for one in seen]
+            first, last = carried.index(True), len(carried) - carried[::-1].index(True)
+            assert 0 < first < last < len(carried)
+            assert all(carried[first:last])
+            np.testing.assert_allclose(seen[0][1][:3, 3], [0.3, 0.85, 0.65], atol=1e-9)
+            np.testing.assert_allclose(seen[last][1][:3, 3], [-0.25, 0.9, 0.7], atol=1e-4)
+            # while the program ran it was computed, afterwards the coordinator knows it
+            np.testing.assert_allclose(seen[last][1], seen[-1][1], atol=1e-4)
+            assert seen[-1][0] is False
+            (kept,) = (await watcher.ask(orders.AskParts(cell=str(tmp_path / "cell.toml")))).parts
+            np.testing.assert_allclose(kept.pose, seen[-1][1], atol=1e-9)
+
+    run(watched())
+
+
+def test_a_cell_of_the_program_that_was_run_is_read_again(tmp_path):
+    two, _, _ = ALL.partition('[[obstacles]]\nname = "CUP"')
+    (tmp_path / "cell.toml").write_text(two)
+    (tmp_path / "up.yarc").write_text('CELL "cell.toml"\nP0010 MOVEJ 0 0 0 0 5 0 [1] (deg,s)\n')
+
+    async def watched():
+        async with coordinating(folder=tmp_path) as (_, coordinator, client):
+            client.session.leave()
+            mine, listening = Here(coordinator, "anna"), coordinator.subscribe()
+            await mine.ask(orders.Own())
+            loaded = await mine.ask(orders.Load(file=str(tmp_path / "up.yarc"), here=True))
+            assert (await mine.ask(orders.AskScene())).cell is None
+            assert not changes(listening)
+            assert (await mine.ask(orders.Run(program=loaded.program.number))).well
+            await asyncio.sleep(0.1)
+            assert changes(listening)
+            before = await mine.ask(orders.AskScene())
+            assert before.cell == str(tmp_path / "cell.toml")
+            (tmp_path / "cell.toml").write_text(two.replace('"ROD"', '"PIPE"'))
+            after = await mine.ask(orders.AskScene())
+            assert "PIPE" in {one.name for one in after.items}
+            assert after.version != before.version
+            for broken in ("[[obstacles", 'units = "mm,deg,s"\n[[obstacles]]\nname = "A"\n'):
+                (tmp_path / "cell.toml").write_text(broken)
+                told = await mine.ask(orders.AskScene())
+                assert [one.name for one in told.items] == [one.name for one in before.items]
+                assert "as it was when the program was loaded" in told.notes[0]
+            (tmp_path / "cell.toml").unlink()
+            assert (await mine.ask(orders.AskScene())).items == told.items
 
     run(watched())

@@ -34,7 +34,7 @@ from yarclang.ros.node.action import (
     Stop,
     TrajectoryAction,
 )
-from yarclang.ros.node.trajectory import Goal, Joint, Moment, Values, program_of, too_long
+from yarclang.ros.node.trajectory import Goal, Joint, Moment, Values, fault_of, program_of, too_long
 
 __all__ = ["Driver", "Feedback", "Goal", "JointState", "Result", "Shell", "Status"]
 
@@ -251,6 +251,14 @@ class Driver:
         self._use(link)
         for work in (self._tell, self._keep_time, self._supervise):
             self._begin(work)
+
+    def check(self, goal: Goal) -> Result | None:
+        """Return why `goal` would reject a goal as things are, and nothing else; None: it would be accepted."""
+        with self._lock:
+            if self._link is None or self._closing:
+                return Result(INVALID_GOAL, f"no robot is there: {self._lost}")
+            joints = self._action.joints
+        return fault_of(goal, joints)
 
     def goal(self, goal_id: str, goal: Goal) -> Result | None:
         """Take a goal, at once, from any thread. Return None if it is accepted (planning follows), else why it is rejected."""

@@ -30,6 +30,9 @@ NAME = "yarc_driver"
 END_TIME = 2.0
 """Longest wait for what the executor has still to do when the node ends [s]."""
 
+_HEARD_WITHIN = 0.1
+"""A signal that reaches another thread is seen when the main thread looks [s]."""
+
 
 def main(arguments: List[str] | None = None) -> int:
     """Run the node until SIGINT or SIGTERM.
@@ -44,6 +47,9 @@ def main(arguments: List[str] | None = None) -> int:
     if {"-h", "--help"} & set(given[1:]):
         sys.stdout.write(__doc__ or "")
         return 0
+    over = threading.Event()
+    for one in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(one, _ender(over))
     try:
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
@@ -53,9 +59,6 @@ def main(arguments: List[str] | None = None) -> int:
     except ImportError as missing:
         sys.stderr.write(what_is_missing(missing, os.environ.get("ROS_DISTRO")))
         return 2
-    over = threading.Event()
-    for one in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(one, _ender(over))
     try:
         # rclpy's own handlers would end the context before the robot rests
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
@@ -70,7 +73,6 @@ def main(arguments: List[str] | None = None) -> int:
     except (ValueError, Refused) as error:
         node.get_logger().fatal(said(error))
         status = 1
-    executor.shutdown(timeout_sec=END_TIME)
     node.destroy_node()
     rclpy.try_shutdown()
     return status
@@ -88,22 +90,27 @@ def _served(shell: Any, executor: Any, over: threading.Event, log: Any) -> int:
             failed.set()
         over.set()
 
-    threading.Thread(target=spin, name="executor", daemon=True).start()
+    spinning = threading.Thread(target=spin, name="executor", daemon=True)
+    spinning.start()
     try:
         if shell.connect(over):
             shell.offer()
-            over.wait()
+            while not over.wait(_HEARD_WITHIN):
+                pass
             log.info("the node ends; if it moves the robot, the robot comes to rest on its path")
     finally:
         shell.close(END_TIME)
+        executor.shutdown(timeout_sec=END_TIME)
+        spinning.join(END_TIME)  # a thread that is still inside rclpy when Python ends would abort the process
     return int(failed.is_set())
 
 
 def _ender(over: threading.Event) -> Any:
     def end(_number: int, _frame: Any) -> None:
+        # launch and a terminal may both send a signal, and one that comes during `set` would wait for its lock for ever: the end has its time limits, so that others don't count
+        for one in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(one, signal.SIG_IGN)
         over.set()
-        for one in (signal.SIGINT, signal.SIGTERM):  # a second signal ends the process at once
-            signal.signal(one, signal.SIG_DFL)
 
     return end
 

@@ -29,11 +29,11 @@ from std_srvs.srv import Trigger
 
 from yarclang.client import Gone, Refused
 from yarclang.ros.node import ros2_messages as messages
-from yarclang.ros.node.action import ABORTED, CANCELED, INVALID_GOAL, SUCCEEDED, SUCCESSFUL, Feedback, Result
+from yarclang.ros.node.action import ABORTED, CANCELED, INVALID_GOAL, SUCCEEDED, Feedback, Result
 from yarclang.ros.node.driver import Driver, JointState, Status
 from yarclang.ros.node.kinematics import Kinematics
 from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
-from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal, fault_of
+from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
 """The action of ros2_control's trajectory controller: the same as in what `yarc export --moveit` writes."""
@@ -76,15 +76,15 @@ class Node:
 
     def __init__(self, node: Any, executor: Any) -> None:
         self._node, self._executor, self._log = node, executor, node.get_logger()
-        self._robot = str(self._parameter("robot", ""))
-        self._action = str(self._parameter("action", ACTION))
+        self._robot = _text("robot", self._parameter("robot", ""))
+        self._action = _text("action", self._parameter("action", ACTION))
         self._hold_on_cancel = _truth("hold_on_cancel", self._parameter("hold_on_cancel", True))
         self._pace = _percent("override", self._parameter("override", 0.0))
         node.declare_parameter("robot_description", "")
         self._driver: Driver | None = None
         self._goals: Dict[str, _UnderWay] = {}
         self._name = self._robot
-        self._changed, self._closed = threading.Event(), threading.Event()
+        self._changed, self._closing, self._closed = (threading.Event() for _ in range(3))
         self._orders = concurrent.futures.ThreadPoolExecutor(4, thread_name_prefix="orders")
         self._joint_states = node.create_publisher(JointStateMessage, "joint_states", 10)
         self._description = node.create_publisher(String, "robot_description", _KEPT)
@@ -121,8 +121,8 @@ class Node:
                 driver.start()
             except (Gone, TimeoutError) as error:
                 if str(error) != told:
-                    to_do = "start it (yarc serve --robot NAME) as the same user and with the same XDG_RUNTIME_DIR, or name it (-p robot:=NAME)"
-                    self.say("error", f"{error}: {to_do}; the node tries again each second")
+                    to_do = "Serve the robot as the same user and with the same XDG_RUNTIME_DIR, or name it with -p robot:=NAME; the node tries again each second"
+                    self.say("error", f"{error}. {to_do}")
                 told = str(error)
                 over.wait(_TRIED_EACH)
             else:
@@ -171,6 +171,8 @@ class Node:
         Args:
             patience: longest wait until the results are sent [s].
         """
+        self._closing.set()
+        self._changed.set()
         if self._driver is not None:
             self._driver.close()
         for goal_id in list(self._goals):
@@ -180,7 +182,6 @@ class Node:
             time.sleep(0.01)
         time.sleep(_LAST_WORDS)
         self._closed.set()
-        self._changed.set()
         self._orders.shutdown(wait=False)
 
     def _connected(self) -> Driver:
@@ -190,8 +191,8 @@ class Node:
     # what the driver tells
 
     def accepted(self, goal_id: str) -> None:
-        """Log that planning begins."""
-        self._log.info(f"goal {goal_id[:8]} is planned")
+        """Log that a goal is planned from now on, or as soon as the robot rests."""
+        self._log.info(f"goal {goal_id} is accepted")
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
         """Publish how a goal goes on."""
@@ -239,13 +240,16 @@ class Node:
     def _judge(self, request: Any) -> Any:
         """Accept or reject a goal by its form. Only `_begin` knows its id, so that only there the driver gets it."""
         others = messages.multi_dof_joints(request)
-        why = fault_of(self._goal_of(request), self._connected().joints)
         if others:
-            why = Result(INVALID_JOINTS, f"the robot has no multi-DOF joint {others[0][:64]!r}")
+            why: Result | None = Result(
+                INVALID_JOINTS, f"the robot has no multi-DOF joint {others[0][:64]!r}"
+            )
+        else:
+            why = self._connected().check(self._goal_of(request))
         if why is None:
             return GoalResponse.ACCEPT
         # a rejection has no text in ROS 2
-        self._log.error(f"a goal was rejected ({why.error_code}): {why.error_string}")
+        self.say("error", f"a goal was rejected ({why.error_code}): {why.error_string}")
         return GoalResponse.REJECT
 
     def _begin(self, handle: Any) -> None:
@@ -254,6 +258,7 @@ class Node:
         handle.execute()
         refused = self._connected().goal(goal_id, self._goal_of(handle.request))
         if refused is not None:
+            self.say("error", f"goal {goal_id}: {refused.error_string}")
             self.ended(goal_id, ABORTED, refused)
 
     def _goal_of(self, request: Any) -> Goal:
@@ -278,7 +283,8 @@ class Node:
         else:
             handle.abort()
         del self._goals[goal_id]
-        self.say(*_line_of(goal_id, outcome, result))
+        note = f" ({result.error_string})" if result.error_string else ""
+        self.say("info", f"goal {goal_id} has ended: {outcome}{note}")
         return messages.result_message(FollowJointTrajectory.Result, result)
 
     # orders
@@ -320,13 +326,15 @@ class Node:
         """Ask the driver after changes, in a thread of its own: it may take its time."""
         told: Dict[str, str] = {}
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
-        while self._changed.wait() and not self._closed.is_set():
+        while self._changed.wait() and not self._closing.is_set():
             self._changed.clear()
             for topic, work in works.items():
                 try:
                     work()
                     told.pop(topic, None)
-                except (*_FAILED, ValueError) as error:
+                except Gone:  # the driver tells that, and of a robot that is served again
+                    break
+                except (Refused, TimeoutError, ValueError) as error:
                     if told.get(topic) != said(error):
                         self.say("warn", f"{topic} isn't up to date: {said(error)}")
                     told[topic] = said(error)
@@ -404,11 +412,11 @@ def _id_of(handle: Any) -> str:
     return bytes(handle.goal_id.uuid).hex()
 
 
-def _line_of(goal_id: str, outcome: str, result: Result) -> Tuple[str, str]:
-    """Return level and text of the line that tells a goal's end."""
-    code = f" ({result.error_code})" if result.error_code != SUCCESSFUL else ""
-    reason = f": {result.error_string}" if result.error_string else ""
-    return ("error" if outcome == ABORTED else "info"), f"goal {goal_id[:8]} {outcome}{code}{reason}"
+def _text(name: str, value: Any) -> str:
+    """Return a name; a number is the one of a process."""
+    if isinstance(value, bool) or not isinstance(value, (str, int)):
+        raise ValueError(f"the parameter {name} is {value!r}: it must be a text")
+    return str(value)
 
 
 def _truth(name: str, value: Any) -> bool:

@@ -452,6 +452,25 @@ def test_a_stop_is_for_a_goal_that_is_planned_as_well(node):
     assert shell.positions == before
 
 
+def test_a_stop_from_elsewhere_is_for_a_goal_that_is_planned_as_well(node, path):
+    driver, shell = node
+    before = shell.positions
+    wave = [Point(tuple(q + 0.05 * math.sin(0.3 * n) for q in before), 0.5 + 0.2 * n) for n in range(2000)]
+    driver.goal("g", Goal(driver.joint_names, tuple(wave)))
+    while owner_of(path) is None:
+        time.sleep(0.01)
+    with Robot(path, name=None) as other:
+        other.ask("stop")
+    assert not any("was planned" in text for _, text in shell.says)
+    outcome, _, why = shell.end("g")
+    assert outcome == "aborted"
+    assert "stopped before it began; nothing moved" in why
+    assert shell.feedbacks == {}
+    assert shell.positions == before
+    driver.goal("then", goal_to(driver, away(shell, 0.05)))
+    assert shell.end("then")[0] == "succeeded"
+
+
 # what fails
 
 

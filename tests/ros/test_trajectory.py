@@ -82,8 +82,14 @@ def goals(draw, size=3):
         (goal(THERE, THERE), INVALID_GOAL, "point 1: time_from_start is 1 s, and 1 s at the point before"),
         (goal(point(*[0.0] * 6, at=-1.0)), INVALID_GOAL, "point 0: time_from_start is -1 s"),
         (goal(point(*[0.0] * 6, at=math.nan)), INVALID_GOAL, "point 0: time_from_start is nan s"),
-        (goal(point(*[0.0] * 6, at=math.inf)), INVALID_GOAL, "time_from_start is inf s"),
+        (
+            goal(point(*[0.0] * 6, at=math.inf)),
+            INVALID_GOAL,
+            "time_from_start is inf s: it must be a number from 0 to 1e+06",
+        ),
         (goal(point(*[0.0] * 5)), INVALID_GOAL, "point 0 has 5 positions for 6 joints"),
+        (goal(point(*[0.0] * 5, 1e300)), INVALID_GOAL, "positions of J6 has 1e+300"),
+        (goal(HOME, dataclasses.replace(THERE, time_from_start=1e-200)), INVALID_GOAL, "times must grow"),
         (goal(point()), INVALID_GOAL, "point 0 has no positions"),
         (goal(point(*[0.0] * 5, math.nan)), INVALID_GOAL, "point 0: positions of J6 has nan"),
         (goal(point(*[0.0] * 6, v=[0.0] * 5)), INVALID_GOAL, "5 velocities for 6 joints"),
@@ -142,6 +148,50 @@ def test_a_tolerance_of_none_and_a_late_stamp_are_taken():
 @given(goals())
 def test_any_goal_of_good_shape_is_taken(some):
     assert fault_of(some, ARM[:3]) is None
+
+
+any_row = st.lists(st.floats(), min_size=1, max_size=4).map(tuple)
+any_points = st.lists(
+    st.builds(Point, any_row, st.floats(), any_row | st.just(()), any_row | st.just(())), max_size=4
+).map(tuple)
+
+
+@settings(max_examples=300)
+@given(
+    st.builds(
+        Goal,
+        st.permutations(["a", "b"]).map(tuple),
+        any_points,
+        starts_in=st.floats(),
+        path_tolerance=st.lists(st.builds(Tolerance, st.text(), st.floats())).map(tuple),
+        goal_time_tolerance=st.floats(),
+    )
+    | st.builds(
+        Goal,
+        st.just(("a", "b")),
+        st.lists(st.floats(0.0, 1e6), min_size=1, max_size=4, unique=True).map(
+            lambda times: tuple(Point((-1e6, 1e6), time, (0.0, 0.0), (1e6, -1e6)) for time in sorted(times))
+        ),
+    )
+)
+def test_any_numbers_are_rejected_or_become_a_program(some):
+    joints = (Joint("a", "deg"), Joint("b", "mm"))
+    found = fault_of(some, joints)
+    if found is not None:
+        assert 0 < len(found.error_string) < 2000
+        return
+    made = program_of(some, joints, (0.1, 0.2))
+    assert not set("einf") & set(
+        made.text.replace("(mm,deg,s)", "")
+        .replace("(mm,deg)", "")
+        .lower()
+        .replace("movej_timed", "")
+        .replace("movej", "")
+        .replace("vel", "")
+    )
+    track = made.track
+    for share in (0.0, 0.3, 1.0):
+        assert all(map(math.isfinite, track.at(share * track.duration).positions))
 
 
 # the path

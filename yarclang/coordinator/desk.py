@@ -74,6 +74,7 @@ class Desk:
         self._held = Held(coordinator, client.name)
         self._servicing = Servicing(coordinator, client.name)
         self._stops: int | None = None
+        self._stops_at_own = coordinator.stops
         self._handlers: dict[type[Order[Any]], Callable[[Any], Any]] = {
             orders.AskStatus: lambda _: status_of(coordinator),
             orders.Hold: lambda _: self._ordered(client.motion.hold),
@@ -82,7 +83,7 @@ class Desk:
             orders.Stop: lambda _: self._ordered(client.motion.stop),
             orders.Abort: lambda _: self._ordered(client.motion.abort),
             orders.Override: lambda order: self._ordered(lambda: client.motion.override(order.percent)),
-            orders.Own: lambda order: _done(lambda: client.session.own(shared=order.shared)),
+            orders.Own: lambda order: _done(lambda: self._own(order)),
             orders.Give: lambda order: _done(lambda: client.session.give(order.to)),
             orders.Release: lambda _: self._release(),
             orders.Clear: lambda _: self._clear(),
@@ -180,6 +181,10 @@ class Desk:
         if coordinator.state is State.MOVE and not coordinator.paused and Hold() not in operation.orders:
             raise Trouble("it isn't held: there is nothing to resume", code="")
         return self._ordered(self.client.motion.resume)
+
+    def _own(self, order: orders.Own) -> None:
+        self.client.session.own(shared=order.shared)
+        self._stops_at_own = self._coordinator.stops
 
     def _release(self) -> replies.Released:
         coordinator = self._coordinator
@@ -341,6 +346,8 @@ class Desk:
         loaded = self._loaded(order.program)
         stops = coordinator.stops if self._stops is None else self._stops
         self._stops = None
+        if order.unless_stopped:
+            stops = self._stops_at_own
         await self._check_cell(order.program)
         program = loaded.origins().program
         coordinator.around.know(program, loaded.around)

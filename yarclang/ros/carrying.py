@@ -144,7 +144,7 @@ class Carrying:
 
     async def _run(self, program: replies.ProgramDescribed, seat: Attached, goal: Goal) -> Refusal | None:
         try:
-            ended = await seat.ask(orders.Run(program=program.number))
+            ended = await seat.ask(orders.Run(program=program.number, unless_stopped=True))
         except Trouble as trouble:
             return refusal_of(trouble)
         if ended.well:

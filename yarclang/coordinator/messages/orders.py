@@ -364,6 +364,8 @@ class Run(Order[replies.Ended]):
     """Whether to move slowly to its start first, if the robot isn't there."""
     times: Annotated[int | None, Field(ge=1, description="a whole number from 1, or null")] = 1
     """How often; null: until somebody stops it."""
+    unless_stopped: Annotated[bool, Field(description="true or false")] = False
+    """Whether it doesn't begin if somebody has ordered a stop since this client said `own`, for one that plans and runs by itself."""
 
 
 class Save(Order[replies.Saved]):

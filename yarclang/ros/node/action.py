@@ -211,6 +211,11 @@ class TrajectoryAction:
         """When `passed` is to be called next [s]; None: nothing is waited for."""
         return None if self._current is None else self._current.due
 
+    def plans(self, number: int) -> bool:
+        """Return True if the goal of a number is being planned, and hasn't ended meanwhile."""
+        current = self._current
+        return current is not None and current.number == number and current.phase == "planning"
+
     # clients
 
     def goal(self, goal_id: str, goal: Goal, now: float) -> tuple[Result | None, list[Action]]:
@@ -259,7 +264,7 @@ class TrajectoryAction:
     def planned(self, number: int, made: Ready | Result, now: float) -> list[Action]:
         """Take note that a goal was planned, or can't be (a `Result`). One that has ended meanwhile isn't carried out."""
         current = self._current
-        if current is None or current.number != number or current.phase != "planning":
+        if current is None or not self.plans(number):
             return []
         if isinstance(made, Result):
             return self._end((ABORTED, made))

@@ -16,7 +16,7 @@ import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Callable, Protocol, Sequence
+from typing import Any, Callable, Iterator, Protocol, Sequence
 
 from yarclang.client import Gone, Refused, Robot, find
 from yarclang.ros.node.action import (
@@ -219,7 +219,7 @@ class Driver:
         self._lost = "it wasn't started"
         self._last = ""
         self._seen = _Seen()
-        self._plans: collections.deque[Plan] = collections.deque()
+        self._plans: collections.deque[tuple[Plan, int]] = collections.deque()
         self._program: tuple[int, int] | None = None
         self._running: tuple[int, int] | None = None
         self._stops: list[int] = []
@@ -360,7 +360,7 @@ class Driver:
     def _do(self, actions: Sequence[Action]) -> None:
         for action in actions:
             if isinstance(action, Plan):
-                self._plans.append(action)
+                self._send_own(action)
             elif isinstance(action, Move):
                 self._send_run(action.number)
             elif isinstance(action, Stop):
@@ -383,11 +383,22 @@ class Driver:
         self._show([])
         self._tell_status()
 
+    def _send_own(self, plan: Plan) -> None:
+        """Own the robot from now on: a stop that somebody orders while the goal is planned is for its motion as well."""
+        assert self._link is not None
+        try:
+            self._plans.append((plan, self._link.orders.order("own", shared=True)))
+        except Gone as gone:
+            self._lose(self._link, str(gone))
+
     def _send_run(self, number: int) -> None:
         assert self._link is not None
         assert self._program is not None
         try:
-            self._running = number, self._link.orders.order("run", program=self._program[1])
+            self._running = (
+                number,
+                self._link.orders.order("run", program=self._program[1], unless_stopped=True),
+            )
         except Gone as gone:
             self._lose(self._link, str(gone))
 
@@ -483,15 +494,23 @@ class Driver:
             if link is None:
                 self._try_again()
                 continue
-            try:
+            with self._losing(link):
                 health = link.health.ask("health", patience=_HANGS)
                 status = link.health.ask("status", patience=_HANGS)
-            except Refused as refused:
-                self._say("warn", _said(refused))
-            except (Gone, TimeoutError) as error:
-                self._lose(link, str(error))
-            else:
                 self._look(link, health, status)
+
+    @contextlib.contextmanager
+    def _losing(self, link: _Link) -> Iterator[None]:
+        """Give a connection up whose other side is gone, hangs, or says what isn't understood."""
+        try:
+            yield
+        except (Gone, TimeoutError) as error:
+            self._lose(link, str(error))
+        except Refused as refused:
+            self._lose(link, _said(refused))
+        except Exception as error:
+            _LOG.exception("what was heard can't be used")
+            self._lose(link, f"what was heard can't be used: {error!r}")
 
     def _try_again(self) -> None:
         for which in dict.fromkeys((self._which, self._anew())):
@@ -523,7 +542,7 @@ class Driver:
             if cell != self._seen.cell:
                 self._call(self._shell.changed)
             self._seen.powered, self._seen.cell = powered, cell
-            self._tell_status(anyway=True)
+            self._tell_status(again=True)
 
     # time
 
@@ -539,43 +558,45 @@ class Driver:
 
     def _carry_out(self, link: _Link) -> None:
         """Plan goals, wait for their ends, and release the robot after the last one."""
-        try:
+        with self._losing(link):
             while True:
                 with self._lock:
                     self._news.wait_for(lambda: self._link is not link or self._has_work)
                     if self._link is not link:
                         return
                     running = self._running
-                    plan = self._plans.popleft() if running is None and self._plans else None
+                    planning = self._plans.popleft() if running is None and self._plans else None
                 if running is not None:
                     self._await_end(link, *running)
-                elif plan is not None:
-                    self._plan(link, plan)
+                elif planning is not None:
+                    self._plan(link, *planning)
                 else:
                     self._release(link)
-        except (Gone, TimeoutError) as error:
-            self._lose(link, str(error))
-        except Refused as refused:
-            self._lose(link, _said(refused))
 
     @property
     def _has_work(self) -> bool:
         return bool(self._plans or self._running is not None or (self._owns and self._action.is_idle))
 
-    def _plan(self, link: _Link, plan: Plan) -> None:
+    def _plan(self, link: _Link, plan: Plan, owning: int) -> None:
         made: Ready | Result
         program: int | None = None
         ghost: list[tuple[float, Values]] = []
         try:
+            link.orders.answer(owning, _PREPARES)
             made, program, ghost = self._prepared(link, plan)
         except Refused as refused:
             made = Result(INVALID_GOAL, _said(refused))
+        except (Gone, TimeoutError):
+            raise
+        except Exception as error:
+            _LOG.exception("a goal can't be planned")
+            made = Result(INVALID_GOAL, f"a bug of yarclang: {error!r}; report it")
         with self._lock:
             if self._link is not link:
                 return
             self._program = None if program is None else (plan.number, program)
             actions = self._action.planned(plan.number, made, time.monotonic())
-            if not self._action.is_idle and isinstance(made, Ready):
+            if actions and isinstance(made, Ready):
                 self._show(ghost)
             self._do(actions)
 
@@ -590,9 +611,10 @@ class Driver:
             TimeoutError: it doesn't answer.
         """
         robot = link.orders
-        robot.ask("own", shared=True, patience=_PREPARES)
         with self._lock:
             self._owns = True
+            if not self._action.plans(plan.number):
+                return Ready(None), None, []
             pace, self._pace = self._pace, None
         if pace is not None:
             robot.ask("override", percent=pace)
@@ -656,16 +678,13 @@ class Driver:
 
     def _hear(self, link: _Link) -> None:
         """Take events until the process ends."""
-        try:
+        with self._losing(link):
             for event in link.events.events(positions=True):
                 with self._lock:
                     if self._link is not link:
                         return
                     self._take(link, event)
-        except (Gone, Refused, TimeoutError) as error:
-            self._lose(link, str(error))
-        else:
-            self._lose(link, f"{os.path.basename(link.path)[:-5]} has ended")  # noqa: PTH119
+            raise Gone(f"{os.path.basename(link.path)[:-5]} has ended")  # noqa: PTH119
 
     def _take(self, link: _Link, event: dict[str, Any]) -> None:
         kind = event["event"]
@@ -711,11 +730,11 @@ class Driver:
 
     # how it is
 
-    def _tell_status(self, *, anyway: bool = False) -> None:
+    def _tell_status(self, *, again: bool = False) -> None:
         status = self._status()
-        if anyway or status != self._told:
+        if again or status != self._told:
+            self._call(partial(self._shell.status, status), often=status == self._told)
             self._told = status
-            self._call(partial(self._shell.status, status))
 
     def _status(self) -> Status:
         link, seen = self._link, self._seen

@@ -6,6 +6,7 @@ Inside a `Track` the joints are in the robot's order; a `Goal` has them in its o
 from __future__ import annotations
 
 import bisect
+import collections
 import math
 from dataclasses import dataclass, replace
 from typing import Sequence, Tuple
@@ -24,6 +25,12 @@ MOST_POINTS = 20_000
 
 MOST_TEXT = (1 << 22) - 4096
 """Longest text of a program [bytes], as JSON: the coordinator reads lines up to 4 MiB."""
+
+MOST_VALUE = 1e6
+"""No position, velocity, acceleration or time of any robot is larger [rad, m, s]."""
+
+LEAST_STEP = 1e-6
+"""Between the times of two points [s]: the program's text has nanoseconds."""
 
 LATE = 1.0
 """A goal whose stamp is farther in the past [s] is refused."""
@@ -170,7 +177,7 @@ def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
 
 
 def _wrong_names(names: Sequence[str], robots: Sequence[str]) -> str | None:
-    doubled = sorted({name for name in names if names.count(name) > 1})
+    doubled = sorted(name for name, count in collections.Counter(names).items() if count > 1)
     unknown = [name for name in names if name not in robots]
     missing = [name for name in robots if name not in names]
     for found, what in ((unknown, "unknown"), (doubled, "doubled"), (missing, "missing")):
@@ -192,13 +199,15 @@ def _wrong_times(goal: Goal) -> str | None:
         return f"the goal has {len(points)} points, at most {MOST_POINTS} are taken: divide it, or thin it"
     if not (math.isfinite(goal.starts_in) and math.isfinite(goal.goal_time_tolerance)):
         return "the stamp or goal_time_tolerance is no finite number"
-    before = -math.inf
+    before = -LEAST_STEP
     for number, point in enumerate(points):
         time = point.time_from_start
-        if not (math.isfinite(time) and time >= 0.0):
-            return f"point {number}: time_from_start is {time:g} s: it must be finite and not below 0"
-        if not time > before:
-            return f"point {number}: time_from_start is {time:g} s, and {before:g} s at the point before: times must grow"
+        if not 0.0 <= time <= MOST_VALUE:
+            return (
+                f"point {number}: time_from_start is {time:g} s: it must be a number from 0 to {MOST_VALUE:g}"
+            )
+        if time < before + LEAST_STEP:
+            return f"point {number}: time_from_start is {time:.9g} s, and {before:.9g} s at the point before: times must grow"
         before = time
     return None
 
@@ -219,8 +228,8 @@ def _wrong_points(goal: Goal) -> str | None:
             if values and len(values) != size:
                 return f"point {number} has {len(values)} {what} for {size} joints"
             for name, value in zip(goal.joint_names, values):
-                if not math.isfinite(value):
-                    return f"point {number}: {what} of {name} has {value}: it must be a finite number"
+                if not abs(value) <= MOST_VALUE:
+                    return f"point {number}: {what} of {name} has {value:g}: it must be a number within {MOST_VALUE:g} [rad, m, s]"
     return None
 
 

@@ -31,7 +31,9 @@ def main() -> int:
         sys.exit("nobody offers joint_trajectory_action: is the node running?")
     goal = type(FollowJointTrajectoryAction().action_goal.goal)()
     fill_message_args(goal.trajectory, [yaml.safe_load(Path(sys.argv[1]).read_text())])
-    print(f"{len(goal.trajectory.points)} points, {goal.trajectory.points[-1].time_from_start.to_sec():.3f} s")
+    print(
+        f"{len(goal.trajectory.points)} points, {goal.trajectory.points[-1].time_from_start.to_sec():.3f} s"
+    )
     client.send_goal(
         goal,
         feedback_cb=lambda fed: rospy.loginfo_throttle(

@@ -3,10 +3,11 @@
 import itertools
 import math
 import signal
+import subprocess
 import time
 
 import pytest
-from ros.ros1.conftest import ended
+from ros.ros1.conftest import PYTHON, ROOT, ended
 
 JOINTS = ["J1", "J2", "J3", "J4", "J5", "J6"]
 AWAY = [0.4, -0.3, 0.3, 0.2, 0.4, 0.3]
@@ -140,6 +141,16 @@ def test_wrong_names_are_rejected(ros, names, said):
     outcome = ros.outcome(name=name)
     assert (outcome["status"], outcome["result"]["error_code"]) == (REJECTED, -2)
     assert said in outcome["result"]["error_string"]
+
+
+def test_a_goal_with_very_many_names_is_rejected_at_once(ros):
+    names = [f"J{at}" for at in range(1, 20_001)]
+    began = time.monotonic()
+    ros.send(name="names", names=names, points=[{"positions": [0.0] * 20_000, "time": 1.0}])
+    outcome = ros.outcome(name="names")
+    assert (outcome["status"], outcome["result"]["error_code"]) == (REJECTED, -2)
+    assert len(outcome["text"]) < 500
+    assert time.monotonic() - began < 5.0
 
 
 @pytest.mark.parametrize(
@@ -299,6 +310,36 @@ def test_the_override_slows_down(ros, stage):
     assert gone < 0.4 * 4.0 * passed
     ros.publish(topic="yarc_driver/override", data=100.0)
     assert ros.outcome(name="slow")["status"] == SUCCEEDED
+
+
+def test_a_master_that_hangs_holds_nothing_up(ros, stage):
+    _, end, points = there_and_back(ros)
+    stage.master.send_signal(signal.SIGSTOP)
+    try:
+        time.sleep(2.5)  # the node asks it meanwhile
+        ros.send(name="hung", names=JOINTS, points=points)
+        assert ros.outcome(name="hung")["status"] == SUCCEEDED
+        assert standing(ros) == pytest.approx(end, abs=1e-3)
+        began = time.monotonic()
+        assert stage.node.end() == 0
+        assert time.monotonic() - began < 15.0
+    finally:
+        stage.master.send_signal(signal.SIGCONT)
+        ended(ros.process, signal.SIGKILL)
+
+
+def test_a_plan_of_moveit_moves_the_robot(ros, stage):
+    """As docs/ros.md has it."""
+    command = [PYTHON, "examples/send_plan.py", "examples/moveit_plan.yaml"]
+    sent = subprocess.run(
+        command, cwd=ROOT, env=stage.environment, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert sent.returncode == 0, sent.stderr
+    told = sent.stdout.splitlines()
+    assert (told[0], told[-1]) == ("24 points, 2.299 s", "SUCCEEDED (0)")
+    assert standing(ros) == pytest.approx(
+        [0.698132, 0.261799, 0.087266, -0.349066, 0.785398, 0.523599], abs=1e-3
+    )
 
 
 def test_goals_go_on_without_a_master_and_a_new_one_learns_of_the_node(ros, stage):

@@ -16,6 +16,7 @@ docs/ros.md of yarclang tells the topics, services and rules. Written for Python
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -59,7 +60,8 @@ def main() -> int:
             node.offer()
             while not over.wait(0.2) and not rospy.is_shutdown():
                 pass
-        node.close()
+        if not node.close():
+            os._exit(0)  # Python would wait for rospy
     except (ValueError, Refused) as error:
         rospy.logfatal("%s", said(error))
         return 1

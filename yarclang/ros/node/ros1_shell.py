@@ -1,12 +1,14 @@
 """rospy's side of the driver: action, topics, services and parameters of the ROS 1 node.
 
-Whatever the driver tells goes through one queue and is published by one thread: so that the driver never waits for ROS, and actionlib's lock, which is held while a goal arrives, never for the driver.
+Whatever the driver tells goes through a queue and is published by one thread: so that the driver never waits for ROS, and actionlib's lock, which is held while a goal arrives, never for the driver.
+What is said to people has a thread of its own, since rospy asks the master something for each line: with a master that hangs, positions and results go on.
 
 Written for Python 3.8 and later.
 """
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import queue
 import threading
@@ -50,11 +52,14 @@ ACTION = "joint_trajectory_action"
 _BACKLOG = 500
 """Positions and feedback that ROS doesn't take are dropped beyond so many messages; ends of goals never are."""
 
-_ASKED_EACH = 2.0
+_ASKED_EACH = 1.0
 """How often the master is asked if it still knows this node [s]."""
 
 _LAST_WORDS = 0.3
 """What was published last needs so long to reach its subscribers before the node closes its connections [s]."""
+
+_UNREGISTERS = 2.0
+"""Longest wait until rospy has left the master [s]: it knows no limit itself."""
 
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
@@ -142,9 +147,9 @@ class Node:
         self._scene = rospy.Publisher("~scene", MarkerArray, queue_size=1, latch=True)
         self._ghost = rospy.Publisher("~ghost", MarkerArray, queue_size=1, latch=True)
         self._master = Master(rosgraph.get_master_uri(), rospy.get_name())
-        self._publishing = threading.Thread(target=self._publish, daemon=True)
+        self._lines: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self._publishing, self._talking = _worker(self._work), _worker(self._lines)
         self._attending = threading.Thread(target=self._attend, daemon=True)
-        self._publishing.start()
 
     # life
 
@@ -199,21 +204,23 @@ class Node:
             "info", f"goals are taken on {rospy.resolve_name(self._settings.action)}, for joints {names}"
         )
 
-    def close(self) -> None:
-        """End: the robot comes to rest on its path if a goal of ours moves it, and all goals are ended."""
+    def close(self) -> bool:
+        """End: the robot comes to rest on its path if a goal of ours moves it, and all goals are ended. Return False if rospy still waits for a master that hangs."""
         self._closing.set()
         self._changed.set()
         if self._driver is not None:
             self._driver.close()
         for goal_id in list(self._handles):
             self.ended(goal_id, "aborted", Result(INVALID_GOAL, "the node was ended"))
-        self._work.put(None)
+        for work in (self._work, self._lines):
+            work.put(None)
         self._publishing.join(5.0)
         time.sleep(_LAST_WORDS)
-        # rospy asks the master without a time limit
         shutting = threading.Thread(target=rospy.signal_shutdown, args=("the node was ended",), daemon=True)
         shutting.start()
-        shutting.join(5.0)
+        shutting.join(_UNREGISTERS)
+        self._talking.join(_LAST_WORDS)
+        return not (self._talking.is_alive() or shutting.is_alive())
 
     # what the driver tells
 
@@ -246,20 +253,13 @@ class Node:
     def say(self, level: str, text: str) -> None:
         """Tell people, on the terminal and on rosout."""
         log = {"info": rospy.loginfo, "warn": rospy.logwarn}.get(level, rospy.logerr)
-        self._work.put(lambda: log("%s", text))
+        self._lines.put(lambda: log("%s", text))
 
     # publishing, all in one thread
 
     def _stream(self, work: Callable[[], None]) -> None:
         if self._work.qsize() < _BACKLOG:
             self._work.put(work)
-
-    def _publish(self) -> None:
-        for work in iter(self._work.get, None):
-            try:
-                work()
-            except rospy.ROSException:  # rospy is being shut down
-                continue
 
     def _begin(self, goal_id: str) -> None:
         self._moving = goal_id
@@ -280,8 +280,6 @@ class Node:
             end.get(outcome, handle.set_aborted)(
                 result_message(self._kinds.result, result), result.error_string
             )
-        elif outcome == "aborted":
-            rospy.logerr("%s", f"{goal_id} was aborted: {result.error_string}")
 
     def _stand(self, state: JointState, stamp: Any) -> None:
         self._joint_states.publish(joint_state_message(JointStateMessage, state, stamp))
@@ -451,6 +449,19 @@ def said(error: Exception) -> str:
     """Return what an order was refused with, and what to do about it."""
     to_do = getattr(error, "help", "")
     return f"{error} ({to_do})" if to_do else str(error)
+
+
+def _worker(work: queue.SimpleQueue[Callable[[], None] | None]) -> threading.Thread:
+    """Return a thread that carries out what comes through a queue, until None comes."""
+
+    def carry_out() -> None:
+        for one in iter(work.get, None):
+            with contextlib.suppress(rospy.ROSException):  # rospy is being shut down
+                one()
+
+    thread = threading.Thread(target=carry_out, daemon=True)
+    thread.start()
+    return thread
 
 
 def _registered() -> Registered:

@@ -177,11 +177,9 @@ def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
 
 
 def _wrong_names(names: Sequence[str], robots: Sequence[str]) -> str | None:
-    # a hostile goal may have as many names as it likes
-    given = collections.Counter(names)
-    doubled = sorted(name for name, count in given.items() if count > 1)
-    unknown = [name for name in given if name not in robots]
-    missing = [name for name in robots if name not in given]
+    doubled = sorted(name for name, count in collections.Counter(names).items() if count > 1)
+    unknown = [name for name in names if name not in robots]
+    missing = [name for name in robots if name not in names]
     for found, what in ((unknown, "unknown"), (doubled, "doubled"), (missing, "missing")):
         if found:
             return f"joint names: {_listed(found)} {what}; the robot has {_listed(list(robots))}"

@@ -77,6 +77,7 @@ SOCKETS = {
     "ros/carrying.py": {"asyncio"},
     "ros/node/description.py": {"time"},
     "ros/node/driver.py": {"threading", "time"},
+    "ros/node/master.py": {"http"},
     "ros/node/ros1.py": {"signal", "threading"},
     "ros/node/ros1_shell.py": {"queue", "threading", "time"},
     "ros/node/ros2.py": {"signal", "threading"},

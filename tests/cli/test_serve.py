@@ -304,6 +304,47 @@ def test_the_client_hears_events_and_stops_from_elsewhere(workshop, simulator, s
     assert_rests(simulator)
 
 
+def test_what_one_connection_orders_is_heard_in_this_order(workshop, simulator, served, home):
+    """A stop behind a run on the same connection ends it, however soon it comes: nobody waits for an answer between."""
+    with Robot(name="me") as robot:
+        robot.own()
+        for _ in range(5):
+            number = robot.offer("DMOVEJ 1 0 0 0 0 0 [4] (deg,s)")["offer"]["number"]
+            going, stopping = robot.order("go", offer=number), robot.order("stop")
+            assert robot.answer(stopping)["ok"]
+            assert not robot.answer(going, 20.0)["well"]
+        refused = robot.order("go", offer=0)
+        with pytest.raises(Refused, match="no offer 0"):
+            robot.answer(refused)
+    assert_rests(simulator)
+
+
+def test_a_stop_since_its_client_owns_the_robot_keeps_a_run_from_beginning(workshop, simulator, served, home):
+    with Robot(name="me") as robot, Robot(name=None) as other:
+        robot.own()
+        number = robot.load(str(workshop.folder / "p.yarc"), here=True)["program"]["number"]
+        other.ask("stop")
+        ended = robot.ask("run", program=number, approach=True, unless_stopped=True, patience=60.0)
+        assert (ended["well"], ended["moved"]) == (False, False)
+        assert ended["what"] == "stopped before it began; nothing moved"
+        robot.own()
+        ended = robot.ask("run", program=number, approach=True, unless_stopped=True, patience=60.0)
+        assert ended["well"], ended
+
+
+def test_a_connection_is_closed_while_somebody_waits_for_an_event(served, home):
+    import threading
+
+    robot = Robot(name="watcher")
+    heard = []
+    waiting = threading.Thread(target=lambda: heard.extend(robot.events()))
+    waiting.start()
+    time.sleep(0.3)
+    robot.close()
+    waiting.join(5.0)
+    assert not waiting.is_alive()
+
+
 def assert_rests(simulator):
     before = simulator.comes_to_rest()
     time.sleep(0.3)

@@ -47,6 +47,9 @@ _EACH = 1.0
 _HANGS = 10.0
 """A process that doesn't answer within this time hangs, or its computer does [s]."""
 
+_SILENT = 2.0
+"""What was heard of motors longer ago isn't known any more [s]."""
+
 _PREPARES = 60.0
 """What needs the controller, but no motion, takes so long at most [s]."""
 
@@ -211,7 +214,6 @@ class Driver:
         self._which = which
         self._shell = shell
         self._name = name
-        self._hold_on_cancel = hold_on_cancel
         self._lock = threading.RLock()
         self._news = threading.Condition(self._lock)
         self._action = TrajectoryAction((), hold_on_cancel)
@@ -380,20 +382,24 @@ class Driver:
             self._failed = action.result
             self._say("error", f"goal {action.goal_id}: {action.result.error_string}")
         self._call(partial(self._shell.ended, action.goal_id, action.outcome, action.result))
-        self._show([])
+        if not self._action.moves:
+            self._show([])
         self._tell_status()
 
     def _send_own(self, plan: Plan) -> None:
         """Own the robot from now on: a stop that somebody orders while the goal is planned is for its motion as well."""
-        assert self._link is not None
+        if self._link is None:
+            return
         try:
             self._plans.append((plan, self._link.orders.order("own", shared=True)))
         except Gone as gone:
             self._lose(self._link, str(gone))
 
     def _send_run(self, number: int) -> None:
-        assert self._link is not None
+        if self._link is None:
+            return
         assert self._program is not None
+        assert self._program[0] == number
         try:
             self._running = (
                 number,
@@ -534,7 +540,9 @@ class Driver:
 
     def _look(self, link: _Link, health: dict[str, Any], status: dict[str, Any]) -> None:
         motors = health["motors"]
-        powered = _UNKNOWN if not motors else _YES if all(one["closed_loop"] for one in motors) else _NO
+        powered = _YES if all(one["closed_loop"] for one in motors) else _NO
+        if not motors or health["silence_s"] > _SILENT:
+            powered = _UNKNOWN
         with self._lock:
             if self._link is not link:
                 return
@@ -566,12 +574,13 @@ class Driver:
                         return
                     running = self._running
                     planning = self._plans.popleft() if running is None and self._plans else None
+                    releasing = self._send_release(link) if running is None and planning is None else None
                 if running is not None:
                     self._await_end(link, *running)
                 elif planning is not None:
                     self._plan(link, *planning)
-                else:
-                    self._release(link)
+                elif releasing is not None:
+                    self._tell_log(link, releasing)
 
     @property
     def _has_work(self) -> bool:
@@ -595,10 +604,9 @@ class Driver:
             if self._link is not link:
                 return
             self._program = None if program is None else (plan.number, program)
-            actions = self._action.planned(plan.number, made, time.monotonic())
-            if actions and isinstance(made, Ready):
+            if self._action.plans(plan.number) and isinstance(made, Ready):
                 self._show(ghost)
-            self._do(actions)
+            self._do(self._action.planned(plan.number, made, time.monotonic()))
 
     def _prepared(
         self, link: _Link, plan: Plan
@@ -666,11 +674,14 @@ class Driver:
             with contextlib.suppress(Refused):
                 link.orders.answer(stop, _PREPARES)
 
-    def _release(self, link: _Link) -> None:
-        """Leave the robot to others."""
+    def _send_release(self, link: _Link) -> int:
+        """Leave the robot to others. Sent under the lock: the next goal's `own` comes after it."""
         self._owns = False
+        return link.orders.order("release")
+
+    def _tell_log(self, link: _Link, releasing: int) -> None:
         with contextlib.suppress(Refused):
-            log = link.orders.ask("release", patience=_PREPARES)["log"]
+            log = link.orders.answer(releasing, _PREPARES)["log"]
             if log is not None:
                 self._say("info", f"log: {log['path']}" + (f": {log['problem']}" if log["problem"] else ""))
 
@@ -694,6 +705,8 @@ class Driver:
             return
         if kind == "state":
             seen.state, seen.why, seen.code = event["state"], event["why"], event["code"] or ""
+            if seen.state == "disconnected":
+                seen.moves = seen.powered = _UNKNOWN
         elif kind == "owner":
             seen.owner = event["owner"] or ""
         elif kind == "began" and event["client"] == link.name:
@@ -746,8 +759,6 @@ class Driver:
         moves = seen.moves
         if seen.state == "move":
             moves = _YES
-        elif seen.state == "disconnected":
-            moves = _UNKNOWN
         code = why = ""
         if out_of_order:
             code, why = seen.code or ("Y1612" if seen.state == "fault" else "Y1606"), seen.why
@@ -760,7 +771,7 @@ class Driver:
         return Status(
             mode=_MANUAL if others else _AUTOMATIC,
             e_stopped=_UNKNOWN,
-            drives_powered=_UNKNOWN if seen.state == "disconnected" else seen.powered,
+            drives_powered=seen.powered,
             motion_possible=_NO if out_of_order or others or seen.powered == _NO else _YES,
             in_motion=moves,
             in_error=_YES if out_of_order or failed is not None else _NO,

@@ -26,8 +26,8 @@ from yarclang.units import MM
 if TYPE_CHECKING:
     from yarclang.coordinator.coordinator import Coordinator
 
-MOST_ITEMS = 2000
-"""Bodies, zones and parts that are told; those beyond are left out, with a note."""
+MOST_ITEMS = 500
+"""Bodies, zones and parts that are told: to write more would keep the event loop from the robot. Those beyond are left out, with a note."""
 _MOST_NOTES = 100
 _MOST_SWITCHED = 10_000
 """Outputs that a program may set before those set first are forgotten."""

@@ -90,6 +90,7 @@ def goals(draw, size=3):
         (goal(point(*[0.0] * 5)), INVALID_GOAL, "point 0 has 5 positions for 6 joints"),
         (goal(point(*[0.0] * 5, 1e300)), INVALID_GOAL, "positions of J6 has 1e+300"),
         (goal(HOME, dataclasses.replace(THERE, time_from_start=1e-200)), INVALID_GOAL, "times must grow"),
+        (goal(dataclasses.replace(THERE, time_from_start=1e-168)), INVALID_GOAL, "motion begins at 0 s"),
         (goal(point()), INVALID_GOAL, "point 0 has no positions"),
         (goal(point(*[0.0] * 5, math.nan)), INVALID_GOAL, "point 0: positions of J6 has nan"),
         (goal(point(*[0.0] * 6, v=[0.0] * 5)), INVALID_GOAL, "5 velocities for 6 joints"),

@@ -92,6 +92,12 @@ def test_limits_are_equal(robot):
             assert one[f"max_{kind}"] == getattr(robot.limits, kind)[at]
 
 
+def test_plans_leave_room_for_the_way_between_their_points(robot):
+    said = read(exported(robot), "joint_limits")
+    assert said["default_velocity_scaling_factor"] == 0.9
+    assert said["default_acceleration_scaling_factor"] == 0.6
+
+
 def test_controllers_name_the_joints_in_order(robot):
     files = exported(robot)
     joints = list(robot.joint_names)

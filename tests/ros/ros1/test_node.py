@@ -383,6 +383,18 @@ def test_a_node_that_is_ended_lets_the_robot_come_to_rest(ros, stage):
     assert_rests_on_path(stage.ready(), start, end)
 
 
+def test_a_second_node_takes_the_place_of_the_first(ros, stage):
+    start, end, points = there_and_back(ros)
+    ros.send(name="replaced", names=JOINTS, points=points)
+    ros.fed(name="replaced", count=8)
+    first = stage.node
+    stage.start_node().until("goals are taken")
+    assert first.process.wait(20.0) == 0
+    assert_rests_on_path(stage.ready(), start, end)
+    time.sleep(1.5)  # the first one doesn't register again
+    assert stage.node.process.poll() is None
+
+
 def test_a_robot_that_is_served_no_more_aborts_the_goal_and_one_served_anew_is_found(ros, stage):
     _, _, points = there_and_back(ros)
     ros.send(name="gone", names=JOINTS, points=points)

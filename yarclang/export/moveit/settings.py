@@ -13,6 +13,9 @@ ACTION_1 = "joint_trajectory_action"
 """The action of ROS-Industrial's drivers."""
 CONTROLLER_2, ACTION_2 = "joint_trajectory_controller", "follow_joint_trajectory"
 
+VELOCITY_SHARE, ACCELERATION_SHARE = 0.9, 0.6
+"""Of the limits, for MoveIt's plans: their accelerations jump, and what goes smoothly through the same points needs up to 1.4 times as much between them."""
+
 
 def settings_files(robot: Robot) -> dict[str, str]:
     """Return the texts of the files by their paths in the package."""
@@ -29,8 +32,9 @@ def _limits(robot: Robot) -> str:
     limits = robot.limits
     lines = [
         f"{HEAD} rad, m, s.",
-        "default_velocity_scaling_factor: 1.0",
-        "default_acceleration_scaling_factor: 1.0",
+        "# Between the points of a plan at all limits a smooth path breaks them: leave it this room.",
+        f"default_velocity_scaling_factor: {VELOCITY_SHARE}",
+        f"default_acceleration_scaling_factor: {ACCELERATION_SHARE}",
         "joint_limits:",
     ]
     for at, name in enumerate(robot.joint_names):

@@ -52,10 +52,9 @@ class Master:
         except LOST:
             return False
 
-    def knows(self, node_address: str) -> bool:
-        """Return True if the node is registered under an address."""
-        code, _, address = _call(self.address, "lookupNode", self._node, self._node)
-        return bool(code == 1 and address == node_address)
+    def knows_node(self) -> bool:
+        """Return True if a node of this name is registered: this one, or one that has taken its place, which must not be turned out again."""
+        return bool(_call(self.address, "lookupNode", self._node, self._node)[0] == 1)
 
     def register(self, node_address: str, registered: Registered) -> None:
         """Tell the master all that a node has, and the node who publishes what it subscribes to."""

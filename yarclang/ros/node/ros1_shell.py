@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import queue
+import sys
 import threading
 import time
 from dataclasses import dataclass, replace
@@ -253,7 +254,15 @@ class Node:
     def say(self, level: str, text: str) -> None:
         """Tell people, on the terminal and on rosout."""
         log = {"info": rospy.loginfo, "warn": rospy.logwarn}.get(level, rospy.logerr)
-        self._lines.put(lambda: log("%s", text))
+
+        def tell() -> None:
+            # rospy asks the master for each line, which then shuts a node down that has taken the place of this one
+            if rospy.is_shutdown():
+                sys.stderr.write(f"{text}\n")
+            else:
+                log("%s", text)
+
+        self._lines.put(tell)
 
     # publishing, all in one thread
 
@@ -380,7 +389,7 @@ class Node:
             if self._closing.is_set():
                 return
             try:
-                if not self._master.knows(rospy.get_node_uri()):
+                if not self._master.knows_node():
                     self._master.register(rospy.get_node_uri(), _registered())
                     self.say("info", "the ROS master was started anew: this node is registered there again")
                     has_changed = True

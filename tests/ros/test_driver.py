@@ -100,8 +100,8 @@ class Shell:
 
 
 @contextlib.contextmanager
-def served(folder, robot="INDUSTRIAL6"):
-    with yarc("serve", "--robot", robot, "--no-log", folder=folder) as told:
+def served(folder, robot="INDUSTRIAL6", *more):
+    with yarc("serve", "--robot", robot, "--no-log", *more, folder=folder) as told:
         told.path = told.until(r"is served: (\S+\.sock)")[1]
         yield told
 
@@ -251,6 +251,21 @@ def test_a_joint_that_slides_goes_to_its_place():
 def _status(path):
     with Robot(path, name=None) as robot:
         return robot.status()
+
+
+def test_goals_that_come_as_the_one_before_ends_are_carried_out(path):
+    """The robot is being released just then."""
+
+    class Eager(Shell):
+        def ended(self, goal_id, outcome, result):
+            super().ended(goal_id, outcome, result)
+            if (number := int(goal_id) + 1) <= 12:
+                driver.goal(str(number), goal_to(driver, away(self, 0.01), 0.5))
+
+    with driven(path, Eager()) as (driver, shell):
+        driver.goal("1", goal_to(driver, away(shell, 0.01), 0.5))
+        for number in range(1, 13):
+            assert shell.end(str(number)) == ("succeeded", SUCCESSFUL, "")
 
 
 # goals that don't
@@ -502,6 +517,26 @@ def test_a_process_that_is_killed_aborts_the_goal_and_a_new_one_is_found():
                 assert driver.goal("i", goal_to(driver, (0.1,) * 6)) is None
                 assert shell.end("i")[0] == "succeeded"
                 assert shell.positions == pytest.approx((0.1,) * 6, abs=1e-3)
+
+
+def test_a_controller_that_is_lost_aborts_the_goal_and_nothing_is_told_as_known():
+    with tempfile.TemporaryDirectory(prefix="node-") as name:
+        folder = Path(name)
+        with yarc("sim", "--robot", "INDUSTRIAL6", "--port", "0", folder=folder) as simulator:
+            to = f"tcp://{simulator.until(r'listens on ([0-9.:]+)')[1]}"
+            with served(folder, "INDUSTRIAL6", "--to", to) as told, driven(told.path) as (driver, shell):
+                driver.goal("g", goal_to(driver, away(shell), 6.0))
+                shell.moving("g", 1.0)
+                simulator.process.kill()
+                outcome, _, why = shell.end("g")
+                assert outcome == "aborted"
+                assert why.startswith("Y1606: ")
+                shell.until(lambda: shell.statuses[-1].error_code == 1606)
+                shell.until(lambda: shell.statuses[-1].in_motion == shell.statuses[-1].drives_powered == -1)
+                assert shell.statuses[-1].motion_possible == 0
+                assert driver.goal("h", goal_to(driver, shell.positions)) is None
+                assert shell.end("h")[0] == "aborted"
+                assert "Y1606" in shell.end("h")[2]
 
 
 def test_a_process_that_hangs_aborts_the_goal(monkeypatch):

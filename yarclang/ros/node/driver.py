@@ -47,9 +47,6 @@ _EACH = 1.0
 _HANGS = 10.0
 """A process that doesn't answer within this time hangs, or its computer does [s]."""
 
-_SILENT = 2.0
-"""What was heard of motors longer ago isn't known any more [s]."""
-
 _PREPARES = 60.0
 """What needs the controller, but no motion, takes so long at most [s]."""
 
@@ -539,9 +536,9 @@ class Driver:
         return there[0] if len(there) == 1 else self._which
 
     def _look(self, link: _Link, health: dict[str, Any], status: dict[str, Any]) -> None:
-        motors = health["motors"]
+        motors, is_cut = health["motors"], bool(health["link"])
         powered = _YES if all(one["closed_loop"] for one in motors) else _NO
-        if not motors or health["silence_s"] > _SILENT:
+        if not motors or is_cut:
             powered = _UNKNOWN
         with self._lock:
             if self._link is not link:
@@ -550,6 +547,8 @@ class Driver:
             if cell != self._seen.cell:
                 self._call(self._shell.changed)
             self._seen.powered, self._seen.cell = powered, cell
+            if is_cut:
+                self._seen.moves = _UNKNOWN
             self._tell_status(again=True)
 
     # time

@@ -101,9 +101,8 @@ def _served(shell: Any, executor: Any, over: threading.Event, log: Any) -> int:
     finally:
         shell.close(END_TIME)
         executor.shutdown(timeout_sec=END_TIME)
-        spinning.join(
-            END_TIME
-        )  # a thread that is still inside rclpy when Python ends would abort the process
+        # a thread that is still inside rclpy when Python ends would abort the process
+        spinning.join(END_TIME)
     return int(failed.is_set())
 
 

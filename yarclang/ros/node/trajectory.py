@@ -199,15 +199,16 @@ def _wrong_times(goal: Goal) -> str | None:
         return f"the goal has {len(points)} points, at most {MOST_POINTS} are taken: divide it, or thin it"
     if not (math.isfinite(goal.starts_in) and math.isfinite(goal.goal_time_tolerance)):
         return "the stamp or goal_time_tolerance is no finite number"
-    before = -LEAST_STEP
+    before = -1.0
     for number, point in enumerate(points):
         time = point.time_from_start
         if not 0.0 <= time <= MOST_VALUE:
             return (
                 f"point {number}: time_from_start is {time:g} s: it must be a number from 0 to {MOST_VALUE:g}"
             )
-        if time < before + LEAST_STEP:
-            return f"point {number}: time_from_start is {time:.9g} s, and {before:.9g} s at the point before: times must grow"
+        if 0.0 < time < max(before, 0.0) + LEAST_STEP or time <= before:
+            last = f"{before:.9g} s at the point before" if number else "the motion begins at 0 s"
+            return f"point {number}: time_from_start is {time:.9g} s, and {last}: times must grow by {LEAST_STEP:g} s or more"
         before = time
     return None
 

@@ -47,7 +47,7 @@ def way(start, end, seconds, count=21, velocities=True):
     return points
 
 
-def there_and_back(ros, seconds=4.0):
+def there_and_back(ros, seconds=3.0):
     """A start, an end that is away from it, and the points between."""
     start = standing(ros)
     end = AWAY if max(abs(a - b) for a, b in zip(start, AWAY, strict=True)) > 0.1 else [0.0] * 6
@@ -79,7 +79,7 @@ def test_the_types_are_those_of_the_packages(ros):
 
 
 def test_a_goal_moves_the_robot(ros):
-    start, end, points = there_and_back(ros)
+    start, end, points = there_and_back(ros, 4.0)
     ros.send(name="a", names=JOINTS, points=points)
     outcome = ros.outcome(name="a")
     assert (outcome["status"], outcome["result"]) == (SUCCEEDED, {"error_code": 0, "error_string": ""})
@@ -316,7 +316,7 @@ def test_a_master_that_hangs_holds_nothing_up(ros, stage):
     _, end, points = there_and_back(ros)
     stage.master.send_signal(signal.SIGSTOP)
     try:
-        time.sleep(2.5)  # the node asks it meanwhile
+        time.sleep(1.5)  # the node asks it meanwhile
         ros.send(name="hung", names=JOINTS, points=points)
         assert ros.outcome(name="hung")["status"] == SUCCEEDED
         assert standing(ros) == pytest.approx(end, abs=1e-3)

@@ -14,7 +14,7 @@ from yarclang.pipeline.stages import Request, context_of
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import BASE, Frame, Scope
+from yarclang.semantics.scope import Frame, Scope
 from yarclang.semantics.unroll import declared_names
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Statement, Word
@@ -248,8 +248,3 @@ def written(value: float, digits: int) -> str:
 def _digits(kind: Kind, unit: str) -> int:
     """Return how many digits after the point a unit needs."""
     return max(0, math.ceil(-math.log10(_FINEST[kind] / UNITS[unit].factor) - 1e-9))
-
-
-def base_name(name: str) -> str:
-    """Return a frame's name without braces; {B} for none."""
-    return name.strip("{} ").upper() or BASE

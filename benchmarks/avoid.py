@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.cell.model import Cell, Mount, Obstacle
-from yarclang.collision.placing import too_near
-from yarclang.collision.scene import scene_of
+from yarclang.collision.free import plain_free_space
+from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.motion.avoid.room import Room, room_of
 from yarclang.motion.avoid.way import Way, find_way
@@ -91,6 +91,11 @@ def solvable(robot: Robot) -> list[Problem]:
     return found
 
 
+def _is_free(scene: Scene, walk: Array) -> bool:
+    space = plain_free_space(scene)
+    return all(space.has(one) for one in walk)
+
+
 def _walk(robot: Robot, random: np.random.Generator) -> Array | None:
     """Joint positions (STEPS, n) along two or three straight pieces, on which the arm doesn't touch itself."""
     limits = robot.limits
@@ -106,7 +111,7 @@ def _walk(robot: Robot, random: np.random.Generator) -> Array | None:
     )
     scene = scene_of(robot, None).value
     assert scene is not None
-    return None if too_near(scene, walk).any() else walk
+    return walk if _is_free(scene, walk) else None
 
 
 def _around(robot: Robot, walk: Array, random: np.random.Generator) -> Cell:
@@ -119,7 +124,7 @@ def _around(robot: Robot, walk: Array, random: np.random.Generator) -> Cell:
         one = _obstacle(f"O{number}", shape, xyz, random.uniform(-3, 3, 3), margin=0.02)
         scene = scene_of(robot, _cell(one)).value
         assert scene is not None
-        if not too_near(scene, walk).any():
+        if _is_free(scene, walk):
             kept.append(_obstacle(one.name, shape, xyz, margin=0.0, placed=one.mount))
     return _cell(*kept)
 
@@ -127,8 +132,7 @@ def _around(robot: Robot, walk: Array, random: np.random.Generator) -> Cell:
 def _is_problem(room: Room, start: Array, goal: Array) -> bool:
     """Whether both ends are free, and what is between them isn't."""
     straight = start + np.linspace(0.0, 1.0, STEPS)[:, None] * (goal - start)
-    near = too_near(room.scene, straight)
-    return bool(not near[0] and not near[-1] and near.any())
+    return _is_free(room.scene, straight[[0, -1]]) and not _is_free(room.scene, straight)
 
 
 def _timed(robot: Robot, problem: Problem, runs: int = 3) -> tuple[float, bool]:

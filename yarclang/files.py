@@ -109,3 +109,8 @@ def _plain_mode() -> int:
     umask = os.umask(0)
     os.umask(umask)
     return 0o666 & ~umask
+
+
+def reason_of(error: OSError) -> str:
+    """Return what the system says about an error, as the end of a sentence."""
+    return (error.strerror or str(error)).lower()

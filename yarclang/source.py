@@ -66,3 +66,7 @@ class SourceFile:
     def line(self, number: int) -> str:
         """Line `number` (from 1), empty where the file has none."""
         return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
+
+    def whole_line(self, number: int) -> Span:
+        """Return the span of line `number` (from 1), from its first column on."""
+        return Span.on_line(number, 1, len(self.line(number)) + 1)

@@ -68,3 +68,18 @@ def constant(values: Array) -> Array:
     values = np.asarray(values, dtype=np.float64, order="C")
     values.setflags(write=False)
     return values
+
+
+def sealed(values: Array) -> Array:
+    """Return a read-only copy in row order."""
+    return constant(np.array(values))
+
+
+def turn_about(axis: int, angle: float) -> Array:
+    """Return the rotation (3, 3) about axis 0, 1 or 2 by an angle [rad]."""
+    turn = np.eye(3)
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    turn[one, one] = turn[other, other] = np.cos(angle)
+    turn[other, one] = np.sin(angle)
+    turn[one, other] = -turn[other, one]
+    return turn

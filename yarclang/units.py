@@ -43,3 +43,9 @@ MS = UNITS["ms"].factor
 def units_of(kind: Kind) -> tuple[str, ...]:
     """The names of the units of a kind, in the order of the table."""
     return tuple(unit.name for unit in UNITS.values() if unit.kind == kind)
+
+
+def number_text(value: float, digits: int) -> str:
+    """Return a number without needless zeros, and without a minus before a zero; fewer `digits` than 0 round before the point."""
+    text = f"{round(value, digits) + 0.0:.{max(digits, 0)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text

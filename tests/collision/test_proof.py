@@ -7,8 +7,9 @@ from floors import Tally
 from tests.collision.dense import Dense
 from yarclang.cell.model import Cell, Mount, Obstacle
 from yarclang.collision.course import Course
+from yarclang.collision.free import free_space, gaps
 from yarclang.collision.meeting import contact
-from yarclang.collision.placing import BLOCK, distances, place, relative, too_near
+from yarclang.collision.placing import distances, place, relative
 from yarclang.collision.proof import COARSE, KNOWN, SHARE, clearances
 from yarclang.collision.scene import scene_of
 from yarclang.collision.travel import travel
@@ -191,15 +192,16 @@ def test_travel_bounds_any_change(industrial6):
             assert (np.abs(here - there) <= bound + 1e-5)[free].all()
 
 
-def test_many_positions_at_once(industrial6):
+def test_free_positions_are_those_of_dense_distances(industrial6):
     random = np.random.default_rng(4)
     cell = drawn(random, count=10)
     scene, dense = scene_of(industrial6, cell).value, Dense(industrial6, cell)
-    q = random.uniform(industrial6.limits.lower, industrial6.limits.upper, (BLOCK + 100, 6))
+    q = random.uniform(industrial6.limits.lower, industrial6.limits.upper, (500, 6))
     wanted = np.array([dense.wanted(pair) for pair in range(len(dense.pairs))])
     slack = dense.distances(q) - wanted
     clear = np.abs(slack).min(axis=1) > 1e-6
-    assert (too_near(scene, q) == (slack <= 0).any(axis=1))[clear].all()
+    near = np.array([gaps(scene, one).min() <= 0.0 for one in q])
+    assert (near == (slack <= 0).any(axis=1))[clear].all()
 
 
 def test_a_robot_without_shapes_has_nothing_to_prove(industrial6):
@@ -207,4 +209,4 @@ def test_a_robot_without_shapes_has_nothing_to_prove(industrial6):
 
     scene = scene_of(replace(industrial6, shapes=()), None).value
     assert len(scene.first) == 0
-    assert not too_near(scene, np.zeros((3, 6))).any()
+    assert free_space(scene).has(np.zeros(6))

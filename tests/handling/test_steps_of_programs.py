@@ -6,10 +6,17 @@ from programs import codes
 
 from tests.handling.carrying import PICK, PUT, made
 from yarclang.diagnostics import has_errors
-from yarclang.pipeline.parts import approach, cell_before, chains, part, parts_before
+from yarclang.handling.surroundings import surroundings
+from yarclang.pipeline.parts import approach, chains, part, parts_before
 from yarclang.pipeline.returning import along_the_path, can_go_on
 from yarclang.pipeline.stages import Request
 from yarclang.robot.kinematics.fk import tool_poses
+
+
+def cell_before(plan, number):
+    """Return the cell with its parts as they are in front of a motion."""
+    return surroundings(plan.program.cell, parts_before(plan, plan.motions[number].step))
+
 
 SLOW = PICK.replace("P0020", "P0015 MOVEL 0 0 20 0 0 0 [1] {FEEDER}\nP0020")
 

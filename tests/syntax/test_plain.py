@@ -100,36 +100,3 @@ def test_terminals_are_those_of_the_grammar():
         pattern = own.pattern.partition(":")[2][:-1].replace("\\n", "\n").replace("\\t", "\t")
         assert pattern == of_lark[name].value
         assert own.pattern.startswith("(?i:") == ("i" in of_lark[name].flags)
-
-
-def test_a_list_over_many_lines_is_read_at_once():
-    rows = [
-        f"  {k}.5 -{k}e-2 0 0 0 {k % 7}" + (" ! here; and there" if k % 9 == 0 else "") for k in range(500)
-    ]
-    rows = [row.replace(" !", "; !") if "!" in row else row + ";" for row in rows]
-    rows.insert(70, "")
-    rows.insert(90, "  ! nothing")
-    text = "P5 MOVEL_SPLINE {TCP} " + "\n".join([*rows, "\t1 2 3 0 0 0 [V 50] (mm,deg) {B} TOL 0.1 ! end"])
-    plain = plain_statement(text)
-    assert plain is not None
-    assert plain == statement_by_grammar(text)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "MOVEL 1;\n2",
-        "MOVEL 1;\n\n2 [5]",
-        "MOVEL 1\n2",
-        "MOVEL {A;\n} 1",
-        "MOVEL 1;\n2 [5\n]",
-        "MOVEL 1;\n50\n%",
-        'MOVEL 1; ! "\n2',
-        "\n\nMOVEL 1;\n2",
-        "MOVEL 1;\n2 BLEND 5 ACC\n30 %",
-        "MOVEL 1;\n2 (mm;\n,deg)",
-    ],
-)
-def test_lines_end_where_the_grammar_lets_them(text):
-    plain = plain_statement(text)
-    assert plain is None or plain == statement_by_grammar(text)

@@ -8,7 +8,7 @@ import viser
 from view.stages import CRASH, stage_of
 from websockets.asyncio import server as websocket_server
 
-from yarclang.hosts import is_called, is_own
+from yarclang.hosts import is_called, is_loopback, is_own
 from yarclang.view.door import Door, PortTakenError, _names
 from yarclang.view.server import GuardedServer
 from yarclang.view.show import show
@@ -208,3 +208,21 @@ def test_a_library_that_does_not_ask_the_guard_is_not_used(monkeypatch):
     with pytest.raises(RuntimeError, match="can't be guarded"):
         GuardedServer("127.0.0.1", 0)
     assert websocket_server.serve is serve
+
+
+@pytest.mark.parametrize(
+    ("host", "is_only_here"),
+    [
+        ("127.0.0.1", True),
+        ("::1", True),
+        ("localhost", True),
+        ("Localhost", True),
+        ("::1%lo", True),
+        ("0.0.0.0", False),
+        ("192.168.1.5", False),
+        ("robot", False),
+        ("", False),
+    ],
+)
+def test_only_this_machine_reaches_a_loopback_address(host, is_only_here):
+    assert is_loopback(host) is is_only_here

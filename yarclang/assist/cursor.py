@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from yarclang.assist.lexemes import Lexeme, lexemes_of
 from yarclang.assist.sketch import Sketch
-from yarclang.assist.vocabulary import command_names
-from yarclang.syntax.words import DECLARATIONS, OPTIONS
+from yarclang.syntax.words import OPTIONS
 
 _CLOSING = {"]": "[", ")": "("}
 _VALUES = {"number", "word", "frame", "string"}
@@ -146,13 +145,3 @@ def _open(before: tuple[Lexeme, ...]) -> tuple[str, tuple[Lexeme, ...]]:
     # a bracket in an expression belongs to it
     kind = "$(" if any(text == "$(" for text, _ in opened) else opened[-1][0]
     return kind, before[opened[-1][1] :]
-
-
-def is_command(head: str) -> bool:
-    """Whether a word is a command of commands/builtin, with its suffixes."""
-    return head in command_names()
-
-
-def is_declaration(head: str) -> bool:
-    """Whether a word begins a line without an index."""
-    return head in DECLARATIONS

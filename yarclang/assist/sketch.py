@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,9 +11,6 @@ from yarclang.syntax.ast import Module, Node, Statement
 from yarclang.syntax.blocks import arrange
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.parse import parse
-
-MODULE = Callable[[str], "Sketch | None"]
-"""Gives the module of a name in upper case."""
 
 
 @dataclass(frozen=True, eq=False)

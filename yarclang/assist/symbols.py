@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
+from yarclang.semantics.files import values_of
 from yarclang.source import Span
 from yarclang.syntax.ast import (
     Block,
@@ -19,7 +20,6 @@ from yarclang.syntax.ast import (
     Node,
     Parameter,
     Statement,
-    Value,
     Word,
 )
 from yarclang.syntax.expressions import Expression, Name, parts_of
@@ -133,7 +133,7 @@ class _Reader:
         self.nodes(block.otherwise or (), end, inside)
 
     def _sub(self, head: Statement, end: int, last: int) -> str:
-        values = _values(head)
+        values = values_of(head)
         if not values or not isinstance(first := values[0], Word | Parameter):
             return ""
         word = first.word if isinstance(first, Parameter) else first
@@ -147,7 +147,7 @@ class _Reader:
         return word.name
 
     def _repeat(self, head: Statement, end: int, inside: str) -> None:
-        values = _values(head)
+        values = values_of(head)
         if len(values) > 1 and isinstance(word := values[0], Word):
             for value in values[1:]:
                 self._speak_of(value, head)
@@ -158,7 +158,7 @@ class _Reader:
     def _statement(self, statement: Statement, last: int, inside: str) -> None:
         word = statement.name.name
         own: FrameName | Word | None = None
-        values = _values(statement)
+        values = values_of(statement)
         first = values[0] if values else None
         if statement.index is None and word in _FRAMES and statement.moving is not None:
             own = statement.moving
@@ -233,10 +233,6 @@ class _Reader:
         self.names.uses.append(Use(module, False, front, "", meant(module, False, line)))
         behind = Span.on_line(span.line, middle + 1, span.end_column)
         self.names.uses.append(Use(inner, is_frame, behind, module))
-
-
-def _values(statement: Statement) -> list[Value]:
-    return [value for waypoint in statement.waypoints for value in waypoint.values]
 
 
 def _inner(statement: Statement, frame: FrameName) -> Span:

@@ -24,11 +24,8 @@ from yarclang.pmac.program import (
 )
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import counts_per_joint, to_counts
-from yarclang.robot.model import Robot, Tolerance
+from yarclang.robot.model import START_SHARE, Robot, Tolerance
 from yarclang.units import MS
-
-_START_SHARE = 0.05
-"""A start that is off adds this share of the acceleration limit in the first segment."""
 
 
 def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram:
@@ -237,7 +234,7 @@ def _start_slack(robot: Robot, segment: float) -> Array:
     """How far each motor may be from the start [counts], so that no joint is off by more than what
     adds a small share of its acceleration limit in the first segment.
     """
-    joints = _START_SHARE * robot.limits.acceleration * segment**2
+    joints = START_SHARE * robot.limits.acceleration * segment**2
     matrix = counts_per_joint(robot)
     slack = np.abs(matrix) @ joints
     share = (joints / (np.abs(np.linalg.inv(matrix)) @ slack)).min()

@@ -12,7 +12,7 @@ import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array
-from yarclang.transforms import constant
+from yarclang.transforms import constant, turn_about
 from yarclang.units import DEG, MM
 
 ERROR = 0.5 * MM
@@ -151,21 +151,12 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
         for degrees in _ANGLES:
             for sign in (1.0, -1.0):
                 angle = sign * degrees * DEG
-                apart = rotations[-1] @ _about(axis, angle) - mean
+                apart = rotations[-1] @ turn_about(axis, angle) - mean
                 # one more term of the sum, about the mean that moves with it
                 with_it = information + apart.T @ apart * (known / (known + 1)) / error**2
                 least = float(np.linalg.eigvalsh(with_it)[0])
                 told = least > _NOTHING / error**2
                 yield Tilt(axis, angle, 1.0 / np.sqrt(least) if told else np.inf)
-
-
-def _about(axis: int, angle: float) -> Array:
-    turn = np.eye(3)
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    turn[one, one] = turn[other, other] = np.cos(angle)
-    turn[other, one] = np.sin(angle)
-    turn[one, other] = -turn[other, one]
-    return turn
 
 
 def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:

@@ -27,9 +27,6 @@ class Screen:
     """Standard error, written by a thread of its own: a terminal that was stopped by Ctrl-S, or is gone, delays no robot."""
 
     def __init__(self) -> None:
-        from yarclang.report.runs.text import over  # takes 0.1 s, and only a screen needs it
-
-        self._over = over
         self.live = sys.stderr.isatty()
         self._shown = False
         self._queue: SimpleQueue[str | None] = SimpleQueue()
@@ -45,8 +42,7 @@ class Screen:
     def change(self, text: str) -> None:
         """Put a line in the place of the one that changes."""
         if self._queue.empty():
-            width = self._width()
-            self._queue.put(self._over(_cut(text, width - 1), width))
+            self._queue.put(f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}")
             self._shown = True
 
     def ask(self, text: str) -> None:
@@ -67,7 +63,7 @@ class Screen:
                 click.echo(text, err=True, nl=False)
 
     def _broken(self, text: str) -> str:
-        width = self._width()
+        width = _columns_of(sys.stderr)
         lines: list[str] = []
         for line in text.split("\n"):
             indent = len(line) - len(line.lstrip(" ")) + 4
@@ -77,12 +73,6 @@ class Screen:
             else:
                 lines += wrapped(line, width - 1, indent)
         return "\n".join(lines)
-
-    def _width(self) -> int:
-        try:
-            return os.get_terminal_size(sys.stderr.fileno()).columns or _WIDTH
-        except (OSError, ValueError):
-            return _WIDTH
 
 
 def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:
@@ -107,6 +97,10 @@ def width_of(stream: TextIO) -> int | None:
     wanted = os.environ.get("COLUMNS", "")
     if wanted.isascii() and wanted.isdigit() and int(wanted) > 0:
         return int(wanted)
+    return _columns_of(stream)
+
+
+def _columns_of(stream: TextIO) -> int:
     try:
         return os.get_terminal_size(stream.fileno()).columns or _WIDTH
     except (OSError, ValueError):
@@ -118,4 +112,4 @@ def _cut(line: str, width: int) -> str:
     if len(line) <= width:
         return line
     ends = [found.end() for found in _VALUE.finditer(line, 0, width + 1) if found.end() <= width]
-    return line[: ends[-1]] if ends else line[:width]
+    return line[: ends[-1] if ends else max(width, 0)]

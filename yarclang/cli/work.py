@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from yarclang.cli.estimate import Estimate, left_text, stage_of
 from yarclang.diagnostics import Diagnostic
-from yarclang.files import replace_file
+from yarclang.files import reason_of, replace_file
 from yarclang.progress import told_to
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         return (
             Diagnostic("Y0107", f"standard output can't be written: {reason}", help="check where it goes"),
         )
@@ -182,7 +182,7 @@ def write_whole(path: Path, content: str | bytes) -> tuple[Diagnostic, ...]:
     try:
         replace_file(path, data)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         return (
             Diagnostic("Y0107", f"{path} can't be written: {reason}", help="check the path and its rights"),
         )

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
-from numpy.typing import NDArray
 
 from yarclang.collision.geometry import encloses
 from yarclang.collision.scene import Rows, Scene
@@ -158,101 +155,3 @@ def distances(
             if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):
                 found[row] = -found[row]
     return found
-
-
-BLOCK = 1024
-"""Joint positions that are placed together: their arrays stay in the processor's cache."""
-TOGETHER = 8
-"""So many blocks go to coal together."""
-
-
-def too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
-    """Whether some pair of bodies is nearer than its margin, or touches, (P,) at joint positions `q` (P, n) [rad or m]."""
-    found = np.zeros(len(q), dtype=np.bool_)
-    for start in range(0, len(q), TOGETHER * BLOCK):
-        found[start : start + TOGETHER * BLOCK] = _too_near(scene, q[start : start + TOGETHER * BLOCK])
-    return found
-
-
-def _too_near(scene: Scene, q: Array) -> NDArray[np.bool_]:
-    parts = []
-    room = np.empty((2, len(scene.first), 3, 0))
-    for start in range(0, len(q), BLOCK):
-        placed = place(scene, q[start : start + BLOCK])
-        if room.shape[-1] != placed.middle.shape[1]:
-            room = np.empty((*room.shape[:-1], placed.middle.shape[1]))
-        at, pair = _near_spheres(placed, room)
-        seen = relative(placed, at, pair)
-        (left,) = np.nonzero(box_gaps(scene, pair, seen) <= scene.margin[pair])
-        parts.append((at[left] + start, pair[left], seen.turn[left], seen.middle[left]))
-    at, pair, turn, middle = (
-        (np.concatenate(part) for part in zip(*parts, strict=True)) if len(parts) > 1 else parts[0]
-    )
-    near = np.zeros(len(q), dtype=np.bool_)
-    # the pairs that meet most often first: a position that is known isn't looked at again
-    often = np.bincount(pair, minlength=len(scene.first))
-    for one in np.argsort(-often, kind="stable")[: np.count_nonzero(often)].tolist():
-        (rows,) = np.nonzero(pair == one)
-        rows = rows[~near[at[rows]]]
-        gap = distances(scene, pair[rows], Relative(turn[rows], middle[rows]), deep=False)
-        near[at[rows[gap <= scene.margin[one]]]] = True
-    return near
-
-
-@frozen(eq=False)
-class _Spheres:
-    """What tells most pairs apart: of the pairs `still` (S,), whose first body stands still, the `turn` (S, 3, 3) into its box's axes, its
-    middle `at` (S, 3, 1) and `half` (S, 3, 1) there, and the squares of how near they count as near, `reach` (S, 1); of the others, `moving` (M,), `wide` (M, 1).
-    """
-
-    still: Rows
-    moving: Rows
-    turn: Array
-    at: Array
-    half: Array
-    reach: Array
-    wide: Array
-
-
-@lru_cache(maxsize=32)
-def _spheres(scene: Scene) -> _Spheres:
-    """Remembered, as a way round asks again and again for a few positions."""
-    still, moving = (np.flatnonzero((scene.joint[scene.first] == 0) == kind) for kind in (True, False))
-    reach = scene.bound[scene.second] + scene.margin
-    first = scene.first[still]
-    turn = np.ascontiguousarray(scene.rotation[first].transpose(0, 2, 1))
-    return _Spheres(
-        still,
-        moving,
-        turn,
-        turn @ scene.middle[first][:, :, None],
-        scene.half[first][:, :, None],
-        ((reach[still] + scene.radius[first]) ** 2)[:, None],
-        ((reach[moving] + scene.bound[scene.first[moving]]) ** 2)[:, None],
-    )
-
-
-def _near_spheres(placed: Placed, room: Array) -> tuple[Rows, Rows]:
-    """The positions and pairs (R,) that spheres don't tell apart: of a sphere and the box of a body that stands still, of two spheres else.
-
-    `room` (2, pairs, 3, P) is overwritten: fresh memory for each block takes longer than the work in it.
-    """
-    scene, spheres = placed.scene, _spheres(placed.scene)
-    middle = placed.middle.transpose(0, 2, 1)  # as it lies in memory
-    near = []
-    for rows, reach in ((spheres.still, spheres.reach), (spheres.moving, spheres.wide)):
-        there, here = room[:, : len(rows)]
-        np.take(middle, scene.second[rows], axis=0, out=there, mode="clip")
-        if rows is spheres.still:
-            np.matmul(spheres.turn, there, out=here)
-            here -= spheres.at
-            np.abs(here, out=here)
-            here -= spheres.half
-            np.maximum(here, 0.0, out=here)
-        else:
-            np.take(middle, scene.first[rows], axis=0, out=here, mode="clip")
-            here -= there
-        np.square(here, out=here)
-        which, where = np.nonzero(np.add.reduce(here, axis=1, out=there[:, 0]) <= reach)
-        near.append((where, rows[which]))
-    return np.concatenate([part[0] for part in near]), np.concatenate([part[1] for part in near])

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from yarclang.convert.table import whole_line
 from yarclang.diagnostics import Collector
 from yarclang.source import SourceFile
 
@@ -32,7 +31,7 @@ def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
                 documents.append(value)
     except json.JSONDecodeError as error:
         message = f"this is not JSON: {error.msg}, at column {error.colno}"
-        span = whole_line(source, error.lineno)
+        span = source.whole_line(error.lineno)
         findings.add("Y1507", message, span, "correct the text here; or it was cut off")
         return None
     except RecursionError:
@@ -78,7 +77,7 @@ def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
             elif len(stack) > _DEEPEST:
                 refusal = f"it is nested more than {_DEEPEST} deep"
             if refusal:
-                span = whole_line(source, event.start_mark.line + 1)
+                span = source.whole_line(event.start_mark.line + 1)
                 findings.add("Y1508", refusal, span, "write plain mappings, lists, numbers and texts")
                 return None
             match event:
@@ -99,6 +98,6 @@ def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
         line = min(mark.line + 1, max(len(source.lines), 1)) if mark else 1
         problem = getattr(error, "problem", None) or str(error)
         message = f"this is not YAML: {problem}"
-        findings.add("Y1507", message, whole_line(source, line), "correct the text here; or it was cut off")
+        findings.add("Y1507", message, source.whole_line(line), "correct the text here; or it was cut off")
         return None
     return documents

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from yarclang.convert.course import Target
-from yarclang.convert.table import Table, whole_line
+from yarclang.convert.table import Table
 from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
 from yarclang.semantics.trajectory_file import PER_SECOND, RATES, rate_of, split_unit, unit_of
@@ -90,7 +90,7 @@ def understand(
                 per = PER_SECOND[order]
                 message = f"column {table.header[number]!r}: {text} is no unit of {kind}{per and ' ' + per}"
                 help_ = f"the units are {', '.join(one + per for one in units_of(kind))}"
-                findings.add("Y1506", message, whole_line(table.source, table.header_line), help_)
+                findings.add("Y1506", message, table.source.whole_line(table.header_line), help_)
                 return None
             if chosen is None:
                 lost.append(table.header[number])
@@ -99,11 +99,11 @@ def understand(
     if lost:
         message = f"it isn't said in which unit {', '.join(lost)} {'are' if len(lost) > 1 else 'is'}"
         help_ = "write units into the header, as in `x [mm]` or `j1 (deg)`, or say --units mm,deg,s"
-        findings.add("Y1506", message, whole_line(table.source, table.header_line), help_)
+        findings.add("Y1506", message, table.source.whole_line(table.header_line), help_)
         return None
     if unknown:
         message = f"not taken: column{'s' * (len(unknown) > 1)} {', '.join(unknown)}"
-        findings.add("Y1503", message, whole_line(table.source, table.header_line))
+        findings.add("Y1503", message, table.source.whole_line(table.header_line))
     return Columns(
         target,
         tuple(columns[meaning] for meaning in meanings),
@@ -204,5 +204,5 @@ def _refuse(
         "columns are j1 j2 ... or the robot's joint names; or x y z with roll pitch yaw or qx qy qz qw; "
         "and, where wanted, time, j1_velocity ..., j1_acceleration ..., name, comment. They are divided by commas, semicolons or tabs"
     )
-    span = whole_line(table.source, table.header_line)
+    span = table.source.whole_line(table.header_line)
     findings.add("Y1502", f"{message} ({known}{strange})", span, help_)

@@ -33,12 +33,7 @@ class Table:
 
     def line_span(self, row: int) -> Span:
         """The line of a row."""
-        return whole_line(self.source, self.lines[row])
-
-
-def whole_line(source: SourceFile, line: int) -> Span:
-    """A line from its first column on."""
-    return Span.on_line(line, 1, len(source.line(line)) + 1)
+        return self.source.whole_line(self.lines[row])
 
 
 def read_table(source: SourceFile, findings: Collector) -> Table | None:
@@ -78,7 +73,7 @@ def read_table(source: SourceFile, findings: Collector) -> Table | None:
         findings.add(
             "Y1504",
             f"the table can't be read on from here: {error}",
-            whole_line(source, line),
+            source.whole_line(line),
             "look for a quote that isn't closed",
         )
         return None
@@ -86,10 +81,10 @@ def read_table(source: SourceFile, findings: Collector) -> Table | None:
         line, count = ragged[0]
         more = _more(len(ragged), "line")
         message = f"this line has {count} cell{'s' * (count != 1)}, the header has {len(header)}{more}"
-        findings.add("Y1504", message, whole_line(source, line), "every line has a cell for each column")
+        findings.add("Y1504", message, source.whole_line(line), "every line has a cell for each column")
         return None
     if not rows:
-        span = whole_line(source, first + 1)
+        span = source.whole_line(first + 1)
         findings.add("Y1504", "the table has a header and no row", span, "check which file was given")
         return None
     return Table(source, delimiter, header, first + 1, tuple(rows), tuple(numbers))

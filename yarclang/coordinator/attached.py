@@ -23,6 +23,7 @@ from yarclang.coordinator.messages.lines import (
 from yarclang.coordinator.messages.orders import Order
 from yarclang.coordinator.messages.replies import Denied, Reply, Welcome
 from yarclang.coordinator.subscription import Subscription
+from yarclang.files import reason_of
 from yarclang.runtime.actions import Trouble
 
 R = TypeVar("R", bound=Reply)
@@ -164,7 +165,7 @@ class There:
         try:
             reader, writer = await asyncio.open_unix_connection(str(path), limit=MOST_ANSWER)
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = reason_of(error)
             raise Trouble(f"{path.stem} can't be reached: {reason}", "has it ended?", "Y1606") from None
         made = cls(path, reader, writer)
         try:

@@ -22,6 +22,7 @@ from yarclang.coordinator.messages.lines import (
     MOST_LINE,
     Asked,
     Id,
+    denied,
     read_order,
     too_long,
     write_answer,
@@ -190,7 +191,7 @@ class _Visitor:
         try:
             made = self._begun(what)
         except Trouble as trouble:
-            self._say(_denied(trouble), asked.id)
+            self._say(denied(trouble), asked.id)
             return
         if not asyncio.iscoroutine(made):
             self._say(made, asked.id)
@@ -234,7 +235,7 @@ class _Visitor:
         if error is None:
             self._say(task.result(), id_)
         elif isinstance(error, Trouble):
-            self._say(_denied(error), id_)
+            self._say(denied(error), id_)
         else:
             self._say(Denied(error=f"a bug of yarclang has ended this: {error!r}", help="report it"), id_)
 
@@ -278,7 +279,3 @@ class _Visitor:
             self._client.session.leave()
         for task in tuple(self._carried_out):
             task.cancel()
-
-
-def _denied(trouble: Trouble) -> Denied:
-    return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

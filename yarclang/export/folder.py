@@ -8,7 +8,7 @@ from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.export.package import Package
-from yarclang.files import read_whole, replace_file
+from yarclang.files import read_whole, reason_of, replace_file
 
 LIST = "yarc-export.json"
 """The file with the checksums of all files that an export has written."""
@@ -27,7 +27,7 @@ def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnost
     try:
         return _judged(folder, package, overwrite=overwrite)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         message = f"{folder} can't be looked at: {reason}"
         return (Diagnostic("Y0107", message, help="check the path and its rights"),)
 
@@ -87,7 +87,7 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
                 place.unlink()
         replace_file(folder / LIST, (json.dumps({"files": sums}, indent=1) + "\n").encode())
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         where = error.filename or folder
         help_ = "check the path, its rights, and the room on the disk; then export again"
         return (Diagnostic("Y0107", f"{where} can't be written: {reason}", help=help_),)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Dwell, Else, EndWhen, Hold, Program, WaitInput, When
+from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, Origin, Program, WaitInput, When
 from yarclang.lasting import Lasting, Part, Schedule, schedule_of
 from yarclang.motion.curve import Curve, Sampler
 from yarclang.motion.path import Path
@@ -80,6 +80,12 @@ class MotionPlan:
                 case _:
                     parts.append(float(durations.get(number, 0.0)))
         return schedule_of(parts)
+
+    def origin_of(self, motion: int) -> Origin:
+        """Return the command of a motion, counted from 0."""
+        step = self.program.steps[self.motions[motion].step]
+        assert not isinstance(step, Gap)  # a gap is never planned
+        return step.origin
 
     @property
     def lasting(self) -> Lasting:

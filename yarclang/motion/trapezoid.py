@@ -37,11 +37,6 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
     return control
 
 
-def cruise_blend(segments: int, cruise: float) -> int:
-    """The whole segments of the blend that n segments leave beside the cruise."""
-    return int(segments - cruise + _ROUNDING)
-
-
 def cruising(segments: int, cruise: float, ramp: int) -> Array:
     """The control values (n + 3,) of a law whose cruise would take the whole way in `cruise` segments, a whole number or not.
 

@@ -10,8 +10,8 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
+from yarclang.coordinator.messages.lines import denied
 from yarclang.pendant.apart import begun, command_of
-from yarclang.pendant.messages.reading import denied
 from yarclang.pendant.passing import Passing, written
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble

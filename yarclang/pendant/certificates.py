@@ -14,6 +14,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from yarclang.files import reason_of
 from yarclang.runtime.actions import Trouble
 
 _LASTS = timedelta(days=397)
@@ -42,7 +43,7 @@ def self_signed(folder: Path, names: frozenset[str]) -> tuple[Path, Path, str]:
         try:
             known = _make(certificate, key, sorted(wanted))
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = reason_of(error)
             raise Trouble(
                 f"{folder} can't be written: {reason}", "make room, or give --data FOLDER", ""
             ) from None

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import uvicorn
 
-from yarclang.hosts import is_loopback
 from yarclang.pendant.life import Life
 from yarclang.pendant.seats import Attach
 from yarclang.pendant.web.app import application
@@ -146,10 +145,3 @@ def _config(service: Service, place: Place) -> uvicorn.Config:
             "name a certificate and its key in PEM form", "",
         ) from None  # fmt: skip
     return made
-
-
-def check_reach(place: Place) -> str:
-    """Return why a pendant mustn't listen there; empty: it may. Passwords and orders go beyond this machine only encrypted."""
-    if place.certificate is None and not is_loopback(place.host):
-        return f"{place.host} is reached from other machines: there it needs TLS"
-    return ""

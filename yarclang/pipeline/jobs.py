@@ -17,16 +17,10 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.lasting import Schedule
 from yarclang.pipeline.stages import Compiled
-from yarclang.robot.model import Robot
+from yarclang.robot.model import START_SHARE, Robot
 from yarclang.runtime.job import Barrier, Job, JobCommand, Leg
 from yarclang.source import SourceFile
 from yarclang.units import MS
-
-START_SHARE = 0.05
-"""A start that is off adds at most this share of the acceleration limit in the first segment."""
-
-_SHORTEST_BUFFER = 1.0
-"""What a rotary holds at least [s]."""
 
 
 @frozen

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
+from typing import TypeVar
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
@@ -15,13 +16,14 @@ from yarclang.robot.model import Robot
 from yarclang.semantics.trajectory_file import TrajectoryFile
 from yarclang.shapes import Mesh, Shape
 
+T = TypeVar("T")
 Stamp = Hashable
 
 
 def robot_kept(
     memory: Memory, path: Path | None, text: str | None, load: Callable[[], Result[Robot]]
 ) -> Result[Robot]:
-    """A robot that was loaded before, else the one that `load` gives; what has errors is loaded each time.
+    """Return the robot that was loaded before, else the one that `load` gives; a robot with errors is loaded each time.
 
     Args:
         memory: keeps it.
@@ -29,59 +31,62 @@ def robot_kept(
         text: what stands in it, where that isn't what is saved.
         load: reads it.
     """
-    if path is None or memory is NO_MEMORY:
+    if path is None:
         return load()
+
+    def files(robot: Robot) -> tuple[Path, ...]:
+        shapes = [one.shape for one in robot.shapes]
+        shapes += [part.shape for tool in robot.tools for part in tool.shapes]
+        folders = tuple(dict.fromkeys((path.parent, (path.parent / robot.urdf).parent)))
+        return (*folders, *_beside(folders), *_meshes(shapes))
+
     key = ("robot", path, path.absolute(), text)
-    kept: tuple[Result[Robot], tuple[Path, ...], Stamp] | None = memory.get(key)
-    if kept is not None and stamp_of(kept[1]) == kept[2]:
-        return kept[0]
-    before = stamp_of(_beside((path.parent,)))
-    loaded = load()
-    robot = loaded.value
-    if robot is None:
-        return loaded
-    shapes = [one.shape for one in robot.shapes]
-    shapes += [part.shape for tool in robot.tools for part in tool.shapes]
-    folders = tuple(dict.fromkeys((path.parent, (path.parent / robot.urdf).parent)))
-    files = (*folders, *_beside(folders), *_meshes(shapes))
-    if stamp_of(_beside((path.parent,))) == before:  # nobody wrote meanwhile
-        memory.keep(key, (loaded, files, stamp_of(files)))
-    return loaded
+    return _kept(memory, key, load, lambda: _beside((path.parent,)), files)
 
 
 def cell_kept(
     memory: Memory, path: Path, robot: Robot, text: str | None, load: Callable[[], Result[Cell]]
 ) -> Result[Cell]:
-    """A cell that was read before for the same robot; else as `robot_kept`."""
-    if memory is NO_MEMORY:
-        return load()
+    """Return the cell that was read before for the same robot; else as `robot_kept`."""
     key = ("cell", path, path.absolute(), robot, text)
-    kept: tuple[Result[Cell], tuple[Path, ...], Stamp] | None = memory.get(key)
-    if kept is not None and stamp_of(kept[1]) == kept[2]:
-        return kept[0]
-    before = stamp_of((path,))
-    loaded = load()
-    cell = loaded.value
-    if cell is not None and stamp_of((path,)) == before:
-        files = (path, *meshes_of(cell))
-        memory.keep(key, (loaded, files, stamp_of(files)))
-    return loaded
+    return _kept(memory, key, load, lambda: (path,), lambda cell: (path, *meshes_of(cell)))
 
 
 def trajectory_kept(
     memory: Memory, path: Path, text: str | None, load: Callable[[], Result[TrajectoryFile]]
 ) -> Result[TrajectoryFile]:
-    """A trajectory file that was read before; else as `robot_kept`."""
+    """Return the trajectory file that was read before; else as `robot_kept`."""
+    files = (path,) if text is None else ()
+    key = ("trajectory", path, path.absolute(), text)
+    return _kept(memory, key, load, lambda: files, lambda _: files)
+
+
+def _kept(
+    memory: Memory,
+    key: Hashable,
+    load: Callable[[], Result[T]],
+    begins_with: Callable[[], tuple[Path, ...]],
+    made_of: Callable[[T], tuple[Path, ...]],
+) -> Result[T]:
+    """Return what was loaded before as long as its files are as they were, else what `load` gives.
+
+    Args:
+        memory: keeps it.
+        key: its name.
+        load: reads it.
+        begins_with: the files that are known before: where one of them changes while it is read, the result isn't kept.
+        made_of: the files of a result.
+    """
     if memory is NO_MEMORY:
         return load()
-    key = ("trajectory", path, path.absolute(), text)
-    before = stamp_of((path,))
-    kept: tuple[Result[TrajectoryFile], Stamp] | None = memory.get(key)
-    if kept is not None and (text is not None or kept[1] == before):
+    kept: tuple[Result[T], tuple[Path, ...], Stamp] | None = memory.get(key)
+    if kept is not None and stamp_of(kept[1]) == kept[2]:
         return kept[0]
+    before = stamp_of(begins_with())
     loaded = load()
-    if loaded.value is not None and stamp_of((path,)) == before:
-        memory.keep(key, (loaded, before))
+    if loaded.value is not None and stamp_of(begins_with()) == before:
+        files = made_of(loaded.value)
+        memory.keep(key, (loaded, files, stamp_of(files)))
     return loaded
 
 

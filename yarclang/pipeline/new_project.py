@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.files import reason_of
 from yarclang.pipeline.modules import SUFFIX, library_folder
 from yarclang.robot.library import stdlib_folder
 from yarclang.robot.model import Robot
@@ -59,7 +60,7 @@ def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
         else:
             return ()
     except OSError as error:
-        message = f"{folder} can't be looked into: {(error.strerror or str(error)).lower()}"
+        message = f"{folder} can't be looked into: {reason_of(error)}"
     return (Diagnostic("Y1521", message, help="choose another name, or another place"),)
 
 

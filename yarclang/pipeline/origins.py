@@ -94,8 +94,3 @@ def start_values(header: Header, robot: Robot) -> tuple[float, ...] | None:
     """Return where a header says that the robot stands at first [deg or mm]; None if that isn't a position of this robot."""
     values = tuple(float(one) for one in _AXIS.findall(header.start))
     return values if len(values) == robot.size else None
-
-
-def origin_text(origin: Origin) -> str:
-    """`file.yarc:12`."""
-    return f"{origin.source.name}:{origin.span.line}"

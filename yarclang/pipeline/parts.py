@@ -13,7 +13,7 @@ from yarclang.collision.zones.watched import tool_frame
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.handling.parts import first_parts
 from yarclang.handling.present import around_start, is_same
-from yarclang.handling.surroundings import surroundings, without_parts
+from yarclang.handling.surroundings import without_parts
 from yarclang.handling.walk import Followed, followed, handling_of
 from yarclang.hir import (
     Array,
@@ -186,14 +186,6 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
     meant, known = ({one.name: one for one in parts.items} for parts in (then, now))
     same = all(name in known and is_same(known[name], meant[name]) for name in grasp.moved)
     return (handling.leaving(grasp),) if same else ()
-
-
-def cell_before(plan: MotionPlan, number: int) -> Cell | None:
-    """Return the cell with its parts as they are in front of motion `number` of a plan."""
-    whole, cell = followed_plan(plan), plan.program.cell
-    if whole is None or cell is None:
-        return cell
-    return surroundings(cell, whole.before[plan.motions[number].step])
 
 
 @lru_cache(maxsize=4)

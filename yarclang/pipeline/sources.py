@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.files import read_stream, read_whole
+from yarclang.files import read_stream, read_whole, reason_of
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.characters import NOT_TEXT, character_name
 
@@ -67,7 +67,7 @@ def read_content(path: str, most: int = LARGEST_PROGRAM) -> Result[bytes]:
         else:
             content = read_whole(Path(path), most)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         help_ = _REMEDIES.get(error.errno or 0, "check the path and its rights")
         return Result(None, (Diagnostic("Y0107", f"{name_of(path)} can't be read: {reason}", help=help_),))
     return Result(content)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from yarclang.files import replace_file
+from yarclang.files import reason_of, replace_file
 from yarclang.runtime.actions import Trouble
 
 
@@ -17,7 +17,7 @@ def read_exactly(path: Path) -> str:
     try:
         return path.read_bytes().decode("utf-8")
     except OSError as error:
-        raise Trouble(f"{path} can't be read: {_reason(error)}", "nothing was changed") from None
+        raise Trouble(f"{path} can't be read: {reason_of(error)}", "nothing was changed") from None
     except UnicodeDecodeError:
         raise Trouble(f"{path} isn't UTF-8 text any more", "nothing was changed") from None
 
@@ -32,9 +32,5 @@ def write_exactly(path: Path, text: str) -> None:
         replace_file(path, text.encode("utf-8"))
     except OSError as error:
         raise Trouble(
-            f"{path} can't be written: {_reason(error)}", "look at its rights, and at the disk"
+            f"{path} can't be written: {reason_of(error)}", "look at its rights, and at the disk"
         ) from None
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 REDUCED_SPEED = 250.0 * MM
 """The largest speed of a tool where people are within reach [m/s] (ISO 10218-1)."""
+START_SHARE = 0.05
+"""Share of the limits of acceleration and jerk that a robot may use up in the first segment of a motion because it stands beside the start."""
 JointKind = Literal["revolute", "prismatic", "continuous"]
 
 

@@ -191,7 +191,10 @@ def _timetable(
     if not len(table):
         at = lines[0][0]
         findings.add(
-            "Y1384", "the file has a header and no row", _whole(source, at), "write a row for each way-point"
+            "Y1384",
+            "the file has a header and no row",
+            source.whole_line(at),
+            "write a row for each way-point",
         )
         return None
     times = table[:, columns.time] * columns.second
@@ -207,7 +210,7 @@ def _timetable(
     if len(times) == 1 and times[0] == 0.0:
         message = "the only row is the start, at time 0"
         findings.add(
-            "Y1384", message, _whole(source, numbers[0]), "write a row for each way-point, at its time"
+            "Y1384", message, source.whole_line(numbers[0]), "write a row for each way-point, at its time"
         )
     if len(findings.found) > before:
         return None
@@ -263,9 +266,9 @@ def _columns(
     if missing := [_title(robot, *one) for one in wanted if one not in found_]:
         message = f"column{'s' * (len(missing) > 1)} {', '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
         help_ = f"a file has {TIME} and all joints; velocities of all joints or of none, accelerations only with velocities"
-        findings.add("Y1380", message, _whole(source, line), help_)
+        findings.add("Y1380", message, source.whole_line(line), help_)
         return None
-    return _with_units(found_, orders, robot, units, own, _whole(source, line), findings)
+    return _with_units(found_, orders, robot, units, own, source.whole_line(line), findings)
 
 
 def _cells(text: str, line: int) -> list[_Cell]:
@@ -446,10 +449,6 @@ def _cell_span(line: str, number: int, column: int) -> Span:
     piece = pieces[column]
     at = begin + 1 + (len(piece) - len(piece.lstrip()) if piece.strip() else 0)
     return Span.on_line(number, at, at + max(1, len(piece.strip())))
-
-
-def _whole(source: SourceFile, line: int) -> Span:
-    return Span.on_line(line, 1, len(source.line(line)) + 1)
 
 
 def _increase(

@@ -161,13 +161,6 @@ class Machine:
         self._messages[port].clear()
         return sent
 
-    def forget_port(self, port: int) -> None:
-        """A port is gone: its buffer is closed, its messages are lost."""
-        if found := self.ports.pop(port, None):
-            self.buffers.release(found)
-        if port:
-            self._messages.pop(port, None)
-
     def _port(self, number: int) -> Port:
         if number not in self.ports:
             self.ports[number] = Port()

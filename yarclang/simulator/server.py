@@ -6,7 +6,6 @@ The only module of the simulator that knows time and the network.
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import math
 import socket
 import time
@@ -391,13 +390,3 @@ class _Client(asyncio.Protocol):
                 self._transport.resume_reading()
             else:
                 self._transport.pause_reading()
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this computer can reach an address to listen on."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False

@@ -1,23 +1,18 @@
-"""Statements as most lines have them, read by one regular expression: no expression, no text in quotes.
+"""Statements of one line as most have them, read by one regular expression: no expression, no text in quotes.
 
     P0001 MOVEJ_RPY_LSPB {TCP} 0.00 1174.40 1176.00 0.00 0.00 0.00 [20] (mm,deg,s) {B} BLEND 5 ! to the part
 
-A way-point list over several lines is read as if it stood in one, and its places are put right afterwards.
-
-Lark reads the same statement in six times the time, and has to be imported first. The expression is put together of the grammar's own terminals; what it doesn't
+Lark reads the same line in three times the time, and takes 30 ms to import. The expression is put together of the grammar's own terminals; what it doesn't
 match is left to the grammar, and what it matches is to the last column what the grammar gives (tests/syntax/test_plain.py).
 """
 
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 from functools import cache, lru_cache
-from itertools import accumulate
 from pathlib import Path
 
-from yarclang.frozen import frozen
 from yarclang.syntax.ast import (
     FrameName,
     Number,
@@ -31,7 +26,6 @@ from yarclang.syntax.ast import (
     Word,
 )
 from yarclang.syntax.build import comments_of
-from yarclang.syntax.lines import code_of
 
 GRAMMAR = Path(__file__).parent.parent / "grammar.lark"
 
@@ -81,143 +75,102 @@ def _option_form() -> re.Pattern[str]:
 
 
 def plain_statement(text: str) -> Statement | None:
-    """The statement of a text; `line` is 0 until the caller sets it. None where it takes the grammar to read it."""
-    if "\n" in text:
-        rows = text.split("\n")
-        code = [row if "!" not in row else code_of(row).ljust(len(row)) for row in rows]
-        if any('"' in row for row in code) or not all(_goes_on(row) for row in code[:-1]):
-            return None
-        flat = " ".join(code)
-        places = _Rows(tuple(accumulate((len(row) + 1 for row in rows), initial=0)))
-    else:
-        rows, flat, places = [text], text, _ONE_ROW
-    match = _form().match(flat)
+    """Return the statement of a text; `line` is 0 until the caller sets it. None if the text needs the grammar."""
+    match = None if "\n" in text else _form().match(text)
     if match is None:
         return None
-    if len(rows) > 1 and any("\n" in text[slice(*match.span(group))] for group in (3, 5, 6, 7, 8)):
-        return None
     index, name, moving, values, time, units, base, options = match.groups()
-    named = tuple(_options(match, places)) if options else ()
+    named = tuple(_options(match)) if options else ()
     if None in named:
         return None
     return Statement(
         0,
-        len(rows),
-        Word(index, places.of(match, 1)) if index else None,
-        places.word(name, match.start(2)),
-        FrameName(moving, places.of(match, 3)) if moving else None,
-        tuple(_waypoints(flat, *match.span(4), places)) if values else (),
+        1,
+        Word(index, _place(match, 1)) if index else None,
+        _word(name, match.start(2)),
+        FrameName(moving, _place(match, 3)) if moving else None,
+        tuple(_waypoints(text, *match.span(4))) if values else (),
         None,
-        _time(match, places) if time else None,
-        Units(tuple(_words(flat, *match.span(6), places)), places.of(match, 6)) if units else None,
-        FrameName(base, places.of(match, 7)) if base else None,
+        _time(match) if time else None,
+        Units(tuple(_words(text, *match.span(6))), _place(match, 6)) if units else None,
+        FrameName(base, _place(match, 7)) if base else None,
         named,  # type: ignore[arg-type]
         comments_of(text),
     )
 
 
-def _goes_on(row: str) -> bool:
-    """Return True if a list may go on in the row after this one."""
-    code = row.rstrip(" \t")
-    return not code or code.endswith(";")
-
-
-@frozen
-class _Rows:
-    """Where the characters of a flat text stand: `begins` are the numbers of its rows' first ones, and one more."""
-
-    begins: tuple[int, ...]
-
-    def at(self, begin: int, end: int) -> Place:
-        """The place of the characters from `begin` up to `end` (not included)."""
-        if len(self.begins) == 2:
-            return _at(begin + 1, end + 1)
-        row = bisect_right(self.begins, begin) - 1
-        return Place(row, begin - self.begins[row] + 1, end - self.begins[row] + 1)
-
-    def of(self, match: re.Match[str], group: int) -> Place:
-        """The place of a group."""
-        return self.at(*match.span(group))
-
-    def word(self, token: str, begin: int) -> Word:
-        """A word that begins at a character."""
-        if len(self.begins) == 2:
-            return _word(token, begin + 1)
-        return Word(token, self.at(begin, begin + len(token)))
-
-    def number(self, token: str, begin: int) -> Number:
-        """Return the number that begins at a character; short ones, which come again and again, are shared."""
-        if len(self.begins) == 2 and len(token) <= _SHORT:
-            return _number(token, begin + 1)
-        return Number(token, float(token), self.at(begin, begin + len(token)))
-
-
 _SHORT = 5
-_ONE_ROW = _Rows((0, 0))
+
+
+def _place(match: re.Match[str], group: int) -> Place:
+    return _at(*match.span(group))
 
 
 @lru_cache(maxsize=1 << 16)
-def _at(start: int, end: int) -> Place:
-    """Return columns of a line: the lines of a long program have the same ones, and share them."""
-    return Place(0, start, end)
+def _at(begin: int, end: int) -> Place:
+    """Return the place of the characters from `begin` up to `end` (not included): the lines of a long program share their places."""
+    return Place(0, begin + 1, end + 1)
 
 
 @lru_cache(maxsize=1 << 14)
-def _word(token: str, start: int) -> Word:
-    return Word(token, _at(start, start + len(token)))
+def _word(token: str, begin: int) -> Word:
+    return Word(token, _at(begin, begin + len(token)))
 
 
-@lru_cache(maxsize=1 << 14)
-def _number(token: str, start: int) -> Number:
-    return Number(token, float(token), _at(start, start + len(token)))
+def _number(token: str, begin: int) -> Number:
+    return Number(token, float(token), _at(begin, begin + len(token)))
 
 
-def _waypoints(text: str, begin: int, end: int, places: _Rows) -> Iterator[WayPoint]:
-    """The way-points between semicolons."""
+_short_number = lru_cache(maxsize=1 << 14)(_number)
+"""Short numbers come again and again, and are shared."""
+
+
+def _waypoints(text: str, begin: int, end: int) -> Iterator[WayPoint]:
+    """Yield the way-points between semicolons."""
     while begin < end:
         found = text.find(";", begin, end)
         last = end if found < 0 else found
-        yield WayPoint(tuple(_items(text, begin, last, places)))
+        yield WayPoint(tuple(_items(text, begin, last)))
         begin = last + 1
 
 
-def _items(text: str, begin: int, end: int, places: _Rows) -> Iterator[Number | Word]:
-    """Numbers and words with blanks between."""
+def _items(text: str, begin: int, end: int) -> Iterator[Number | Word]:
+    """Yield numbers and words with blanks between."""
     for found in _TOKEN.finditer(text, begin, end):
         token, start = found.group(), found.start()
-        if token[0] in _NUMBER_BEGINS:
-            yield places.number(token, start)
+        if token[0] not in _NUMBER_BEGINS:
+            yield _word(token, start)
         else:
-            yield places.word(token, start)
+            yield _short_number(token, start) if len(token) <= _SHORT else _number(token, start)
 
 
-def _words(text: str, begin: int, end: int, places: _Rows) -> Iterator[Word]:
-    """The units between their brackets."""
+def _words(text: str, begin: int, end: int) -> Iterator[Word]:
+    """Yield the units between their brackets."""
     for found in _UNIT.finditer(text, begin, end):
-        yield places.word(found.group(), found.start())
+        yield _word(found.group(), found.start())
 
 
-def _time(match: re.Match[str], places: _Rows) -> Time:
+def _time(match: re.Match[str]) -> Time:
     text, (begin, end) = match.string, match.span(5)
     inner = match.group(5)[1:-1].strip(" \t")
     if inner.endswith("%"):
-        return Time((_percent(inner, text.index(inner, begin), places),), places.at(begin, end))
-    return Time(tuple(_items(text, begin + 1, end - 1, places)), places.at(begin, end))
+        return Time((_percent(inner, text.index(inner, begin)),), _at(begin, end))
+    return Time(tuple(_items(text, begin + 1, end - 1)), _at(begin, end))
 
 
-def _percent(text: str, start: int, places: _Rows) -> Percent:
-    return Percent(text, float(text.rstrip("% \t")), places.at(start, start + len(text)))
+def _percent(text: str, begin: int) -> Percent:
+    return Percent(text, float(text.rstrip("% \t")), _at(begin, begin + len(text)))
 
 
-def _options(match: re.Match[str], places: _Rows) -> Iterator[Option | None]:
-    """The options; None where one has more than one number, which is a fault."""
+def _options(match: re.Match[str]) -> Iterator[Option | None]:
+    """Yield the options; None where one has more than one number, which is a fault."""
     for found in _option_form().finditer(match.string, *match.span(8)):
         word, said = found.groups()
-        option = places.word(word, found.start(1))
+        option = _word(word, found.start(1))
         if said is None:
             yield Option(option, None)
         elif said.endswith("%"):
-            yield Option(option, _percent(said, found.start(2), places))
+            yield Option(option, _percent(said, found.start(2)))
         else:
-            items = [*_items(match.string, *found.span(2), places)]
+            items = [*_items(match.string, *found.span(2))]
             yield Option(option, items[0]) if len(items) == 1 else None

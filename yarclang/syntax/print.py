@@ -91,13 +91,6 @@ def _aligned(paragraph: list[_Row]) -> list[str]:
     return [f"{row.code:<{column}}  {row.comment}" if row.comment else row.code for row in paragraph]
 
 
-def print_statement(statement: Statement) -> str:
-    """One statement, not indented; a way-point list keeps its line breaks."""
-    return "\n".join(
-        " ".join(part for part in (row.code, row.comment) if part) for row in _rows_of(statement)
-    )
-
-
 def _rows_of(statement: Statement) -> list[_Row]:
     """The lines of a statement; a comment in a line of its own has no code."""
     parts: list[str] = []

@@ -8,11 +8,12 @@ from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
 from yarclang.semantics.naming import FIXED_FRAMES, is_word
 from yarclang.semantics.scope import BASE
+from yarclang.semantics.units import joint_kinds
 from yarclang.syntax.ast import Block, Statement
 from yarclang.syntax.words import DECLARATIONS
 from yarclang.teaching.changing import change
 from yarclang.teaching.edits import Draft, Edited, Program
-from yarclang.teaching.holding import Around, Holding, holding, joint_kinds, joint_numbers, pose_numbers
+from yarclang.teaching.holding import Around, Holding, holding, joint_numbers, pose_numbers
 from yarclang.teaching.indices import indentation
 from yarclang.units import Kind
 

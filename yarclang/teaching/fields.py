@@ -19,7 +19,6 @@ FieldKind = Literal["number", "percent", "choice", "frame", "joints", "signal", 
 
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
 _DECLARED_POSES = ("FRAME", "FRAME_QUAT")
-_SIGNALS = ("INPUT", "OUTPUT")
 _COUNTED = 64
 """Way-points whose values are fields; of longer lists only so many."""
 

@@ -14,13 +14,14 @@ from yarclang.pipeline.stages import Request, context_of
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import BASE, Frame, Scope
+from yarclang.semantics.scope import Frame, Scope
+from yarclang.semantics.units import joint_kinds
 from yarclang.semantics.unroll import declared_names
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Statement, Word
 from yarclang.teaching.edits import Program
 from yarclang.transforms import roll_pitch_yaw
-from yarclang.units import DEG, MM, UNITS, Kind
+from yarclang.units import DEG, MM, UNITS, Kind, number_text
 
 _FINEST: Mapping[Kind, float] = {"length": 0.01 * MM, "angle": 0.001 * DEG}
 """What the last digit of a taught number counts [m or rad]."""
@@ -200,13 +201,8 @@ def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> lis
             shown = math.floor(upper / step + 1e-6) * step
         elif shown < lower - 1e-9 and value / factor >= lower - step:
             shown = math.ceil(lower / step - 1e-6) * step
-        made.append(written(shown, digits))
+        made.append(number_text(shown, digits))
     return made
-
-
-def joint_kinds(robot: Robot) -> list[Kind]:
-    """Return the kind of unit of each joint."""
-    return ["length" if unit == "mm" else "angle" for unit in robot.axis_unit_names]
 
 
 def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = False) -> list[str]:
@@ -219,16 +215,16 @@ def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = F
     """
     place = position_numbers(pose[:3, 3], units)
     if quaternion:
-        return [*place, *(written(one, _DIGITS_OF_QUATERNION) for one in quaternion_of(pose[:3, :3]))]
+        return [*place, *(number_text(one, _DIGITS_OF_QUATERNION) for one in quaternion_of(pose[:3, :3]))]
     unit = units["angle"]
     angles = roll_pitch_yaw(pose[:3, :3]) / UNITS[unit].factor
-    return [*place, *(written(one, _digits("angle", unit)) for one in angles.tolist())]
+    return [*place, *(number_text(one, _digits("angle", unit)) for one in angles.tolist())]
 
 
 def position_numbers(position: Array, units: Mapping[Kind, str]) -> list[str]:
     """Return a position (3,) [m] as it is written."""
     unit = units["length"]
-    return [written(one, _digits("length", unit)) for one in (position / UNITS[unit].factor).tolist()]
+    return [number_text(one, _digits("length", unit)) for one in (position / UNITS[unit].factor).tolist()]
 
 
 def quaternion_of(rotation: Array) -> list[float]:
@@ -239,17 +235,6 @@ def quaternion_of(rotation: Array) -> list[float]:
     return found
 
 
-def written(value: float, digits: int) -> str:
-    """Return a number without needless zeros, and without a minus before a zero."""
-    text = f"{round(value, digits) + 0.0:.{max(digits, 0)}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
-
-
 def _digits(kind: Kind, unit: str) -> int:
     """Return how many digits after the point a unit needs."""
     return max(0, math.ceil(-math.log10(_FINEST[kind] / UNITS[unit].factor) - 1e-9))
-
-
-def base_name(name: str) -> str:
-    """Return a frame's name without braces; {B} for none."""
-    return name.strip("{} ").upper() or BASE

@@ -11,6 +11,7 @@ from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
 from yarclang.semantics.scope import BASE
+from yarclang.semantics.units import joint_kinds
 from yarclang.teaching.before import blocks_around, flange_before
 from yarclang.teaching.declaring import put_declaration, units_part
 from yarclang.teaching.edits import Draft, Edited, Program
@@ -18,7 +19,6 @@ from yarclang.teaching.holding import (
     Around,
     Holding,
     holding,
-    joint_kinds,
     joint_numbers,
     pose_numbers,
     position_numbers,

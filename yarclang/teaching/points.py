@@ -12,12 +12,12 @@ from yarclang.commands.spec import Values
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
 from yarclang.semantics.scope import BASE
+from yarclang.semantics.units import joint_kinds
 from yarclang.syntax.ast import Number, Statement, Value, WayPoint, Word
 from yarclang.teaching.edits import Draft, Edited, Program
 from yarclang.teaching.holding import (
     Around,
     holding,
-    joint_kinds,
     joint_numbers,
     pose_numbers,
     position_numbers,

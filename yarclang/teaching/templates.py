@@ -17,10 +17,11 @@ from yarclang.robot.library import list_robots, stdlib_folder
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.semantics.naming import is_word
+from yarclang.semantics.units import joint_kinds
 from yarclang.source import SourceFile
 from yarclang.teaching.fields import Field, FieldKind
-from yarclang.teaching.holding import joint_kinds, joint_numbers, pose_numbers, written
-from yarclang.units import DEG, MM, Kind
+from yarclang.teaching.holding import joint_numbers, pose_numbers
+from yarclang.units import DEG, MM, Kind, number_text
 
 _UNITS: Mapping[Kind, str] = {"length": "mm", "angle": "deg"}
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
@@ -153,8 +154,8 @@ def filled(name: str, robot: Robot, fields: Mapping[str, str], share: float = _S
         "ROBOT": lambda _: _robot_line(robot),
         "TOOL": lambda _: f"FRAME {{GRIPPER}} {' '.join(pose_numbers(tool, _UNITS))} (mm,deg) {{FLANGE}}",
         "READY": lambda _: f"JOINTS READY {joints} ({units})",
-        "ABOVE": lambda _: written(size, 1),
-        "STEP": lambda rest: written(float(rest) * size, 1),
+        "ABOVE": lambda _: number_text(size, 1),
+        "STEP": lambda rest: number_text(float(rest) * size, 1),
         "FRAME": frame,
         **{mark: (lambda _, value=value: value) for mark, value in values.items()},  # type: ignore[misc]
     }

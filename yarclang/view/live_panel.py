@@ -97,11 +97,6 @@ class LivePanel:
         rows = [(one.name, f"{_value(one)} ({one.variable})") for one in around.outputs]
         self._outputs.show(figures.rows_html(rows) if rows else figures.plain_html(none))
 
-    def show_input(self, name: str, value: bool) -> None:
-        """Put a checkbox where the input is: what was wanted of it was refused."""
-        if name in self._boxes:
-            self._boxes[name].value = value
-
     def _make_boxes(self, around: Surroundings) -> None:
         for old in self._boxes.values():
             old.remove()

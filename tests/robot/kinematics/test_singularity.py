@@ -1,4 +1,4 @@
-"""How near a singularity is and what it costs, against numpy's SVD and finite differences."""
+"""How near a singularity is, against numpy's SVD and finite differences."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from tests.robot.kinematics import arms
 from yarclang.robot.kinematics import (
     arm_length,
     flange_poses,
-    joint_speeds,
     nearness,
     smallest_singular_values,
     tool_poses,
@@ -54,27 +53,6 @@ def test_smallest_is_that_of_the_weighted_jacobian(arm):
     np.testing.assert_allclose(smallest_singular_values(chain, q, TOOL), near.smallest, atol=1e-12)
 
 
-@pytest.mark.parametrize("arm", ALL)
-def test_speeds_make_the_motion(arm):
-    chain, q = drawn(arm)
-    random = np.random.default_rng(1)
-    wished = random.normal(size=(len(q), chain.size))
-    twist = np.stack(
-        [differences(chain, joints, TOOL) @ wish for joints, wish in zip(q, wished, strict=True)]
-    )
-    speeds, lost = joint_speeds(chain, q, TOOL, twist)
-    assert lost.max() < 1e-6
-    # finite differences of poses: moving at these speeds for a moment does what was asked for
-    step = 1e-6
-    moved = (tool_poses(chain, q + step * speeds, TOOL) - tool_poses(chain, q - step * speeds, TOOL)) / (
-        2 * step
-    )
-    np.testing.assert_allclose(moved[:, :3, 3], twist[:, :3], atol=1e-6 * (1 + np.abs(speeds).max()))
-    # and no other speeds that do it are smaller
-    weights = np.where(chain.is_prismatic, arm_length(chain, TOOL), 1.0)
-    assert (np.linalg.norm(speeds / weights, axis=1) <= np.linalg.norm(wished / weights, axis=1) + 1e-6).all()
-
-
 def test_a_straight_wrist_is_singular_and_names_its_joints():
     chain, _ = arms.industrial6()
     for bend in (1e-1, 1e-2, 1e-3, 0.0):
@@ -82,32 +60,6 @@ def test_a_straight_wrist_is_singular_and_names_its_joints():
         assert near.smallest[0] <= bend + 1e-12
         if bend < 0.05:
             assert set(np.flatnonzero(np.abs(near.joints[0]) > 0.5)) == {3, 5}
-
-
-def test_the_cost_grows_as_a_wrist_straightens():
-    chain, _ = arms.industrial6()
-    bends = np.array([0.1, 0.01, 0.001])
-    q = np.tile([0.3, 0.2, -0.4, 0.0, 0.0, 0.1], (3, 1))
-    q[:, 4] = bends
-    hardest = nearness(chain, q, np.eye(4)).twist
-    length = arm_length(chain, np.eye(4))
-    speeds, lost = joint_speeds(chain, q, np.eye(4), hardest * np.repeat([length, 1.0], 3))
-    values = smallest_singular_values(chain, q, np.eye(4))
-    np.testing.assert_allclose(np.linalg.norm(speeds, axis=1), 1.0 / values, rtol=1e-6)
-    assert lost.max() < 1e-9
-    at, _ = joint_speeds(
-        chain, q[:1] * [1, 1, 1, 1, 0, 1], np.eye(4), hardest[:1] * np.repeat([length, 1.0], 3)
-    )
-    assert np.isfinite(at).all()
-    assert np.abs(at).max() > 1e6
-
-
-def test_what_three_parallel_joints_cannot_do_is_lost():
-    chain, q = drawn(arms.planar3, 5)
-    _, lost = joint_speeds(chain, q, np.eye(4), np.array([0, 0, 1.0, 0, 0, 0]))
-    np.testing.assert_allclose(lost, 1.0 / arm_length(chain, np.eye(4)))
-    _, turned = joint_speeds(chain, q, np.eye(4), np.array([0, 0, 0, 1.0, 0, 0]))
-    np.testing.assert_allclose(turned, 1.0)
 
 
 @pytest.mark.parametrize("arm", ALL)

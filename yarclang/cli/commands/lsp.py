@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from yarclang.files import reason_of
+
 
 def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, int] | None:
     """HOST:PORT, or a port of this machine."""
@@ -38,7 +40,7 @@ def command(stdio: bool, tcp: tuple[str, int] | None, robot: str | None) -> None
     try:
         serve(tcp, robot)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         where = f"{tcp[0]}:{tcp[1]}" if tcp else "standard input and output"
         raise click.ClickException(f"{where}: {reason}; choose another port, or none") from None
     except KeyboardInterrupt:

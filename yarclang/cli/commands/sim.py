@@ -218,7 +218,7 @@ def _add_inputs(machine: Machine, robot: str | None, inputs: str | None, cell: s
 async def _serve(server: SimulatorServer, what: str) -> None:
     import asyncio
 
-    from yarclang.simulator.server import is_loopback
+    from yarclang.hosts import is_loopback
 
     try:
         await server.start()

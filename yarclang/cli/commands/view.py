@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import click
 
 from yarclang.cli.address import Address, AddressType, run_option, trouble_is_said
 from yarclang.cli.options import file_argument, planning_options, tm_option
+from yarclang.hosts import is_loopback
 
 if TYPE_CHECKING:
     from yarclang.view.door import Door
@@ -173,7 +173,7 @@ def _ready(real: Door, title: str, seen: str, opens: bool) -> None:
         seen: what others can see, or do, if they reach it.
         opens: if a browser is opened.
     """
-    if not _is_loopback(real.host):
+    if not is_loopback(real.host):
         click.echo(
             f"warning: {real.host} can be reached over the network, and there is no password: "
             f"anyone there can see {seen}",
@@ -197,12 +197,3 @@ def _until_interrupted(door: Door, serve: Callable[[], None]) -> None:
         ) from None
     except KeyboardInterrupt:
         click.echo("\nended", err=True)
-
-
-def _is_loopback(host: str) -> bool:
-    if host.lower() == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False

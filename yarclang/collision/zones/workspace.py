@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell, JointWindow, Zone
 from yarclang.collision.scene import Rows, Scene, scene_of
@@ -46,27 +45,6 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
         else:
             found += [Watch(zone, item) for item in items_of(robot, cell, zone, moving)]
     return tuple(found)
-
-
-def in_workspace(robot: Robot, cell: Cell, moving: Moving, q: Array) -> NDArray[np.bool_]:
-    """Whether joint positions keep to the zones of a cell, (P,): in what is allowed, out of what is forbidden, in the right posture. How fast doesn't matter.
-
-    Args:
-        robot: the arm.
-        cell: its surroundings.
-        moving: the frame that is moved; `tool_frame` where none is named.
-        q: (P, n) [rad or m].
-    """
-    made = scene_of(robot, cell)
-    kept = np.ones(len(q), dtype=np.bool_)
-    watches = [one for one in watches_of(robot, cell, moving) if one.zone.rule != "slow"]
-    if made.value is None or not watches:
-        return kept
-    arm = Arm.at(made.value, q)
-    for watch in watches:
-        (open_,) = np.nonzero(kept)
-        kept[open_] = _slack(watch, q[open_], arm, open_) >= slack_of(watch)
-    return kept
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:

@@ -9,6 +9,7 @@ from yarclang.coordinator.client.part import Part
 from yarclang.coordinator.loading import Source, load
 from yarclang.coordinator.programs import Loaded
 from yarclang.diagnostics import Result
+from yarclang.files import reason_of
 from yarclang.runtime.actions import Trouble
 
 
@@ -61,5 +62,5 @@ def write_program(path: Path, text: str) -> None:
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise Trouble(f"{path} can't be written: {reason}", "choose another place") from None

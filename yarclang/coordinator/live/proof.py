@@ -30,13 +30,10 @@ from yarclang.coordinator.live.room import Room, is_free
 from yarclang.diagnostics import Result
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.kinematics.fk import poses_and_jacobians
-from yarclang.robot.model import Array, Robot
+from yarclang.robot.model import START_SHARE, Array, Robot
 from yarclang.units import MM
 
 _WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d*)?)")
-
-_START_SHARE = 0.05
-"""Where the robot stands beside its start, that adds at most this share of the limits of acceleration and jerk."""
 
 _BEYOND = 1.0
 """Bodies of a tool are at most so far beyond its origin [m], where it is told how far they move beside what was proved."""
@@ -96,7 +93,7 @@ class Judge:
         limits = robot.limits
         arms = np.where(robot.chain.is_prismatic, 1.0, self._reach + _BEYOND)
         self.slack = np.minimum(
-            _START_SHARE * np.minimum(limits.acceleration * segment**2, limits.jerk * segment**3 / 2.0),
+            START_SHARE * np.minimum(limits.acceleration * segment**2, limits.jerk * segment**3 / 2.0),
             SLACK / 2.0 / (robot.size * arms),
         )
         self._beside = float(arms @ self.slack)

@@ -17,8 +17,9 @@ from typing import Any
 
 from yarclang.coordinator.attached import Attached
 from yarclang.coordinator.messages import orders, wants
-from yarclang.coordinator.messages.lines import read_object, read_order, too_long, write_answer
+from yarclang.coordinator.messages.lines import denied, read_object, read_order, too_long, write_answer
 from yarclang.coordinator.messages.replies import Denied, Done, Reply
+from yarclang.files import reason_of
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.transports.private import MASTERS, folder, own_name, peer_of, private_listener
 
@@ -145,7 +146,7 @@ class MasterServer:
         try:
             self._server = await asyncio.start_server(self._accept, door.host, door.port, limit=MOST_LINE)
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = reason_of(error)
             raise Trouble(
                 f"{door.host}:{door.port} can't be listened on: {reason}", "choose another port"
             ) from None
@@ -260,7 +261,7 @@ class MasterServer:
         try:
             return await self._attached.ask(asked)
         except Trouble as trouble:
-            return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)
+            return denied(trouble)
 
 
 def _denied(error: str) -> bytes:

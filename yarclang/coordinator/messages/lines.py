@@ -15,6 +15,7 @@ from yarclang.coordinator.messages.events import Event
 from yarclang.coordinator.messages.message import VERSION, Message
 from yarclang.coordinator.messages.orders import Order
 from yarclang.coordinator.messages.replies import Denied, Reply
+from yarclang.runtime.actions import Trouble
 
 R = TypeVar("R", bound=Reply)
 
@@ -197,3 +198,8 @@ def _shown(value: object) -> str:
             return "an object"
         case _:
             return json.dumps(value)[:_SHOWN]
+
+
+def denied(trouble: Trouble) -> Denied:
+    """Return trouble as an answer."""
+    return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

@@ -19,7 +19,7 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Robot
 from yarclang.source import Span
 from yarclang.transforms import roll_pitch_yaw, rpy_rotation
-from yarclang.units import DEG, MM, UNITS
+from yarclang.units import DEG, MM, UNITS, number_text
 
 TURN, TURNS = 30.0, 11
 """The tool is turned about its z by multiples of so many degrees, the smallest first, so many times."""
@@ -206,12 +206,9 @@ def _written(base_from_moving: Array, origin: Origin) -> str:
     units = np.repeat(_units(origin), 3)
     values = np.concatenate((pose[:3, 3], roll_pitch_yaw(pose[:3, :3]))) / units
     fines = np.ceil(4 - np.log10(np.repeat([MM, DEG], 3) / units)).astype(int)
-    return " ".join(_number(value, fine) for value, fine in zip(values.tolist(), fines.tolist(), strict=True))
-
-
-def _number(value: float, decimals: int) -> str:
-    text = f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    return " ".join(
+        number_text(value, fine) for value, fine in zip(values.tolist(), fines.tolist(), strict=True)
+    )
 
 
 def _units(origin: Origin) -> tuple[float, float]:

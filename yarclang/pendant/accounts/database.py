@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Concatenate, ParamSpec, TypeVar
 
+from yarclang.files import reason_of
 from yarclang.runtime.actions import Trouble
 
 T = TypeVar("T")
@@ -69,7 +70,7 @@ class Database:
             path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600))
         except OSError as error:
-            raise self._trouble((error.strerror or str(error)).lower()) from None
+            raise self._trouble(reason_of(error)) from None
         self._thread = ThreadPoolExecutor(1, "accounts")
         try:
             self._connection = self._thread.submit(self._open).result()

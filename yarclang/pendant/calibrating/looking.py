@@ -11,6 +11,7 @@ from yarclang.pendant.messages.calibration import LookCalibration, LookText
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
+from yarclang.transforms import turn_about
 from yarclang.units import DEG, MM
 
 _NAME = "CALIBRATION_LOOK"
@@ -55,7 +56,7 @@ def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
     back = back / length if length > _SHORT else np.array([0.0, 0.0, 1.0])
     pose = np.eye(4)
     pose[:3, 3] = touching.value.fixed + back * asked.distance * MM
-    pose[:3, :3] = flange[:3, :3] @ _about("xyz".index(asked.axis), asked.tilt * DEG)
+    pose[:3, :3] = flange[:3, :3] @ turn_about("xyz".index(asked.axis), asked.tilt * DEG)
     tip = np.eye(4)
     tip[:3, 3] = touching.value.flange_from_tip
     what = f"The tip goes to {asked.distance:g} mm from the point that was touched, back towards the flange"
@@ -89,12 +90,3 @@ def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookTe
 def _block(declaration: str, moving: str, pose: Array, base: str) -> str:
     numbers = frame_line(moving, pose, base).removeprefix("FRAME ").partition(" (mm,deg) ")
     return f"REPEAT 1\n{declaration}\nMOVEL {numbers[0]} [{_SHARE}] (mm,deg) {numbers[2]}\nEND\n"
-
-
-def _about(axis: int, angle: float) -> Array:
-    turn = np.eye(3)
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    turn[one, one] = turn[other, other] = np.cos(angle)
-    turn[other, one] = np.sin(angle)
-    turn[one, other] = -turn[other, one]
-    return turn

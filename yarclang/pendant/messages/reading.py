@@ -7,7 +7,6 @@ from typing import TypeVar
 from pydantic import ValidationError
 
 from yarclang.coordinator.messages.message import Message
-from yarclang.coordinator.messages.replies import Denied
 from yarclang.runtime.actions import Trouble
 
 M = TypeVar("M", bound=Message)
@@ -31,8 +30,3 @@ def read(text: bytes | str, kind: type[M]) -> M:
         raise Malformed(f"{place[:80]}: {first['msg'].lower()}", "see the API's page", "") from None
     except RecursionError:
         raise Malformed("the body can't be read", "see the API's page", "") from None
-
-
-def denied(trouble: Trouble) -> Denied:
-    """Return trouble as a message."""
-    return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

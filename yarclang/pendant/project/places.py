@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from yarclang.files import reason_of
 from yarclang.pendant.project.names import parts_of, quoted
 from yarclang.runtime.actions import Trouble
 
@@ -35,7 +36,7 @@ _REASONS = {
 
 def said(error: OSError, name: str) -> Trouble:
     """Return what the operating system says of a file, in words."""
-    why, remedy = _REASONS.get(error.errno or 0, ((error.strerror or str(error)).lower(), "look at the file"))
+    why, remedy = _REASONS.get(error.errno or 0, (reason_of(error), "look at the file"))
     return Trouble(f"{quoted(name)}: {why}", remedy, "missing" if error.errno == errno.ENOENT else "")
 
 

@@ -7,9 +7,10 @@ from typing import TypeVar
 from starlette.requests import Request
 from starlette.responses import Response
 
+from yarclang.coordinator.messages.lines import denied
 from yarclang.coordinator.messages.message import Message
 from yarclang.pendant.accounts.accounts import NotAllowed, TooMany
-from yarclang.pendant.messages.reading import Malformed, denied, read
+from yarclang.pendant.messages.reading import Malformed, read
 from yarclang.runtime.actions import Trouble
 
 M = TypeVar("M", bound=Message)

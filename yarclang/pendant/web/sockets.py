@@ -10,6 +10,7 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
+from yarclang.coordinator.messages.lines import denied
 from yarclang.coordinator.messages.message import Message
 from yarclang.coordinator.messages.replies import Denied
 from yarclang.pendant.accounts.accounts import NotAllowed
@@ -17,7 +18,7 @@ from yarclang.pendant.accounts.roles import Role
 from yarclang.pendant.accounts.sessions import Session
 from yarclang.pendant.jogging import JogLine
 from yarclang.pendant.messages.jog import LetGo, Press
-from yarclang.pendant.messages.reading import denied, read
+from yarclang.pendant.messages.reading import read
 from yarclang.pendant.watched import Page
 from yarclang.pendant.web.robot import order_in
 from yarclang.pendant.web.service import Service, address_of

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from yarclang.files import reason_of
 from yarclang.pendant.accounts.sessions import Session
 from yarclang.pendant.apart import begun, command_of
 from yarclang.pendant.messages.workspace import CheckShown, JudgedProgram
@@ -162,7 +163,7 @@ class Checks:
         except TimeoutError:
             check.what = f"it has taken longer than {MOST_IN_ALL / 60:.0f} min"
         except OSError as error:
-            check.what = f"it can't be begun: {(error.strerror or str(error)).lower()}"
+            check.what = f"it can't be begun: {reason_of(error)}"
         finally:
             if check.state == "running":  # nobody else could check anything
                 check.state = "failed"

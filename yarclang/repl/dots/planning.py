@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from yarclang.files import reason_of
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
 from yarclang.report.pictures.plot import Format
@@ -45,7 +46,7 @@ def _write(interpreter: Interpreter, path: Path, content: bytes) -> None:
     try:
         path.write_bytes(content)
     except OSError as error:
-        interpreter.refuse(f"{path} can't be written: {(error.strerror or str(error)).lower()}")
+        interpreter.refuse(f"{path} can't be written: {reason_of(error)}")
         return
     interpreter.say(f"{path} is drawn: what was planned last")
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Motion, Origin, SetOutput
+from yarclang.hir import Motion, Origin, SetOutput
 from yarclang.motion.plan import MotionPlan
 
 
@@ -95,14 +95,8 @@ def _corner(plan: MotionPlan, motion: int) -> Flowing | None:
     made = plan.motions[motion]
     half = made.half
     middle = float(plan.ends[motion])
-    return Flowing(_origin(plan, motion), _origin(plan, motion + 1), middle - half, middle, middle + half)
+    return Flowing(plan.origin_of(motion), plan.origin_of(motion + 1), middle - half, middle, middle + half)
 
 
 def _called(origin: Origin) -> str:
     return f"{origin.label} {origin.name}".strip()
-
-
-def _origin(plan: MotionPlan, motion: int) -> Origin:
-    step = plan.program.steps[plan.motions[motion].step]
-    assert not isinstance(step, Gap)  # a gap is never planned
-    return step.origin

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Origin
 from yarclang.motion.plan import MotionPlan
 
 Colour = tuple[float, float, float]
@@ -54,7 +53,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     bars = []
     for bar in range(number):
         first, behind = bar * count // number, (bar + 1) * count // number
-        origin = origin_of(plan, first)
+        origin = plan.origin_of(first)
         # from the dark end to one that is still seen on white
         red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (bar / max(number - 1, 1)))
         is_light = 0.299 * red + 0.587 * green + 0.114 * blue > 0.5
@@ -71,10 +70,3 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
             )
         )
     return tuple(bars)
-
-
-def origin_of(plan: MotionPlan, motion: int) -> Origin:
-    """The command of a motion, counted from 0."""
-    step = plan.program.steps[plan.motions[motion].step]
-    assert not isinstance(step, Gap)  # a gap is never planned
-    return step.origin

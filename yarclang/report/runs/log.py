@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.files import LARGEST_LOG, read_whole
+from yarclang.files import LARGEST_LOG, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting, known
 from yarclang.report.runs.messages import Outcome, RecordedRobot, Told, read_messages, read_only, read_robot
@@ -93,7 +93,7 @@ def read_run(file: str) -> Result[RecordedRun]:
     try:
         content = read_whole(Path(file), LARGEST_LOG)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         return _refused("Y0107", f"{file} can't be read: {reason}", "check the path and its rights")
     logs = "logs are the .mcap files that `yarc run` writes, in yarc-runs/ if nobody says where"
     records = read_records(content)

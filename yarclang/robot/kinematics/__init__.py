@@ -2,8 +2,7 @@
 
 `fk` has the poses and Jacobians. `nearest_solutions` is for one pose and a robot's limits, `track`
 follows a path, `follow` finds the exact joint positions of many samples next to seeds, `branches` has
-all solutions, `reaching` finds any joint positions for many poses. `nearness` and `joint_speeds` tell how near a
-singularity is, and what it costs.
+all solutions, `reaching` finds any joint positions for many poses. `nearness` tells how near a singularity is.
 """
 
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians, tool_poses
@@ -13,7 +12,6 @@ from yarclang.robot.kinematics.reach import arm_length, reach_radii
 from yarclang.robot.kinematics.search import reaching
 from yarclang.robot.kinematics.singularity import (
     Nearness,
-    joint_speeds,
     nearness,
     smallest_singular_values,
 )
@@ -30,7 +28,6 @@ __all__ = [
     "flange_poses",
     "follow",
     "full_turns",
-    "joint_speeds",
     "nearest_solutions",
     "nearness",
     "poses_and_jacobians",

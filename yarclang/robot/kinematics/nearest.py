@@ -16,6 +16,7 @@ from yarclang.robot.kinematics.geometry import wristed_arm
 from yarclang.robot.kinematics.inverse import branches, reached_within, restarts
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.model import Array, Chain, Limits
+from yarclang.transforms import sealed
 
 EDGE = 1e-8
 """A joint that is beyond its limit by no more [rad or m] is put on it."""
@@ -96,7 +97,7 @@ def nearest_solutions(
         found = _in_closed_form(chain, limits, base_from_flange, reference)
     if not len(found):
         if not measures:
-            return Unreachable("reach", _sealed(reference), is_measured=False)
+            return Unreachable("reach", sealed(reference), is_measured=False)
         return _out_of_reach(chain, base_from_flange, reference)
     lifted = nearest_turn(chain, limits, found, reference)
     excess = beyond(limits, lifted)
@@ -104,13 +105,13 @@ def nearest_solutions(
     if not inside.any():
         least = int(np.argmin(np.square(excess).sum(axis=1)))
         joint = int(np.argmax(np.abs(excess[least])))
-        return Unreachable("limits", _sealed(lifted[least]), joint=joint, excess=float(excess[least, joint]))
+        return Unreachable("limits", sealed(lifted[least]), joint=joint, excess=float(excess[least, joint]))
     q = np.clip(lifted[inside], limits.lower, limits.upper)
     cost = np.square(q - reference).sum(axis=1)
     # rounded, so that the last bit doesn't decide between equals
     keys = [np.round(q[:, joint], 9) for joint in range(chain.size - 1, -1, -1)]
     q = q[np.lexsort((*keys, np.round(cost, 9)))]
-    return Solutions(_sealed(q[_distinct(q)]))
+    return Solutions(sealed(q[_distinct(q)]))
 
 
 def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
@@ -146,7 +147,7 @@ def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
         last = math.floor((high - value + EDGE) / TURN)
         choices.append([float(value + TURN * turn) for turn in range(first, last + 1)])
     found = np.array(list(itertools.product(*choices)), dtype=float).reshape(-1, chain.size)
-    return _sealed(np.clip(found, limits.lower, limits.upper))
+    return sealed(np.clip(found, limits.lower, limits.upper))
 
 
 def nearest_turn(chain: Chain, limits: Limits, q: Array, reference: Array) -> Array:
@@ -276,7 +277,7 @@ def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
     if arm is not None:
         seeds = np.vstack([closed_form(arm, pose[None], reference[:, None]).q[:, :, 0].T, seeds])
     q, miss, miss_angle = nearest_miss(chain, pose, seeds)
-    return Unreachable("reach", _sealed(q), miss=miss, miss_angle=miss_angle)
+    return Unreachable("reach", sealed(q), miss=miss, miss_angle=miss_angle)
 
 
 def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
@@ -292,10 +293,3 @@ def _distinct(q: Array) -> NDArray[np.bool_]:
     away = np.abs(q[:, None] - q[None]).max(axis=2)
     same: NDArray[np.bool_] = ((away < SAME) & np.tri(len(q), k=-1, dtype=bool)).any(axis=1)
     return ~same
-
-
-def _sealed(array: Array) -> Array:
-    """A read-only copy in row order."""
-    array = np.array(array, dtype=float, order="C")
-    array.setflags(write=False)
-    return array

@@ -15,10 +15,6 @@ from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain
 
-VANISHED = 1e-12
-"""A smaller singular value counts as this much, so that a motion that the arm has lost costs a very large
-joint speed and not an undefined one."""
-
 _ROUNDING = 1e-9
 """What squares of singular values, of up to some tens, may lose by rounding, and much more."""
 
@@ -83,38 +79,10 @@ def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float)
     return True
 
 
-def joint_speeds(chain: Chain, q: Array, flange_from_tool: Array, twist: Array) -> tuple[Array, Array]:
-    """The joint speeds that a motion of the tool takes: least squares of the weighted lengths, for a redundant arm
-    the least speeds.
-
-    Args:
-        chain: the arm, n joints.
-        q: (N, n) [rad or m].
-        flange_from_tool: (4, 4).
-        twist: (N, 6) or (6,), the tool's motion per unit of the path: velocity of its origin [m] above
-            angular velocity [rad], axes of {B}. For speeds per m of path, a linear part of length 1.
-
-    Returns:
-        Speeds (N, n) [rad or m per unit of the path]; and the part of the motion that the arm can't make at all
-        (N,), weighted, 0 for six joints or more. At a singularity a lost motion costs speeds of up to 1e12.
-    """
-    length = arm_length(chain, flange_from_tool)
-    scaled = weighted_jacobians(chain, q, flange_from_tool)
-    wanted = np.broadcast_to(twist, (len(q), 6)) * _per_length(length)
-    left, values, right = np.linalg.svd(scaled, full_matrices=False)
-    along = np.einsum("nik,ni->nk", left, wanted)
-    speeds = np.einsum("nkj,nk->nj", right, along / np.maximum(values, VANISHED))
-    lost = np.linalg.norm(wanted - np.einsum("nik,nk->ni", left, along), axis=1)
-    return speeds * np.where(chain.is_prismatic, length, 1.0), lost
-
-
 def weighted_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
     """The geometric Jacobians (N, 6, n) at the tool with all lengths in units of L."""
     length = arm_length(chain, flange_from_tool)
     jacobians = poses_and_jacobians(chain, q, flange_from_tool)[1]
-    return jacobians * _per_length(length)[:, None] * np.where(chain.is_prismatic, length, 1.0)
-
-
-def _per_length(length: float) -> Array:
-    """What turns a twist's linear part into units of L (6,)."""
-    return np.repeat([1.0 / length, 1.0], 3)
+    per_length = np.repeat([1.0 / length, 1.0], 3)
+    scaled: Array = jacobians * per_length[:, None] * np.where(chain.is_prismatic, length, 1.0)
+    return scaled

@@ -22,6 +22,7 @@ from yarclang.robot.kinematics.nearest import beyond, nearest_miss, nearest_turn
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.kinematics.strands import Strand, follow_branches
 from yarclang.robot.model import Array, Chain, Limits
+from yarclang.transforms import sealed
 
 BreakKind = Literal["reach", "limits", "singular", "configuration"]
 Reason = Literal["any", "kind", "measured"]
@@ -152,10 +153,10 @@ def track(
     if outside is not None:
         return outside
     if strand.end == "whole":
-        bend = _sealed(_spline(strand.s, strand.q)) if chain.size > 6 else None
-        return Track(_sealed(strand.s), _sealed(strand.q), bend)
+        bend = sealed(_spline(strand.s, strand.q)) if chain.size > 6 else None
+        return Track(sealed(strand.s), sealed(strand.q), bend)
     if reason == "any":
-        return Broken(float(strand.s[-1]), "reach", _sealed(strand.q[-1]), is_measured=False)
+        return Broken(float(strand.s[-1]), "reach", sealed(strand.q[-1]), is_measured=False)
     return _break(chain, pose_at, strand, measures=reason == "measured")
 
 
@@ -168,7 +169,7 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
     first = int(np.argmax(out.any(axis=1)))
     if first == 0:
         joint = int(np.argmax(np.abs(excess[0])))
-        return Broken(0.0, "limits", _sealed(strand.q[0]), joint, float(excess[0, joint]))
+        return Broken(0.0, "limits", sealed(strand.q[0]), joint, float(excess[0, joint]))
     before, after = strand.s[first - 1], strand.s[first]
     ends = strand.q[first - 1 : first + 1]
     inside = ends[0]
@@ -188,12 +189,12 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
     rest = np.linspace(after, 1.0, 9)
     if _otherwise(chain, limits, pose_at(rest), inside):
         kind = "configuration"
-    return Broken(float(before), kind, _sealed(inside), joint, amount)
+    return Broken(float(before), kind, sealed(inside), joint, amount)
 
 
 def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) -> Broken:
     """What a strand that ends on the way ends of."""
-    s, q = float(strand.s[-1]), _sealed(strand.q[-1])
+    s, q = float(strand.s[-1]), sealed(strand.q[-1])
     if strand.end == "jump":
         return _jump(chain, pose_at, s, q, strand.beyond)
     # just behind the break, and all the way: a gap in reach may be short
@@ -256,10 +257,3 @@ def _spline(s: Array, q: Array) -> Array:
     elif len(s) == 3:
         bend[1] = 3.0 * (slope[1] - slope[0]) / (width[0] + width[1])
     return bend
-
-
-def _sealed(array: Array) -> Array:
-    """A read-only copy in row order."""
-    array = np.array(array, dtype=float, order="C")
-    array.setflags(write=False)
-    return array

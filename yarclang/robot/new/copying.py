@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 from urllib.parse import urlparse
 
+from yarclang.files import reason_of
 from yarclang.frozen import frozen
 from yarclang.robot.new.meshes import LARGEST_TOGETHER, NoMeshError, Surroundings, read_mesh
 from yarclang.robot.urdf import Urdf
@@ -139,7 +140,7 @@ def _visual(name: str, path: Path, surroundings: Surroundings) -> bytes | str:
     except NoMeshError as error:
         return str(error)
     except OSError as error:
-        return f"can't be read: {(error.strerror or str(error)).lower()}"
+        return f"can't be read: {reason_of(error)}"
 
 
 def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, before: int) -> bytes:
@@ -166,7 +167,7 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
         urdf.say("Y1363", f"The mesh {shown} {error}.", remedy, mesh, "filename")
         return b""
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         urdf.say("Y1302", f"The mesh {shown} can't be read: {reason}.", "Check its rights.", mesh, "filename")
         return b""
     if before + len(content) > LARGEST_TOGETHER:

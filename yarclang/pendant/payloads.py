@@ -55,7 +55,7 @@ class RobotFile:
         """
         data = parse_toml(self.source)
         if isinstance(data, Diagnostic):
-            what = f"{self.file} can't be read: {data.message.rstrip('.')}"
+            what = f"{self.file} can't be read: {data.clause}"
             raise Trouble(what, "correct it on the page Files", data.code)
         return data
 
@@ -81,7 +81,7 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
         return RobotFile(file, robot.folder, text_of(file, content), told.sha256, "")
     found = read_text(place, "")
     if isinstance(found, Diagnostic):
-        raise Trouble(found.message.rstrip("."), "look whether it was moved", found.code)
+        raise Trouble(found.clause, "look whether it was moved", found.code)
     why = f"{robot.name} is described outside of the project, in {place.parent}: copy that folder into the project, and start the pendant with --robot and the copy"
     sha256 = hashlib.sha256(found.text.encode()).hexdigest()
     return RobotFile(str(place), robot.folder, found.text, sha256, why)

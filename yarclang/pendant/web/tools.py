@@ -156,7 +156,7 @@ def _written(robot: Robot, project: ProjectFolder, asked: said.SavePayload) -> t
     read = read_robot(SourceFile(file.file, text), file.folder)
     if read.value is None:
         first = read.diagnostics[0]
-        raise Trouble(first.message.rstrip("."), first.help or "enter other values", first.code)
+        raise Trouble(first.clause, first.help or "enter other values", first.code)
     return text, file.file
 
 

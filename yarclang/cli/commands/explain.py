@@ -28,7 +28,7 @@ def command(codes: tuple[str, ...]) -> None:
         return
     unknown = False
     for code in codes:
-        known = [one for one in everything().values() if code.lower() in {one.code.lower(), one.name}]
+        known = [one for one in everything().values() if code.upper() == one.code or code.lower() == one.name]
         if not known:
             click.echo(f"no finding has the code {code}. {suggest(code, everything())}".rstrip(), err=True)
             unknown = True

@@ -262,12 +262,14 @@ def _text_sections(
     text: str,
     all_lines: bool,
 ) -> list[Any]:
+    from yarclang.pipeline.line_map import MOVE
     from yarclang.report.inspection.text import Section, stretch_lines
 
     lines = tuple(text.split("\n"))
     sections = []
     if line is not None:
-        what = stretches[0].what.replace("a move", "a move of the command below")
+        what = stretches[0].what
+        what = f"{what} of the command below" if what == MOVE else what
         sections.append(Section(f"line {line}", (lines[line - 1], what)))
     listed = next((one.command for one in stretches if one.command is not None), None)
     if listed is None:

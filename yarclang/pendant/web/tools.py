@@ -147,9 +147,8 @@ def _written(robot: Robot, project: ProjectFolder, asked: said.SavePayload) -> t
         Trouble: the file can't be changed here, isn't what was shown any more, or would be wrong then.
     """
     file = robot_file(robot, project)
-    if file.why_not:
-        what, remedy = file.why_not.split(": ", 1)
-        raise Trouble(what, remedy, "outside")
+    if file.outside:
+        raise Trouble(file.outside, file.remedy, "outside")
     if file.sha256 != asked.known:
         raise Changed(file.file, file.sha256)
     text = with_payload(file, asked)

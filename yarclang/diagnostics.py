@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import field, replace
 from typing import Generic, TypeVar
 
@@ -165,13 +165,20 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
 
     `at_least` is True if not all was looked at, so that there may be more.
     """
-    groups: dict[object, list[Diagnostic]] = {}
+    return tuple(_first(found, at_least) for found in each(gathered(diagnostics, _repeated)))
+
+
+def gathered(
+    diagnostics: Iterable[Diagnostic], key: Callable[[Diagnostic], Hashable]
+) -> list[list[Diagnostic]]:
+    """Return findings in groups with equal keys, in the order of the first of each."""
+    groups: dict[Hashable, list[Diagnostic]] = {}
     for one in each(diagnostics):
-        groups.setdefault(_repeated(one), []).append(one)
-    return tuple(_first(found, at_least) for found in each(groups.values()))
+        groups.setdefault(key(one), []).append(one)
+    return list(groups.values())
 
 
-def _repeated(one: Diagnostic) -> object:
+def _repeated(one: Diagnostic) -> Hashable:
     """Return what a finding has in common with those that only repeat it."""
     name = one.source.name if one.source else ""
     if not one.place:  # nothing was unrolled: two findings are two

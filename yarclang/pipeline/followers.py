@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import lru_cache
 
-from yarclang.diagnostics import Diagnostic
+from yarclang.diagnostics import Diagnostic, gathered
 from yarclang.findings import Follows, Need
 from yarclang.lint.registry import everything
 from yarclang.progress import each
@@ -202,10 +201,8 @@ def _is_like(word: str, meant: str) -> bool:
 
 def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Of findings about the same unknown name the first, and of many alike the first; it tells how many more there are."""
-    groups: dict[tuple[str, object], list[Diagnostic]] = {}
-    for one in each(found):
-        groups.setdefault(_repeated(one) or ("", len(groups)), []).append(one)
-    return tuple(one for (kind, _), group in each(groups.items()) for one in _shortened(kind, group))
+    groups = gathered(found, lambda one: _repeated(one) or one)
+    return tuple(one for group in each(groups) for one in _shortened(group))
 
 
 def _repeated(one: Diagnostic) -> tuple[str, object] | None:
@@ -216,11 +213,12 @@ def _repeated(one: Diagnostic) -> tuple[str, object] | None:
     return ("alike", one.code) if need in _BY_DEFAULT else None
 
 
-def _shortened(kind: str, group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first of findings that repeat each other; all where they are few."""
+def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
+    """Return the first of findings that repeat each other; all where they are few, or repeat nothing."""
     first = group[0]
+    kind, _ = _repeated(first) or ("", None)
     in_lines = {one.span.line for one in each(group) if one.span is not None}
-    if len(group) < 2 or (kind == "alike" and len(in_lines) < _MANY):
+    if not kind or len(group) < 2 or (kind == "alike" and len(in_lines) < _MANY):
         return group
     more = len(group) - 1
     lines = f"{more} more line{'s' * (more != 1)}"
@@ -233,21 +231,17 @@ def _shortened(kind: str, group: list[Diagnostic]) -> list[Diagnostic]:
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return the findings without all but the first ones of a code in a line; the last of these tells how many more there are."""
-    found = tuple(diagnostics)
-    counts = Counter(_line_and_code(one) for one in each(found))
-    if all(count <= _MOST_IN_A_LINE for count in counts.values()):
-        return found
-    said: list[Diagnostic] = []
-    so_far: Counter[tuple[str, int, str]] = Counter()
-    for one in each(found):
-        key = _line_and_code(one)
-        so_far[key] += 1
-        if not key[1] or so_far[key] < _MOST_IN_A_LINE or counts[key] == _MOST_IN_A_LINE:
-            said.append(one)
-        elif so_far[key] == _MOST_IN_A_LINE:
-            more = counts[key] - _MOST_IN_A_LINE
-            said.append(replace(one, message=f"{one.message}; {more:,} more like it in this line"))
-    return tuple(said)
+    groups = gathered(diagnostics, _line_and_code)
+    return tuple(one for group in each(groups) for one in _few(group))
+
+
+def _few(group: list[Diagnostic]) -> list[Diagnostic]:
+    """Return the first ones of findings with one code in a line; all that have no line."""
+    more = len(group) - _MOST_IN_A_LINE
+    if group[0].span is None or more <= 0:
+        return group
+    *first, last = group[:_MOST_IN_A_LINE]
+    return [*first, replace(last, message=f"{last.message}; {more:,} more like it in this line")]
 
 
 def _line_and_code(one: Diagnostic) -> tuple[str, int, str]:

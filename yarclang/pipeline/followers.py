@@ -76,10 +76,11 @@ class _Reasons:
 
     def __init__(self, found: Iterable[Diagnostic], causes: set[int], source: SourceFile) -> None:
         self._source, self._causes = source, causes
-        self._lines: dict[str, list[int]] = {}
+        self._lines: dict[str, set[int]] = {}
         """The lines of the findings of each code, 0 in other files."""
         for one in each(found):
-            self._lines.setdefault(one.code, []).append(_line(one, source))
+            self._lines.setdefault(one.code, set()).add(_line(one, source))
+        self._above = {code: min(lines - {0}, default=math.inf) for code, lines in self._lines.items()}
         hidden = {everything()[code].hides for code in self._lines} - {""}
         self._lost_name, self._lost_module = bool(hidden), "module" in hidden
         words = {line: _words(source.line(line)) for line in each(causes)}
@@ -128,7 +129,7 @@ class _Reasons:
             case "here":
                 return line in there
             case "above":
-                return any(0 < one < line for one in there)
+                return self._above.get(cause.code, math.inf) < line
             case "elsewhere":
                 return bool(there) and line not in self._causes
 

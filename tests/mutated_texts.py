@@ -365,7 +365,7 @@ class Laws:
     def _of_findings(self, source: SourceFile, checked: Checked) -> list[str]:
         found = []
         for one in checked.diagnostics:
-            if one.code.startswith(YARCLANG):
+            if one.family == YARCLANG:
                 found.append(f"{one.message}\n{one.help}")
             (one.message + one.help).encode("utf-8")
             if not one.message or len(one.message) > LONGEST_MESSAGE:
@@ -401,7 +401,7 @@ def _of_form(source: SourceFile) -> list[str]:
     for renumber in (None, (10, 10)):
         made = usual_form(source, renumber)
         if made.value is None:
-            ours = [one.message for one in made.diagnostics if one.code.startswith(YARCLANG)]
+            ours = [one.message for one in made.diagnostics if one.family == YARCLANG]
             if ours:
                 return ours
             continue

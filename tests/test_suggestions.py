@@ -7,7 +7,8 @@ from functools import cache
 
 import pytest
 
-from yarclang.diagnostics import _common, _places, suggest, suggested
+from yarclang.subjects import suggest
+from yarclang.suggestions import _common, _places, nearest
 
 
 def ratio(word, name):
@@ -40,7 +41,7 @@ def test_of_many_names_the_nearest_is_named():
     for _ in range(300):
         names = ["".join(chance.choices("ABCDEFG_12", k=chance.randrange(4, 30))) for _ in range(60)]
         word = mistyped(chance, chance.choice(names))
-        said = suggested(suggest(word, names))
+        said = nearest(word, names)
         best = max(ratio(word, name) for name in names)
         assert not said or ratio(word, said) >= 0.6
         near += said == "" if best < 0.6 else ratio(word, said) == best
@@ -52,7 +53,7 @@ def test_long_names_are_suggested(length):
     chance = random.Random(length)
     names = ["".join(chance.choices(string.ascii_uppercase, k=length)) for _ in range(50)]
     for name in names[:10]:
-        assert suggested(suggest(mistyped(chance, name), names)) == name
+        assert nearest(mistyped(chance, name), names) == name
 
 
 @pytest.mark.parametrize("length", [40, 190])

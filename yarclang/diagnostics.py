@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import field, replace
-from functools import lru_cache
 from typing import Generic, TypeVar
 
-from yarclang.findings import CATALOGUE, Severity
+from yarclang.findings import CATALOGUE, Severity, family_of
 from yarclang.frozen import frozen
 from yarclang.progress import each, go_on
 from yarclang.source import SourceFile, Span
+from yarclang.subjects import Subject
 
 T = TypeVar("T")
 
@@ -65,7 +65,8 @@ _TOO_LONG = re.compile(rf"\S{{{_LONGEST_QUOTE + 1},}}")
 class Diagnostic:
     """One finding: a code of the catalogue, one sentence with its figures, and where.
 
-    `source` and `span` are None where the finding has no place in a text.
+    `message` and `help` are for people; a program that needs a fact of them takes it from `subject`. `source` and `span` are None where the finding has no
+    place in a text.
     """
 
     code: str
@@ -80,6 +81,8 @@ class Diagnostic:
     """Of a rule's finding, or one whose severity a project has set: that severity."""
     within: Within | None = None
     """Where in a module the cause is, of a finding that is shown at the line that called the module."""
+    subject: Subject | None = None
+    """What the finding is about, if somebody acts on it."""
 
     def __post_init__(self) -> None:
         """Keep sentences readable whatever they quote: of what is too long to be a word the beginning is enough."""
@@ -87,6 +90,16 @@ class Diagnostic:
             text = getattr(self, name)
             if len(text) > _LONGEST_QUOTE:
                 object.__setattr__(self, name, _TOO_LONG.sub(lambda found: found[0][:_SHOWN] + "…", text))
+
+    @property
+    def clause(self) -> str:
+        """The message as a part of a longer sentence: without a full stop."""
+        return self.message.rstrip(".")
+
+    @property
+    def family(self) -> str:
+        """The two digits of the code's family."""
+        return family_of(self.code)
 
     @property
     def made_at(self) -> tuple[SourceFile | None, Span | None]:
@@ -152,17 +165,27 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
 
     `at_least` is True if not all was looked at, so that there may be more.
     """
-    groups: dict[tuple[str, str, Span | None], list[Diagnostic]] = {}
+    return tuple(_first(found, at_least) for found in each(gathered(diagnostics, _repeated)))
+
+
+def gathered(
+    diagnostics: Iterable[Diagnostic], key: Callable[[Diagnostic], Hashable]
+) -> list[list[Diagnostic]]:
+    """Return findings in groups with equal keys, in the order of the first of each."""
+    groups: dict[Hashable, list[Diagnostic]] = {}
     for one in each(diagnostics):
-        # without a place nothing was unrolled: two findings are two
-        name = one.source.name if one.source else ""
-        key = (one.code, name, one.span) if one.place else (one.code + one.message, name, one.span)
-        if (
-            one.place and one.source is not None and one.source.module
-        ):  # each call of a module is shown by itself
-            key = (one.code + static_place(one.place), name, one.span)
-        groups.setdefault(key, []).append(one)
-    return tuple(_first(found, at_least) for found in each(groups.values()))
+        groups.setdefault(key(one), []).append(one)
+    return list(groups.values())
+
+
+def _repeated(one: Diagnostic) -> Hashable:
+    """Return what a finding has in common with those that only repeat it."""
+    name = one.source.name if one.source else ""
+    if not one.place:  # nothing was unrolled: two findings are two
+        return one.code, name, one.span, "", one.message
+    # each call of a module is shown by itself
+    calls = static_place(one.place) if one.source and one.source.module else ""
+    return one.code, name, one.span, calls
 
 
 def _first(found: list[Diagnostic], at_least: bool) -> Diagnostic:
@@ -175,127 +198,22 @@ def _first(found: list[Diagnostic], at_least: bool) -> Diagnostic:
     return replace(first, message=f"{first.message} (at {first.place}{again})")
 
 
-_LONGEST_NAME = 200
-"""Characters; nobody means a name by a longer word."""
-
-
-def suggest(word: str, known: Iterable[str]) -> str:
-    """`did you mean X?` for a mistyped word, or nothing where no known one is near."""
-    return _suggestion(word.upper(), tuple(known))
-
-
-_NEAR = 0.6
-"""How like a mistyped word what was meant is at least: difflib's ratio."""
-
-_MOST_LIKELY = 12
-"""Names of which the longest common subsequence with a mistyped word is found: those that may be the nearest by their letters."""
-
-_MOST_COMPARED, _COMPARED_LETTERS = 5, 150
-"""Names that difflib compares with a mistyped word, and their letters in all: one comparison takes the square of the letters."""
-
-
-@lru_cache(maxsize=256)
-def _suggestion(word: str, known: tuple[str, ...]) -> str:
-    from difflib import get_close_matches
-
-    if len(word) > _LONGEST_NAME:
-        return ""
-    names, letters = _described(known)
-    near = get_close_matches(word, _likely(word, names, letters), n=5, cutoff=_NEAR)
-    if not near:
-        return ""
-    # of equally near names, the one with the same letters in another order was meant
-    near.sort(key=lambda name: sorted(name) != sorted(word))
-    return f"did you mean {names[near[0]]}?"
-
-
-@lru_cache(maxsize=8)
-def _described(known: tuple[str, ...]) -> tuple[dict[str, str], tuple[int, ...]]:
-    """Return names by themselves in upper case, and the letters of each."""
-    names = dict(zip(map(str.upper, known), known, strict=True))
-    return names, tuple(map(_letters, names))
-
-
-def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str]:
-    """Return the few names that may be nearest to a word.
-
-    Two upper bounds of difflib's ratio tell which: one by lengths and letters, and of the best by that, one by the longest common subsequence. They take a
-    hundredth and a tenth of difflib's time.
+class FindingError(ValueError):
+    """A finding that is raised where its place isn't known.
 
     Args:
-        word: what was typed.
-        names: what it may mean.
-        letters: the letters of each name.
+        code: of the catalogue.
+        message: its sentence.
+        help_: what to do.
+        subject: what it is about.
     """
-    from heapq import nlargest
 
-    mine, length, begin = _letters(word), len(word), word[: len(word) // 2]
-    # 2 common >= near (length + other), and other >= common: so many of the word's letters are in the name, each counted once
-    fewest = mine.bit_count() - length + _NEAR / (2.0 - _NEAR) * length
-    pairs = [
-        (name, theirs)
-        for name, theirs in zip(names, letters, strict=True)
-        if (mine & theirs).bit_count() >= fewest
-    ]
-    found = []
-    for name, theirs in pairs:
-        other = len(name)
-        both = length + other
-        least = _NEAR / 2.0 * both
-        common = length - (mine & ~theirs).bit_count()
-        if common >= least and (rest := other - (theirs & ~mine).bit_count()) >= least:
-            found.append((min(common, rest) / both, name.startswith(begin), name))
-    most = max(_MOST_LIKELY, length // 2)  # of long words, letters tell little
-    if len(found) > most:
-        found = nlargest(most, found)
-    enough = min(_MOST_COMPARED, max(1, _COMPARED_LETTERS // max(1, length)))
-    if len(found) > enough:
-        places = _places(word)
-        found.sort(key=lambda one: _common(places, length, one[2]) / (length + len(one[2])), reverse=True)
-    return [name for _, _, name in found[:enough]]
-
-
-def _places(word: str) -> dict[str, int]:
-    """Return the places of each letter of a word, one bit a place."""
-    found: dict[str, int] = {}
-    for place, letter in enumerate(word):
-        found[letter] = found.get(letter, 0) | 1 << place
-    return found
-
-
-def _common(places: dict[str, int], length: int, name: str) -> int:
-    """Return the length of the longest common subsequence of a word and a name, at most that of both.
-
-    A row of the usual table is one integer: a bit is 0 where the row's value rises (Hyyrö, Bit-Parallel LCS-length Computation Revisited, 2004).
-
-    Args:
-        places: the places of the word's letters.
-        length: of the word.
-        name: another word.
-    """
-    row = whole = (1 << length) - 1
-    for letter in name:
-        met = row & places.get(letter, 0)
-        row = ((row + met) | (row - met)) & whole
-    return length - row.bit_count()
-
-
-@lru_cache(maxsize=2048)
-def _letters(word: str) -> int:
-    """Return a bit for each letter of a word; letters may share one."""
-    bits = 0
-    for letter in word:
-        bits |= 1 << (ord(letter) & 63)
-    return bits
-
-
-_MEANT = re.compile(r"\bdid you mean (\S+?)\?", re.IGNORECASE)
-
-
-def suggested(help_: str) -> str:
-    """The name that a help line says may be meant; empty where it says none."""
-    found = _MEANT.search(help_)
-    return found[1] if found else ""
+    def __init__(self, code: str, message: str, help_: str = "", subject: Subject | None = None) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.help = help_
+        self.subject = subject
 
 
 class Collector:
@@ -307,10 +225,21 @@ class Collector:
         self.place = ""
 
     def add(
-        self, code: str, message: str, span: Span | None = None, help_: str = "", fix: Fix | None = None
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        help_: str = "",
+        fix: Fix | None = None,
+        subject: Subject | None = None,
     ) -> None:
         """Add one finding."""
-        self.found.append(Diagnostic(code, message, self.source, span, help_, fix, self.place))
+        made = Diagnostic(code, message, self.source, span, help_, fix, self.place, subject=subject)
+        self.found.append(made)
+
+    def add_error(self, error: FindingError, span: Span | None) -> None:
+        """Add a finding that was raised, at its place."""
+        self.add(error.code, error.message, span, error.help, subject=error.subject)
 
     @property
     def has_errors(self) -> bool:

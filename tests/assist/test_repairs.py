@@ -1,6 +1,7 @@
 """What can be done about findings, and the edits that format a text."""
 
 import pytest
+from conftest import HERE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -67,6 +68,19 @@ def test_missing_units(line: str, after: list[str] | None):
         assert found["write (mm)"] == line.replace("(deg)", "(deg,mm)")
     else:
         assert list(found.values()) == [f"{line} {unit}" for unit in after]
+
+
+@pytest.mark.parametrize(("label", "unit"), [("P0020", "deg"), ("P0050", "mm")])
+def test_units_that_only_planning_misses(label: str, unit: str):
+    """The message says it in other words than others do; the subject of the finding is the same."""
+    rows = (HERE / "rejected" / "speed_units.yarc").read_text().splitlines()
+    wanted = [row for row in rows if "! error" not in row or row.startswith(label)]
+    view = checked("\n".join(("ROBOT INDUSTRIAL6", *wanted, "")), plans=True)
+    source, found = view.sketch.source, view.checked.diagnostics
+    (finding,) = [one for one in found if one.code == "Y0304"]
+    fixes = {one.fix.title: one.fix for one in repairs_of(source, view.sketch, finding, found)}
+    after = edited(source, [fixes[f"write ({unit})"]])
+    assert not any(one.code == "Y0304" for one in checked(after, plans=True).checked.diagnostics)
 
 
 def test_the_shortest_time_that_works():

@@ -6,18 +6,19 @@ A finding's own fix is one that `yarc check --fix` may apply. The others are a c
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from yarclang.assist.sketch import Sketch
-from yarclang.diagnostics import Diagnostic, Edit, Fix, suggested
+from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.source import SourceFile, Span
+from yarclang.subjects import MissingUnit, Name
 from yarclang.syntax.ast import Statement
 from yarclang.syntax.lines import code_of
+from yarclang.units import Kind
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
-_KIND = re.compile(r"a unit of (length|angle|time)")
-_USUAL = {"length": ("mm", "m"), "angle": ("deg", "rad"), "time": ("s", "ms")}
+_USUAL: Mapping[Kind, tuple[str, str]] = {"length": ("mm", "m"), "angle": ("deg", "rad"), "time": ("s", "ms")}
 _IGNORE = re.compile(r"!\s*yarc\s*:\s*ignore\s*\[[^\]]*(?=\])", re.IGNORECASE)
 
 
@@ -52,8 +53,9 @@ def repairs_of(
 
 
 def _meant(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
-    """The name that the help says may be meant, in the place of the one that stands there."""
-    span, name = finding.span, suggested(finding.help)
+    """The name that may be meant, in the place of the one that stands there."""
+    span, subject = finding.span, finding.subject
+    name = subject.meant if isinstance(subject, Name) else ""
     if not name or span is None or span.line != span.end_line:
         return
     written = source.line(span.line)[span.column - 1 : span.end_column - 1]
@@ -71,16 +73,16 @@ def _units(sketch: Sketch, finding: Diagnostic, others: Iterable[Diagnostic]) ->
     if kind is None or statement is None or finding.span is None:
         return
     here = [one for one in others if one.span is not None and sketch.statement_at(one.span.line) is statement]
-    kinds = list(dict.fromkeys([kind, *filter(None, map(_kind, here))]))
-    kinds.sort(key=list(_USUAL).index)
+    missing = {kind, *map(_kind, here)}
+    kinds = [one for one in _USUAL if one in missing]
     for choice in (0, 1):
         names = ",".join(_USUAL[each][choice] for each in kinds)
         yield Fix(f"write ({names})", (_with_units(statement, names),))
 
 
-def _kind(finding: Diagnostic) -> str | None:
-    found = _KIND.search(finding.message) if finding.code == "Y0304" else None
-    return found[1] if found else None
+def _kind(finding: Diagnostic) -> Kind | None:
+    """Return the kind of the unit that a finding misses."""
+    return finding.subject.kind if isinstance(finding.subject, MissingUnit) else None
 
 
 def _with_units(statement: Statement, names: str) -> Edit:

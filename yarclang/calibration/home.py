@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.robot.actuation import counts_per_joint, from_counts
 from yarclang.robot.model import Array, Robot
+from yarclang.subjects import suggest
 from yarclang.transforms import constant
 from yarclang.units import DEG, MM
 

@@ -9,6 +9,7 @@ import numpy as np
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import CellFrame, Mount
 from yarclang.cell.schema import FrameTable
+from yarclang.subjects import Name
 from yarclang.toml.circles import circles
 from yarclang.toml.draft import spoken
 from yarclang.toml.file import TomlFile, did_you_mean
@@ -70,10 +71,14 @@ def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlF
     wanted = name.upper()
     if wanted in ROOTS or wanted in frames:
         return wanted
-    remedy = did_you_mean(wanted, {*ROOTS, *frames} - {str(path[1]).upper()})
+    remedy, subject = did_you_mean(wanted, {*ROOTS, *frames} - {str(path[1]).upper()})
     if wanted == "TCP":
-        remedy = "{TCP} is another one for each robot: name FLANGE, or a frame of this file."
-    file.say("Y1329", path, f"{spoken(path)} is {name[:40]}, which isn't a frame of this file.", remedy)
+        remedy, subject = (
+            "{TCP} is another one for each robot: name FLANGE, or a frame of this file.",
+            Name(wanted),
+        )
+    message = f"{spoken(path)} is {name[:40]}, which isn't a frame of this file."
+    file.say("Y1329", path, message, remedy, subject)
     return None
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from yarclang.cell.model import Array
 from yarclang.cell.schema import Placed
-from yarclang.diagnostics import suggest
-from yarclang.toml.draft import spoken, table_name
+from yarclang.subjects import MissingUnit, unknown
+from yarclang.toml.draft import spoken, table_name, table_of
 from yarclang.toml.file import TomlFile
 from yarclang.toml.places import Path
 from yarclang.transforms import QUATERNION_TOLERANCE, constant, quaternion_rotation, rpy_rotation
@@ -46,7 +46,8 @@ class Measures:
         if not self.doubtful:
             names = " or ".join(units_of(kind)[:2])
             remedy = f'Name one ({names}) in units at the top of the file, as in units = "mm,deg", or in this table.'
-            self.file.say("Y0304", path, f"{spoken(path)} needs a unit of {kind}.", remedy)
+            subject = MissingUnit(kind, table_of(path))
+            self.file.say("Y0304", path, f"{spoken(path)} needs a unit of {kind}.", remedy, subject)
         return None
 
     def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
@@ -94,9 +95,9 @@ class Measures:
         for name in (text or "").split(",") if text is not None else ():
             unit = UNITS.get(name.strip().lower())
             if unit is None:
-                near = suggest(name.strip(), UNITS).capitalize()
-                remedy = f'{near} Write units as in units = "mm,deg"; there are {", ".join(UNITS)}.'
-                self.file.say("Y0305", path, f'"{name.strip()[:40]}" is no unit.', remedy.strip())
+                subject = unknown(name.strip(), UNITS)
+                remedy = f'{subject.question.capitalize()} Write units as in units = "mm,deg"; there are {", ".join(UNITS)}.'
+                self.file.say("Y0305", path, f'"{name.strip()[:40]}" is no unit.', remedy.strip(), subject)
                 return None
             if unit.kind in found:
                 message = f"{found[unit.kind].name} and {unit.name} are both units of {unit.kind}."

@@ -51,7 +51,7 @@ def read_sensor(
     if variable is None:
         message = f"The sensor drives {table.input[:40]}, which isn't an input of this file."
         around.measures.file.say(
-            "Y1375", (*path, "input"), message, did_you_mean(table.input.upper(), inputs)
+            "Y1375", (*path, "input"), message, *did_you_mean(table.input.upper(), inputs)
         )
         sound = False
     if not sound or variable is None:
@@ -76,8 +76,9 @@ def _vacuum(
     if output is None or output.grip is None:
         message = f"The sensor watches {name[:40]}, which isn't an output with a gripper."
         grippers = [each for each, one in outputs.items() if one.grip is not None]
-        remedy = did_you_mean(name.upper(), grippers) if grippers else 'Give an output grips = "GRIPPER".'
-        around.measures.file.say("Y1375", (*path, "gripper"), message, remedy)
+        remedy, subject = did_you_mean(name.upper(), grippers)
+        remedy = remedy if grippers else 'Give an output grips = "GRIPPER".'
+        around.measures.file.say("Y1375", (*path, "gripper"), message, remedy, subject)
         return None
     return Sensor(variable, table.inverted, gripper=output.variable)
 

@@ -75,7 +75,9 @@ def joint_window(
         at = known.get(name.upper())
         if at is None:
             message = f"{robot.name} has no joint {name[:40]}."
-            measures.file.say("Y1372", (*path, name), message, did_you_mean(name.upper(), known), at_key=True)
+            measures.file.say(
+                "Y1372", (*path, name), message, *did_you_mean(name.upper(), known), at_key=True
+            )
             sound = False
             continue
         factor = measures.factor(units, _kinds(robot)[at], (*path, name))

@@ -13,6 +13,7 @@ from yarclang.cell.schema import ZoneTable
 from yarclang.cell.windows import joint_window
 from yarclang.robot.kinematics.elbow import elbow_of
 from yarclang.robot.model import Robot
+from yarclang.subjects import Name
 from yarclang.toml.bodies import SIZES
 from yarclang.toml.draft import table_name
 from yarclang.toml.file import did_you_mean
@@ -153,15 +154,19 @@ def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> t
 _FOR_EXAMPLE = 'watch = ["tool", "elbow"]'
 
 
-def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str] | None:
-    """Why a robot has no such part, and what to do."""
+def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str, Name] | None:
+    """Return why a robot has no such part, what to do, and the part; None if it has it."""
     if part == "elbow":
         if elbow_of(robot.chain) is None:
-            return f"{robot.name} has no elbow.", "Name the links that shall be watched."
+            return f"{robot.name} has no elbow.", "Name the links that shall be watched.", Name(part)
     elif part == "arm":
         if not any(shape.joint for shape in robot.shapes):
-            return f"{robot.name} has no link with a shape.", "Add <collision> shapes to its URDF."
+            return (
+                f"{robot.name} has no link with a shape.",
+                "Add <collision> shapes to its URDF.",
+                Name(part),
+            )
     elif part not in PARTS and part not in links:
         message = f"{robot.name} has no link {part[:40]} with a shape."
-        return message, did_you_mean(part, {*PARTS, *links})
+        return message, *did_you_mean(part, {*PARTS, *links})
     return None

@@ -28,6 +28,7 @@ from yarclang.certify.timed import LATE, timed_tolerance
 from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
 from yarclang.diagnostics import Diagnostic
+from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
@@ -101,7 +102,7 @@ class Judge:
     @property
     def breaks_limits(self) -> bool:
         """True if a limit of joints or motors is broken: what bodies do in such a motion can take long to find out, and says no more."""
-        return any(one.code in ("Y1157", "Y1158") for one in self.findings)
+        return any(CATALOGUE[one.code].sort == "limits" for one in self.findings)
 
     # start, times, rest
 

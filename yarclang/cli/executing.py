@@ -211,7 +211,8 @@ async def _run(
     try:
         return await robot.ask(order)
     except Trouble as trouble:
-        remedy = trouble.remedy.replace("approach it first", "--approach moves there slowly, certified")
+        is_elsewhere = trouble.remedy == orders.APPROACH_FIRST
+        remedy = "--approach moves there slowly, certified" if is_elsewhere else trouble.remedy
         return Ended(
             well=False, what=trouble.what, help=remedy or None, code=trouble.code or None, state=state
         )

@@ -136,8 +136,8 @@ class Findings(ParamType[frozenset[str]]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
         """The words as codes; one that is none is wrong usage."""
-        from yarclang.diagnostics import suggest
         from yarclang.lint.registry import codes_of, everything
+        from yarclang.subjects import suggest
 
         if isinstance(value, frozenset):
             return value

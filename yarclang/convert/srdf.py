@@ -23,10 +23,10 @@ def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: 
 
     States of other groups (a gripper's) are told and left out. None where a finding forbids to take the rest.
     """
-    text = UrdfText(source)
+    text = UrdfText(source, "an SRDF")
     parse_xml(text)
     for one in text.findings:
-        findings.add("Y1507", one.message.replace("a URDF", "an SRDF"), one.span, one.help)
+        findings.add("Y1507", one.message, one.span, one.help)
     root = text.root
     if root is None or findings.has_errors:
         return None

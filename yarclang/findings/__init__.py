@@ -3,7 +3,7 @@
 from importlib import import_module
 from pkgutil import iter_modules
 
-from yarclang.findings.finding import Finding, Severity
+from yarclang.findings.finding import Finding, Follows, Need, Severity, family_of, number_of
 from yarclang.named import by_name
 
 FAMILIES = {
@@ -30,11 +30,11 @@ FAMILIES = {
 }
 """The families of the codes by their two digits."""
 
-SYNTAX = "Y01"
-"""How the codes of syntax errors begin."""
+SYNTAX = "01"
+"""The family of syntax errors."""
 
-YARCLANG = "Y20"
-"""How the codes of what is no fault of the user begin."""
+YARCLANG = "20"
+"""The family of what is no fault of the user."""
 
 
 def _catalogue() -> dict[str, Finding]:
@@ -51,4 +51,15 @@ def _catalogue() -> dict[str, Finding]:
 CATALOGUE = _catalogue()
 """Every finding by its code."""
 
-__all__ = ["CATALOGUE", "FAMILIES", "SYNTAX", "YARCLANG", "Finding", "Severity"]
+__all__ = [
+    "CATALOGUE",
+    "FAMILIES",
+    "SYNTAX",
+    "YARCLANG",
+    "Finding",
+    "Follows",
+    "Need",
+    "Severity",
+    "family_of",
+    "number_of",
+]

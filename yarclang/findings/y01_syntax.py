@@ -1,6 +1,6 @@
 """Family 01: the text itself."""
 
-from yarclang.findings.finding import Finding
+from yarclang.findings.finding import Finding, Follows
 
 FINDINGS = (
     Finding(
@@ -47,6 +47,7 @@ FINDINGS = (
         "Messages, logs and a later start in the middle speak of a command by its index. Only the live interpreter does without.",
         "STOP",
         "P0010 STOP",
+        follows=(Follows("Y0202", "here"),),
     ),
     Finding(
         "Y0106",
@@ -117,6 +118,7 @@ FINDINGS = (
         "on the condition.",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND",
+        needs="end",
     ),
     Finding(
         "Y0114",
@@ -127,6 +129,7 @@ FINDINGS = (
         "missing, and commands would run that should depend on it.",
         "P0010 MOVEJ HOME [5] (s)\nEND",
         "P0010 MOVEJ HOME [5] (s)",
+        needs="block",
     ),
     Finding(
         "Y0115",

@@ -1,6 +1,6 @@
 """Family 02: names."""
 
-from yarclang.findings.finding import Finding
+from yarclang.findings.finding import Finding, Follows
 
 FINDINGS = (
     Finding(
@@ -11,6 +11,7 @@ FINDINGS = (
         "A log or a message that names the index would mean two commands. P1 is P0001.",
         "P0010 MOVEJ HOME [5] (s)\nP10 STOP",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
+        follows=(Follows("Y0113", "above"),),
     ),
     Finding(
         "Y0202",
@@ -20,6 +21,7 @@ FINDINGS = (
         "The name of a command is MOTION[_TARGET][_AVOID][_PROFILE].",
         "P0010 MOVEK HOME [5] (s)",
         "P0010 MOVEJ HOME [5] (s)",
+        hides="names",
     ),
     Finding(
         "Y0203",
@@ -38,6 +40,7 @@ FINDINGS = (
         "Programs of the first release are read (MOVJ, MOVL, DMOVJ, DMOV; frames {t}, {tool}, {root}); today's names say the same.",
         "P0010 MOVJ_LSPB HOME [5] (s)",
         "P0010 MOVEJ_LSPB HOME [5] (s)",
+        tag="outdated",
     ),
     Finding(
         "Y0205",
@@ -47,6 +50,8 @@ FINDINGS = (
         "A name among the values stands for a joint position: HOME, or another that the robot declares.",
         "P0010 MOVEJ HOEM [5] (s)",
         "P0010 MOVEJ HOME [5] (s)",
+        needs="name",
+        hides="names",
     ),
     Finding(
         "Y0206",
@@ -56,6 +61,7 @@ FINDINGS = (
         "DEFAULT, START and ROBOT hold for the whole file; a second one would change what the lines above it mean.",
         "DEFAULT (mm,deg,s)\nDEFAULT (m,rad,s)\nP0010 STOP",
         "DEFAULT (mm,deg,s)\nP0010 STOP",
+        follows=(Follows("Y0116", "here"),),
     ),
     Finding(
         "Y0207",
@@ -74,6 +80,7 @@ FINDINGS = (
         "DEFAULT, START and ROBOT come before the first command: a line says all that holds for it with what stands above it.",
         "P0010 STOP\nDEFAULT (mm,deg,s)",
         "DEFAULT (mm,deg,s)\nP0010 STOP",
+        follows=(Follows("Y0202", "above"),),
     ),
     Finding(
         "Y0209",
@@ -93,6 +100,8 @@ FINDINGS = (
         "file declared before it, not what its caller knows. A module's names have its own in front: PALLET.GRID.",
         "LET PITCH = 10 (deg)\nP0010 DMOVEJ $PICTH 0 0 0 0 0 [5] (deg,s)",
         "LET PITCH = 10 (deg)\nP0010 DMOVEJ $PITCH 0 0 0 0 0 [5] (deg,s)",
+        needs="name",
+        hides="names",
     ),
     Finding(
         "Y0211",
@@ -122,6 +131,7 @@ FINDINGS = (
         "other, but not in a circle.",
         "USE PALETT\nP0010 STOP",
         "USE PALLET\nP0010 STOP",
+        hides="module",
     ),
     Finding(
         "Y0214",

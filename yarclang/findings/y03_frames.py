@@ -1,6 +1,6 @@
 """Family 03: frames and units."""
 
-from yarclang.findings.finding import Finding
+from yarclang.findings.finding import Finding, Follows
 
 FINDINGS = (
     Finding(
@@ -11,6 +11,8 @@ FINDINGS = (
         "{B}, {FLANGE} and the tool frames come from the robot.",
         "P0010 MOVEL {TPC} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEL {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        needs="name",
+        hides="names",
     ),
     Finding(
         "Y0302",
@@ -20,6 +22,7 @@ FINDINGS = (
         "A pose says nothing before it is known which frame is moved and in which axes the values count. Neither is guessed.",
         "P0010 MOVEL 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEL {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        needs="default",
     ),
     Finding(
         "Y0303",
@@ -29,6 +32,9 @@ FINDINGS = (
         "The moving frame sits on {FLANGE}; the base frame is fixed to {B}. Only DMOVE takes a base frame on the robot: its axes at the start.",
         "P0010 MOVEL {B} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {TCP}",
         "P0010 MOVEL {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        needs="meaning",
+        hides="names",
+        follows=(Follows("Y0301", "elsewhere"),),
     ),
     Finding(
         "Y0304",
@@ -38,6 +44,7 @@ FINDINGS = (
         "30 may be degrees or radians, 1.2 may be a metre or a millimetre: a factor of 57 or 1,000 at the machine. A line, or DEFAULT, says which.",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,s)",
+        needs="default",
     ),
     Finding(
         "Y0305",

@@ -57,6 +57,7 @@ FINDINGS = (
         "How fast the arm moves is never guessed: `[20]` is the duration of the whole motion, `[MIN]` the shortest that the limits allow.",
         "P0010 MOVEJ 0 0 0 0 30 0 (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [MIN] (deg,s)",
+        needs="default",
     ),
     Finding(
         "Y0407",
@@ -103,6 +104,8 @@ FINDINGS = (
         "A SUB's parameters are frames, numbers (with the unit that stands behind them), joint positions, inputs and outputs, in order.",
         "SUB TURN A (deg)\n  P0010 DMOVEJ $A 0 0 0 0 0 [2] (deg,s)\nEND\nP0020 CALL TURN 20 (mm)",
         "SUB TURN A (deg)\n  P0010 DMOVEJ $A 0 0 0 0 0 [2] (deg,s)\nEND\nP0020 CALL TURN 20 (deg)",
+        needs="name",
+        hides="names",
     ),
     Finding(
         "Y0412",

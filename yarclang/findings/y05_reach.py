@@ -11,6 +11,7 @@ FINDINGS = (
         "No joint position, whatever the limits, brings the moving frame there; the message says by how much it misses.",
         "P0010 MOVEJ_RPY {TCP} 0 4000 1176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        sort="unreachable",
     ),
     Finding(
         "Y0502",
@@ -27,6 +28,7 @@ FINDINGS = (
         "error",
         "the path leaves the workspace half way",
         "Start and end can be reached, but not all between: a straight line may pass outside the reach, or too near to the robot's own axis.",
+        sort="unreachable",
     ),
     Finding(
         "Y0504",

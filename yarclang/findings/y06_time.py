@@ -12,6 +12,7 @@ FINDINGS = (
         "the shortest time that works: it is computed for the very curve that the controller executes, and tried.",
         "P0010 MOVEJ 90 0 0 0 0 0 [1] (deg,s)",
         "P0010 MOVEJ 90 0 0 0 0 0 [MIN] (deg)",
+        sort="time",
     ),
     Finding(
         "Y0602",
@@ -39,6 +40,7 @@ FINDINGS = (
         "likely a time in the wrong unit.",
         "P0010 MOVEJ 10 0 0 0 0 0 [600] (deg,min)",
         "P0010 MOVEJ 10 0 0 0 0 0 [10] (deg,min)",
+        sort="time",
     ),
     Finding(
         "Y0605",

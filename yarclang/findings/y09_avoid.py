@@ -40,6 +40,7 @@ FINDINGS = (
         "on every machine; there may be no way, or only one through a gap that is hard to find.",
         "P0010 MOVEJ_AVOID 90 0 0 0 0 0 [5] (deg,s)      ! behind a wall",
         "P0010 MOVEJ_AVOID 0 60 -80 0 0 0 [5] (deg,s)    ! over the wall\nP0020 MOVEJ_AVOID 90 0 0 0 0 0 [5] (deg,s)",
+        sort="unreachable",
     ),
     Finding(
         "Y0924",

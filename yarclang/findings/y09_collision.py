@@ -12,6 +12,7 @@ FINDINGS = (
         "how deep, and where the robot is then. The whole way was proved, not samples of it: nothing is too thin to be seen.",
         "P0010 MOVEJ 40 0 0 0 0 0 [5] (deg,s)      ! a POST stands at 30 deg",
         "P0010 MOVEJ 0 60 0 0 0 0 [5] (deg,s)      ! the arm drawn back\nP0020 MOVEJ 40 60 0 0 0 0 [5] (deg,s)",
+        sort="meeting",
     ),
     Finding(
         "Y0902",
@@ -22,6 +23,7 @@ FINDINGS = (
         "shapes are larger than the links, are listed under [collision] of robot.toml.",
         "P0010 MOVEJ 0 0 -160 0 0 0 [20] (deg,s)",
         "P0010 MOVEJ 0 0 -80 0 0 0 [20] (deg,s)",
+        sort="meeting",
     ),
     Finding(
         "Y0903",
@@ -31,6 +33,7 @@ FINDINGS = (
         "Nothing touches, but an obstacle's margin in the cell.toml says how far everything else has to stay away: what isn't built as it is drawn, "
         "and how far the robot lags behind its program, are in it.",
         '[[obstacles]]\nname = "BENCH"\nmargin = 10     ! the robot comes within 4 mm',
+        sort="meeting",
     ),
     Finding(
         "Y0904",
@@ -48,6 +51,7 @@ FINDINGS = (
         "The proof that a motion is free divides it until what is left can't reach from one body to the other. Where they pass within a fifth of a millimetre of the margin, and one of "
         "them is a hollow mesh, that would take seconds: it ends there, and what isn't proved isn't written. Nothing was seen to touch.",
         '[[obstacles]]\nname = "PRESS"\nshape = "mesh"\nfile = "press.stl"     # the robot passes it at its margin and 0.1 mm',
+        sort="meeting",
     ),
     Finding(
         "Y0931",

@@ -11,6 +11,7 @@ FINDINGS = (
         "STOP ends the program. What follows looks as if it ran, and doesn't.",
         "P0010 STOP\nP0020 MOVEJ HOME [5] (s)",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
+        tag="unneeded",
     ),
     Finding(
         "Y1002",
@@ -52,5 +53,6 @@ FINDINGS = (
         "exactly at its end. SET doesn't break a blend.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 WAIT [1] (s)",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 WAIT [1] (s)",
+        needs="place",
     ),
 )

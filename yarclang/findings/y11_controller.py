@@ -61,6 +61,7 @@ FINDINGS: tuple[Finding, ...] = (
         "the emitted motion breaks a joint limit",
         "On each segment the jerk is constant, so that the extremes of position, velocity, acceleration and "
         "jerk are known exactly. One of them is beyond the robot's limit.",
+        sort="limits",
     ),
     Finding(
         "Y1158",
@@ -69,6 +70,7 @@ FINDINGS: tuple[Finding, ...] = (
         "the emitted motion breaks a motor's speed limit",
         "A motor may follow several joints: its speed can be too high while each joint's is allowed. The "
         "controller would stop the motor with a following error, off the path.",
+        sort="limits",
     ),
     Finding(
         "Y1159",
@@ -76,6 +78,7 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the emitted path can't be proved within the tolerance",
         "The proved bound of the distance between executed and programmed path is larger than the tolerance.",
+        sort="tolerance",
     ),
     Finding(
         "Y1160",
@@ -83,6 +86,7 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "a motion ends elsewhere than programmed",
         "The last control point of a command, taken through the arm's kinematics, isn't at the programmed goal.",
+        sort="tolerance",
     ),
     Finding(
         "Y1161",
@@ -91,6 +95,7 @@ FINDINGS: tuple[Finding, ...] = (
         "the joint way-points that a spline was planned through aren't the programmed ones",
         "A pose has several joint positions. The planner says which it took; the certificate checks that they "
         "are at the programmed poses, and could not.",
+        sort="tolerance",
     ),
     Finding(
         "Y1162",
@@ -132,6 +137,7 @@ FINDINGS: tuple[Finding, ...] = (
         "Where a motion flows into the next one (BLEND 5), the moving frame may leave the programmed paths only within that distance of "
         "the corner, and turn by no more than both motions do there; between two joint motions the same holds for each joint. The "
         "bound that was proved for the emitted motion, or for a path that it leaves too early or joins too late, is larger.",
+        sort="tolerance",
     ),
     Finding(
         "Y1167",

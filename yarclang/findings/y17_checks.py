@@ -12,6 +12,7 @@ FINDINGS = (
         "the comment would hide the next one.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0603]",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+        tag="unneeded",
     ),
     Finding(
         "Y1702",

@@ -8,15 +8,19 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 
-from yarclang.diagnostics import Diagnostic, Edit, Fix, suggest
+from yarclang import subjects
+from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.frozen import frozen
 from yarclang.lint.registry import codes_of, everything
 from yarclang.progress import each
 from yarclang.source import SourceFile, Span
+from yarclang.subjects import Name
 from yarclang.syntax.lines import code_of
 
 _COMMENT = re.compile(r"!\s*yarc\s*:\s*ignore\b\s*(\[[^\]]*\]?)?", re.IGNORECASE)
 _WORD = re.compile(r"[^\s,\[\]]+")
+
+_BEGINNING = re.compile(r"[Yy]\d{0,3}")
 
 _MOST_HELPED = 20
 """Wrong words of a comment that get help: findings of further ones in the same line aren't shown."""
@@ -131,14 +135,14 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
                 read.append(Suppression(code, target, span, fix))
                 continue
             unknown += 1
-            help_ = _help(word[0]) if unknown <= _MOST_HELPED else ""
-            said.append(Diagnostic("Y1702", wrong, source, span, help_))
+            help_, subject = _help(word[0]) if unknown <= _MOST_HELPED else ("", None)
+            said.append(Diagnostic("Y1702", wrong, source, span, help_, subject=subject))
     return said, read
 
 
 def _code(word: str) -> tuple[str, str]:
     """Return the code that a word means, or an empty text and what is wrong with the word."""
-    codes = codes_of(word) if not re.fullmatch(r"[Yy]\d{0,3}", word) else ()
+    codes = _codes(word)
     if not codes:
         return "", f"no finding is called {word}"
     if everything()[codes[0]].severity == "error":
@@ -146,11 +150,17 @@ def _code(word: str) -> tuple[str, str]:
     return codes[0], ""
 
 
-def _help(word: str) -> str:
-    """Return what to do about a word that can't be suppressed."""
-    if codes_of(word) and not re.fullmatch(r"[Yy]\d{0,3}", word):
-        return "yarc explain says what to do about it"
-    return suggest(word, everything()) or "yarc explain lists all codes"
+def _help(word: str) -> tuple[str, Name | None]:
+    """Return what to do about a word that can't be suppressed, and the word if it is no finding's."""
+    if _codes(word):
+        return "yarc explain says what to do about it", None
+    subject = subjects.unknown(word, everything())
+    return subject.question or "yarc explain lists all codes", subject
+
+
+def _codes(word: str) -> tuple[str, ...]:
+    """Return the codes that a word means in a comment, where the beginning of codes means none."""
+    return () if _BEGINNING.fullmatch(word) else codes_of(word)
 
 
 def _next_lines(source: SourceFile) -> list[int]:

@@ -229,7 +229,7 @@ def _of_syntax(desk: _Desk, document: Document, generation: int, found: tuple[Di
     """Syntax errors of a long text, with what else was said of unchanged lines: told at once, and kept by nobody."""
     rest: tuple[Diagnostic, ...] = ()
     if desk.analysis is not None:
-        others = [one for one in desk.analysis.shown if one.code[:3] != SYNTAX]
+        others = [one for one in desk.analysis.shown if one.family != SYNTAX]
         before = planned_alone(desk.analysis.document.source, others, ())
         rest = tuple(carried(before, document.source))
     return Analysis(document, generation, Checked(found), is_whole=False, carried=rest)

@@ -41,5 +41,14 @@ def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
             there = span if line == span.line else Span(line, span.column, end_line, span.end_column)
             # a third of the time that `replace` takes, for as many findings as a long program has
             yield Diagnostic(
-                one.code, one.message, source, there, one.help, None, one.place, one.level, one.within
+                one.code,
+                one.message,
+                source,
+                there,
+                one.help,
+                None,
+                one.place,
+                one.level,
+                one.within,
+                one.subject,
             )

@@ -63,7 +63,7 @@ class Checks:
         """The syntax errors of a long program, which are there long before its names are looked up; None of other texts."""
         if not document.is_program or len(document.source.lines) < _LONG:
             return None
-        return tuple(one for one in parse(document.source).diagnostics if one.code[:3] == SYNTAX)
+        return tuple(one for one in parse(document.source).diagnostics if one.family == SYNTAX)
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
         """All that is to be said of a program that is nowhere open."""

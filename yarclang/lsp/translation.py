@@ -9,6 +9,7 @@ from pathlib import Path
 from lsprotocol import types
 
 from yarclang.diagnostics import Diagnostic, Edit, Within
+from yarclang.lint.registry import everything
 from yarclang.lsp.documents import Document
 from yarclang.lsp.positions import position_in, position_of, range_of
 from yarclang.memory import Lately
@@ -19,10 +20,11 @@ _SEVERITIES = {
     "warning": types.DiagnosticSeverity.Warning,
     "note": types.DiagnosticSeverity.Information,
 }
-_UNNEEDED = frozenset(["Y0215", "Y0216", "Y1001", "Y1011", "Y1012", "Y1701"])
-"""What could as well be taken away: editors show it pale."""
-
-_OLD = frozenset(["Y0204"])
+_TAGS = {
+    "": None,
+    "unneeded": [types.DiagnosticTag.Unnecessary],
+    "outdated": [types.DiagnosticTag.Deprecated],
+}
 
 
 def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> types.Diagnostic:
@@ -88,18 +90,13 @@ _on_line = Lately(_made_on_line, _KEPT)
 
 
 def _diagnostic(code: str, severity: str, message: str, help_: str, range_: types.Range) -> types.Diagnostic:
-    tags = []
-    if code in _UNNEEDED:
-        tags.append(types.DiagnosticTag.Unnecessary)
-    if code in _OLD:
-        tags.append(types.DiagnosticTag.Deprecated)
     return types.Diagnostic(
         range=range_,
         message=message + (f"\n{help_}" if help_ else ""),
         severity=_SEVERITIES[severity],
         code=code,
         source="yarc",
-        tags=tags or None,
+        tags=_TAGS[everything()[code].tag],
     )
 
 

@@ -13,9 +13,10 @@ from yarclang.motion.limits import Demand, Grid
 from yarclang.motion.profile import NoLaw
 from yarclang.motion.singular import Nearest
 from yarclang.motion.timed import Broken, Refused, TooShort
-from yarclang.motion.wording import Message, length_text, percent_text
+from yarclang.motion.wording import Message, MessageAbout, length_text, percent_text
 from yarclang.robot.model import Robot
-from yarclang.units import DEG, MM, MS, UNITS
+from yarclang.subjects import MissingUnit
+from yarclang.units import DEG, MM, MS, UNITS, Kind
 from yarclang.written import slower, stretch_fix
 
 
@@ -162,11 +163,13 @@ def _beside(robot: Robot, near: Nearest) -> str:
     )
 
 
-def speed_without_unit(turns: bool, origin: Origin) -> Message:
+def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
     """A speed whose unit isn't given."""
-    kind = "an angle" if turns else "a length"
-    message = f"the speed needs {kind} unit: the moving frame {'only turns' if turns else 'moves'} here"
-    return "Y0304", message, origin.time_span or origin.span, "for example (mm,deg,s)", None
+    kind: Kind = "angle" if turns else "length"
+    what = "an angle unit: the moving frame only turns" if turns else "a length unit: the moving frame moves"
+    subject = MissingUnit(kind, "the speed")
+    message = f"the speed needs {what} here"
+    return "Y0304", message, origin.time_span or origin.span, "for example (mm,deg,s)", None, subject
 
 
 def no_cruise(step: Motion) -> Message:

@@ -13,6 +13,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic
+from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.handling.grasp import Grasp, Whereabouts
 from yarclang.handling.walk import Handling, flange_pose, handling_of
@@ -231,7 +232,7 @@ class Router:
                 done = self._from_anywhere(solver, number, step, before, findings)
             else:
                 done = self._motion(solver, number, step, before, before.q, findings)
-            if any(one.code in _IN_VAIN for one in done.found):
+            if any(CATALOGUE[one.code].sort == "unreachable" for one in done.found):
                 self._in_vain.add((step.origin.source, step.origin.span))
             elif any(one.code == _BLOCKED for one in done.found):
                 self._blocked.add((step.origin.source, step.origin.span))
@@ -362,9 +363,6 @@ class Router:
         flange = flange_at(last_goal) if isinstance(last_goal, PoseGoal) and all(reached) else None
         return q, flange, way
 
-
-_IN_VAIN = ("Y0501", "Y0503", "Y0923")
-"""Codes of findings after a search that found nothing."""
 
 _BLOCKED = "Y0925"
 

@@ -5,10 +5,14 @@ from __future__ import annotations
 from yarclang.diagnostics import Fix
 from yarclang.robot.model import Robot
 from yarclang.source import Span
+from yarclang.subjects import Subject
 from yarclang.units import DEG, MM
 
 Message = tuple[str, str, Span, str, Fix | None]
 """A finding's code, its sentence, its place, the help and the fix."""
+
+MessageAbout = tuple[str, str, Span, str, Fix | None, Subject]
+"""A message, and what the finding is about."""
 
 _ANGLE_NOISE = 1e-3
 """A smaller angle [rad] that is left beside a distance comes from the search for the distance."""

@@ -33,13 +33,28 @@ _EACH, _MOST_INSTANTS = 16, 40_000
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """The robot.toml that runs, as it is on the disk now: its `text` and SHA-256, the path by which the project knows it, or the whole one; `why_not` says why it can't be changed here, and is empty if it can."""
+    """The robot.toml that runs, as it is on the disk now.
+
+    Attributes:
+        file: the path by which the project knows it, or the whole one.
+        folder: where it stands.
+        text: what it says.
+        sha256: of the file.
+        outside: why it can't be changed here; empty if it can.
+        remedy: what to do about that.
+    """
 
     file: str
     folder: Path
     text: str
     sha256: str
-    why_not: str
+    outside: str = ""
+    remedy: str = ""
+
+    @property
+    def why_not(self) -> str:
+        """Why it can't be changed here and what to do, as one sentence; empty if it can."""
+        return f"{self.outside}: {self.remedy}" if self.outside else ""
 
     @property
     def source(self) -> SourceFile:
@@ -55,7 +70,7 @@ class RobotFile:
         """
         data = parse_toml(self.source)
         if isinstance(data, Diagnostic):
-            what = f"{self.file} can't be read: {data.message.rstrip('.')}"
+            what = f"{self.file} can't be read: {data.clause}"
             raise Trouble(what, "correct it on the page Files", data.code)
         return data
 
@@ -78,13 +93,14 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
     if place.is_relative_to(project.root):
         file = place.relative_to(project.root).as_posix()
         content, told = project.read(file)
-        return RobotFile(file, robot.folder, text_of(file, content), told.sha256, "")
+        return RobotFile(file, robot.folder, text_of(file, content), told.sha256)
     found = read_text(place, "")
     if isinstance(found, Diagnostic):
-        raise Trouble(found.message.rstrip("."), "look whether it was moved", found.code)
-    why = f"{robot.name} is described outside of the project, in {place.parent}: copy that folder into the project, and start the pendant with --robot and the copy"
+        raise Trouble(found.clause, "look whether it was moved", found.code)
+    outside = f"{robot.name} is described outside of the project, in {place.parent}"
+    remedy = "copy that folder into the project, and start the pendant with --robot and the copy"
     sha256 = hashlib.sha256(found.text.encode()).hexdigest()
-    return RobotFile(str(place), robot.folder, found.text, sha256, why)
+    return RobotFile(str(place), robot.folder, found.text, sha256, outside, remedy)
 
 
 def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:

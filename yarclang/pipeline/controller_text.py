@@ -14,6 +14,7 @@ from yarclang.certify.header import header_of
 from yarclang.certify.judge import certify, certify_text
 from yarclang.certify.text import Unreadable
 from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.hir import Program
 from yarclang.identity import fingerprint
@@ -42,12 +43,6 @@ COMPILED = ".pmc"
 
 FIRST_WORDS = "; yarcc "
 """A controller text begins with these."""
-
-_WORST = ("Y1157", "Y1158")
-"""Limits that are broken: said before what else is wrong."""
-
-_TOLERANCES = ("Y1159", "Y1160", "Y1161", "Y1166")
-"""What is judged by the tolerance of the path."""
 
 AGAIN = "it isn't as yarcc wrote it: compile the program again"
 
@@ -209,11 +204,11 @@ def _settled(
     found = [one for one in judged.diagnostics if not one.is_error]
     if errors:
         # one change breaks many things: what follows from it says no more
-        worst = next((one for one in errors if one.code in _WORST), errors[0])
+        worst = next((one for one in errors if CATALOGUE[one.code].sort == "limits"), errors[0])
         rest = len(errors) - 1
         more = f" (and {rest:,} more error{'s' * (rest > 1)})" if rest else ""
         help_ = worst.help if worst.code == "Y1163" else _remedy(text, program)
-        if worst.code in _TOLERANCES:
+        if CATALOGUE[worst.code].sort == "tolerance":
             help_ += "; or say --tolerance, if it was compiled with one"
         placed = _in_text(worst, text, judged.value)
         found.append(replace(placed, message=worst.message + more, help=help_, fix=None))

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
-from yarclang.findings import SYNTAX
+from yarclang.findings import SYNTAX, family_of
 from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
@@ -153,7 +153,7 @@ def _tried(
     had, has = _counted(before), _counted(after)
     errors = {one.code for one in (*before.diagnostics, *after.diagnostics) if one.is_error}
     if all(map(_uncovers, chosen)):
-        errors = {code for code in errors if code.startswith(SYNTAX)}
+        errors = {code for code in errors if family_of(code) == SYNTAX}
     if any(has[code] > had[code] for code in errors):
         return None
     gone = Counter(one.code for one in chosen)

@@ -4,44 +4,35 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import lru_cache
 
-from yarclang.diagnostics import Diagnostic
+from yarclang.diagnostics import Diagnostic, gathered
+from yarclang.findings import Follows, Need
+from yarclang.lint.registry import everything
 from yarclang.progress import each
 from yarclang.source import SourceFile
+from yarclang.subjects import Name
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
 
-_UNKNOWN = frozenset(["Y0205", "Y0210", "Y0301", "Y0303", "Y0411"])
-"""Something isn't known, or isn't what it should be."""
-
-_LEFT_OUT = frozenset(["Y0302", "Y0304", "Y0406"])
-"""Something is left out that DEFAULT may give."""
-
-_UNUSED = frozenset(["Y0215", "Y0216", "Y1011", "Y1012"])
-"""Something isn't used; where names are wrong, it may be meant by one of them."""
-
-_ALIKE = frozenset(["Y0302", "Y0304", "Y0309", "Y0406", "Y0417"])
-"""One DEFAULT line may be the cause of many."""
-
-_INDICES = frozenset(["Y0201", "Y1201"])
-"""Indices that stand twice, or in another order: each SUB has its own."""
-
-_PLANNED = ("Y05", "Y06", "Y07", "Y08", "Y09", "Y1010")
-"""What depends on where a motion leads; of a place that isn't what was meant, nothing is to be said."""
+_MISPLACED = "Y0116"
+"""The finding of a line that doesn't belong into a block."""
 
 _GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "JOINTS")
-_MOST_IN_A_LINE = 20
-"""Findings with one code; whoever has more mistakes in one line looks at the line, not at the findings."""
 
 _WITHOUT_HEAD = "{[("
 """What begins with one of these and can't be read was meant to be a DEFAULT."""
 
+_BY_DEFAULT = ("default", "unit")
+"""What one DEFAULT line gives to many: one may be the cause of many findings."""
+
 _MANY = 3
+_MOST_IN_A_LINE = 20
+"""Findings with one code; whoever has more mistakes in one line looks at the line, not at the findings."""
+
 _LIKE = 0.7
 """How like a word is at least to the one that it was meant to be: difflib's ratio."""
 
@@ -49,85 +40,106 @@ _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
-    """The findings without those that follow from an error in another line of the program.
+    """Return the findings without those that follow from an error in another line of the program.
 
     A line with an error explains why names that stand in it aren't known elsewhere; a DEFAULT that can't be read, why units and frames are missing; a
-    block's first line that can't be read, why its END ends nothing; a frame or number that isn't what was meant, why the robot can't go there. An error is never left out but for another one that stays.
+    block's first line that can't be read, why its END ends nothing; a frame or number that isn't what was meant, why the robot can't go there. The catalogue
+    says of each finding what it needs and what it follows. An error is never left out but for another one that stays.
+
+    Args:
+        diagnostics: all findings.
+        source: the program's file.
     """
     found = tuple(diagnostics)
-    causes = {
-        one.span.line for one in each(found) if one.is_error and one.span is not None and _is_own(one, source)
-    }
-    causes -= {
-        one.span.line
-        for one in each(found)
-        if one.span is not None and one.code in _UNKNOWN and _is_use(one, source)
-    }
-    if not causes and not any(one.code in _UNKNOWN | _ALIKE for one in found):
+    causes = _causes(found, source)
+    if not causes and not any(_need(one) in ("name", "meaning", *_BY_DEFAULT) for one in found):
         return found
-    words = {line: _words(source.line(line)) for line in each(causes)}
-    firsts = {line: _first(source.line(line)) for line in each(causes)}
-    lost_default = any(
-        _is_like(first, "DEFAULT") or code_of(source.line(line)).lstrip()[:1] in _WITHOUT_HEAD
-        for line, first in each(firsts.items())
-        if code_of(source.line(line)).strip()
-    )
-    lost_cell = any(
-        _is_like(first, "CELL") or ".TOML" in code_of(source.line(line)).upper()
-        for line, first in each(firsts.items())
-    )
-    lost_heads = [
-        line for line, first in each(firsts.items()) if any(_is_like(first, head) for head in BLOCK_HEADS)
-    ]
-    open_blocks = [one.span.line for one in found if one.code == "Y0113" and one.span is not None]
-    misplaced = {one.span.line for one in found if one.code == "Y0116" and one.span is not None}
-    doubtful = _doubtful(source, words)
-    lost_end = any(first != "END" and _is_like(first, "END") for first in each(firsts.values()))
-    no_command = {one.span.line for one in found if one.code == "Y0202" and one.span is not None}
-    no_module = any(one.code == "Y0213" for one in found)
-    first_open = min(open_blocks, default=math.inf)
-    first_no_command = min(
-        (line for line in no_command & causes if firsts[line] not in DECLARATIONS), default=math.inf
-    )
-    no_frame = any(one.code == "Y0301" for one in found)
-    first_said: dict[str, int] = {}
-    for line, said in each(sorted(words.items())):
-        for word in said:
-            first_said.setdefault(word, line)
-    lost_name = any(one.code in _UNKNOWN | {"Y0202", "Y0213"} for one in found)
+    reasons = _Reasons(found, causes, source)
+    return _said_once([one for one in each(found) if not reasons.explain(one)])
 
-    def follows(one: Diagnostic) -> bool:
-        line = one.span.line if one.span is not None and _is_own(one, source) else 0
-        match one.code:
-            case "Y0206" if line in misplaced:
-                return True
-            case code if code in _INDICES:
-                return first_open < line
-            case code if code.startswith(_PLANNED):
-                return _rests_on(one, line, source, doubtful)
-            case "Y0105":
-                return line in no_command
-            case "Y0208":
-                return first_no_command < line
-            case "Y0113":
-                return lost_end
-            case "Y0114":
-                return any(head < line for head in lost_heads if head in no_command or head != line)
-            case code if code in _LEFT_OUT:
-                return lost_default and not _is_like(firsts.get(line, ""), "DEFAULT")
-            case code if code in _UNUSED:
-                return lost_name
-            case code if code in _UNKNOWN and lost_cell and line not in misplaced:
-                return firsts.get(line, "") != "CELL"
-            case code if code in _UNKNOWN:
-                name = _name(one)
-                if one.code == "Y0303" and line not in causes and no_frame:
-                    return True
-                told = (first_said.get(word, math.inf) for word in (name, name.partition(".")[0]))
-                return bool(name) and (min(told) < (line or math.inf) or ("." in name and no_module))
+
+def _causes(found: Iterable[Diagnostic], source: SourceFile) -> set[int]:
+    """Return the program's lines with errors, but for commands with an unknown name: these declare nothing that others could miss."""
+    own = [(one, line) for one in each(found) if (line := _line(one, source))]
+    uses = {line for one, line in own if _need(one) in ("name", "meaning") and not _declares(source, line)}
+    return {line for one, line in own if one.is_error} - uses
+
+
+class _Reasons:
+    """What lines with errors don't give to others.
+
+    Args:
+        found: all findings.
+        causes: the lines with errors that may be the reason of others.
+        source: the program's file.
+    """
+
+    def __init__(self, found: Iterable[Diagnostic], causes: set[int], source: SourceFile) -> None:
+        self._source, self._causes = source, causes
+        self._lines: dict[str, set[int]] = {}
+        """The lines of the findings of each code, 0 in other files."""
+        for one in each(found):
+            self._lines.setdefault(one.code, set()).add(_line(one, source))
+        self._above = {code: min(lines - {0}, default=math.inf) for code, lines in self._lines.items()}
+        hidden = {everything()[code].hides for code in self._lines} - {""}
+        self._lost_name, self._lost_module = bool(hidden), "module" in hidden
+        words = {line: _words(source.line(line)) for line in each(causes)}
+        self._firsts = {line: _first(source.line(line)) for line in each(causes)}
+        code = {line: code_of(source.line(line)).strip() for line in each(causes)}
+        self._lost_default = bool(self._like("DEFAULT")) or any(
+            text[:1] in _WITHOUT_HEAD for text in each(code.values()) if text
+        )
+        self._lost_cell = bool(self._like("CELL")) or any(".TOML" in text.upper() for text in code.values())
+        self._lost_head = min((line for head in BLOCK_HEADS for line in self._like(head)), default=math.inf)
+        self._lost_end = any(self._firsts[line] != "END" for line in self._like("END"))
+        self._doubtful = _doubtful(source, words)
+        self._first_said: dict[str, int] = {}
+        for line, said in each(sorted(words.items())):
+            for word in said:
+                self._first_said.setdefault(word, line)
+
+    def explain(self, one: Diagnostic) -> bool:
+        """Return True if a finding follows from another one."""
+        line = _line(one, self._source)
+        if any(self._leads(cause, line) for cause in everything()[one.code].follows):
+            return True
+        match _need(one):
+            case "place":
+                return _rests_on(one, line, self._source, self._doubtful)
+            case "end":
+                return self._lost_end
+            case "block":
+                return self._lost_head < line
+            case "default":
+                return self._lost_default and not _is_like(self._firsts.get(line, ""), "DEFAULT")
+            case "use":
+                return self._lost_name
+            case "name" | "meaning":
+                return self._lost(one, line)
         return False
 
-    return _said_once([one for one in each(found) if not follows(one)])
+    def _like(self, word: str) -> list[int]:
+        """Return the lines with errors that begin with a word, or one like it."""
+        return [line for line, first in each(self._firsts.items()) if _is_like(first, word)]
+
+    def _leads(self, cause: Follows, line: int) -> bool:
+        """Return True if a finding is there that explains another one in a line."""
+        there = self._lines.get(cause.code, ())
+        match cause.where:
+            case "here":
+                return line in there
+            case "above":
+                return self._above.get(cause.code, math.inf) < line
+            case "elsewhere":
+                return bool(there) and line not in self._causes
+
+    def _lost(self, one: Diagnostic, line: int) -> bool:
+        """Return True if a name may stand in a line with an error, in a cell or in a module that can't be read."""
+        if self._lost_cell and line not in self._lines.get(_MISPLACED, ()):
+            return self._firsts.get(line, "") != "CELL"
+        name = one.subject.name if isinstance(one.subject, Name) else ""
+        told = min(self._first_said.get(word, math.inf) for word in (name, name.partition(".")[0]))
+        return told < (line or math.inf) or ("." in name and self._lost_module)
 
 
 def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
@@ -153,15 +165,18 @@ def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozense
     return bool(one.place) or "DEFAULT" in doubtful or bool(said & doubtful)
 
 
-def _is_own(one: Diagnostic, source: SourceFile) -> bool:
-    return one.source is not None and one.source.name == source.name
+def _need(one: Diagnostic) -> Need:
+    return everything()[one.code].need
 
 
-def _is_use(one: Diagnostic, source: SourceFile) -> bool:
-    """Whether an unknown name stands in a command: the line declares nothing that others could miss."""
-    if one.span is None or not _is_own(one, source):
-        return False
-    return _first(source.line(one.span.line)) not in DECLARATIONS
+def _line(one: Diagnostic, source: SourceFile) -> int:
+    """Return the line of a finding in the program; 0 if it has none, or is in another file."""
+    is_own = one.span is not None and one.source is not None and one.source.name == source.name
+    return one.span.line if one.span is not None and is_own else 0
+
+
+def _declares(source: SourceFile, line: int) -> bool:
+    return _first(source.line(line)) in DECLARATIONS
 
 
 def _first(line: str) -> str:
@@ -185,68 +200,51 @@ def _is_like(word: str, meant: str) -> bool:
     return bool(get_close_matches(word, [meant], n=1, cutoff=_LIKE))
 
 
-def _name(one: Diagnostic) -> str:
-    """What a finding points at, in upper case, without braces."""
-    if one.source is None or one.span is None or one.span.line != one.span.end_line:
-        return ""
-    shown = one.source.line(one.span.line)[one.span.column - 1 : one.span.end_column - 1]
-    return shown.strip("{}$() ").upper()
-
-
 def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Of findings about the same unknown name the first, and of many alike the first; it tells how many more there are."""
-    groups: dict[tuple[str, str], list[Diagnostic]] = {}
-    for one in each(found):
-        if one.code in _UNKNOWN - {"Y0303"} and (name := _name(one)):
-            key = ("unknown", name)
-        elif one.code in _ALIKE:
-            key = ("alike", one.code)
-        else:
-            key = ("", str(len(groups)))
-        groups.setdefault(key, []).append(one)
-    said: list[Diagnostic] = []
-    for (kind, _), group in each(groups.items()):
-        in_lines = {one.span.line for one in each(group) if one.span is not None}
-        if kind == "" or len(in_lines if kind == "alike" else group) < (2 if kind == "unknown" else _MANY):
-            said += group
-            continue
-        more = len(group) - 1
-        lines = f"{more} more line{'s' * (more != 1)}"
-        # another command's name, or another unit, is another message: then it isn't just the same
-        what = _what(group[0])
-        again = (
-            f"the same in {lines}"
-            if all(_what(one) == what for one in each(group))
-            else f"{more} more like it"
-        )
-        said.append(replace(group[0], message=f"{group[0].message}; {again}"))
-    return tuple(said)
+    groups = gathered(found, lambda one: _repeated(one) or one)
+    return tuple(one for group in each(groups) for one in _shortened(group))
+
+
+def _repeated(one: Diagnostic) -> tuple[str, object] | None:
+    """Return what a finding has in common with those that repeat it; None if it repeats nothing."""
+    need = _need(one)
+    if need == "name" and isinstance(one.subject, Name) and one.subject.name:
+        return "name", one.subject.name
+    return ("alike", one.code) if need in _BY_DEFAULT else None
+
+
+def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
+    """Return the first of findings that repeat each other; all where they are few, or repeat nothing."""
+    first = group[0]
+    kind, _ = _repeated(first) or ("", None)
+    in_lines = {one.span.line for one in each(group) if one.span is not None}
+    if not kind or len(group) < 2 or (kind == "alike" and len(in_lines) < _MANY):
+        return group
+    more = len(group) - 1
+    lines = f"{more} more line{'s' * (more != 1)}"
+    # what lacks something else, or at another place of unrolled code, is only like it
+    here = (first.subject, first.place)
+    is_like_it = here[0] is not None and any((one.subject, one.place) != here for one in each(group))
+    again = f"{more} more like it" if kind == "alike" and is_like_it else f"the same in {lines}"
+    return [replace(first, message=f"{first.message}; {again}")]
 
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return the findings without all but the first ones of a code in a line; the last of these tells how many more there are."""
-    found = tuple(diagnostics)
-    counts = Counter(_line_and_code(one) for one in each(found))
-    if all(count <= _MOST_IN_A_LINE for count in counts.values()):
-        return found
-    said: list[Diagnostic] = []
-    so_far: Counter[tuple[str, int, str]] = Counter()
-    for one in each(found):
-        key = _line_and_code(one)
-        so_far[key] += 1
-        if not key[1] or so_far[key] < _MOST_IN_A_LINE or counts[key] == _MOST_IN_A_LINE:
-            said.append(one)
-        elif so_far[key] == _MOST_IN_A_LINE:
-            more = counts[key] - _MOST_IN_A_LINE
-            said.append(replace(one, message=f"{one.message}; {more:,} more like it in this line"))
-    return tuple(said)
+    groups = gathered(diagnostics, _line_and_code)
+    return tuple(one for group in each(groups) for one in _few(group))
+
+
+def _few(group: list[Diagnostic]) -> list[Diagnostic]:
+    """Return the first ones of findings with one code in a line; all that have no line."""
+    more = len(group) - _MOST_IN_A_LINE
+    if group[0].span is None or more <= 0:
+        return group
+    *first, last = group[:_MOST_IN_A_LINE]
+    return [*first, replace(last, message=f"{last.message}; {more:,} more like it in this line")]
 
 
 def _line_and_code(one: Diagnostic) -> tuple[str, int, str]:
     """Return file, line and code of a finding; line 0 if it has no place."""
     return one.source.name if one.source else "", one.span.line if one.span else 0, one.code
-
-
-def _what(one: Diagnostic) -> str:
-    """What a finding says of what is missing, whichever command it is that misses it; of others nothing counts."""
-    return one.message.partition(" ")[2] if one.code in _LEFT_OUT else ""

@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.diagnostics import Diagnostic, Result
 from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.robot.library import stdlib_folder
 from yarclang.source import SourceFile
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
 
@@ -44,12 +45,12 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
                     return Result(None, found)
                 return parse(replace(text, module=name, is_installed=path in library()))
         known = sorted({path.stem.upper() for path in library()})
-        help_ = suggest(name, [path.stem.upper() for path in places()])
+        subject = unknown(name, [path.stem.upper() for path in places()])
+        listed = ", ".join(known) or "none"
         help_ = (
-            help_
-            or f"a module is a file beside the program; the standard library has {', '.join(known) or 'none'}"
+            subject.question or f"a module is a file beside the program; the standard library has {listed}"
         )
-        return Result(None, (Diagnostic("Y0213", f"no module is named {name}", help=help_),))
+        return Result(None, (Diagnostic("Y0213", f"no module is named {name}", help=help_, subject=subject),))
 
     return load
 

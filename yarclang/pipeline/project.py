@@ -8,10 +8,11 @@ from dataclasses import field
 from pathlib import Path
 from typing import Any
 
-from yarclang.diagnostics import Diagnostic, Result, suggest
+from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.source import SourceFile, Span
+from yarclang.subjects import Name, unknown
 from yarclang.toml.places import find_places
 
 FILE_NAME = "yarc.toml"
@@ -71,16 +72,14 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
     places = find_places(source)
     findings: list[Diagnostic] = []
 
-    def say(key: str, message: str, help_: str) -> None:
-        findings.append(Diagnostic("Y1393", message, source, places.of_key((key,)), help_))
+    def say(key: str, message: str, help_: str, subject: Name | None = None) -> None:
+        findings.append(Diagnostic("Y1393", message, source, places.of_key((key,)), help_, subject=subject))
 
     for key in data:
         if key not in _KEYS:
-            say(
-                key,
-                f"{FILE_NAME} has no key {key}",
-                suggest(key, _KEYS) or f"its keys are {', '.join(_KEYS)}",
-            )
+            subject = unknown(key, _KEYS)
+            help_ = subject.question or f"its keys are {', '.join(_KEYS)}"
+            say(key, f"{FILE_NAME} has no key {key}", help_, subject)
     robot, start = data.get("robot"), data.get("start")
     if robot is not None and (not isinstance(robot, str) or not robot.strip()):
         say("robot", "robot is a name or a path, in quotes", 'write robot = "INDUSTRIAL6"')
@@ -117,8 +116,8 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
 
     places = find_places(source)
 
-    def say(path: tuple[str, ...], message: str, help_: str) -> None:
-        findings.append(Diagnostic("Y1393", message, source, places.of_key(path), help_))
+    def say(path: tuple[str, ...], message: str, help_: str, subject: Name | None = None) -> None:
+        findings.append(Diagnostic("Y1393", message, source, places.of_key(path), help_, subject=subject))
 
     levels: dict[str, str] = {}
     if not isinstance(table, dict):
@@ -130,7 +129,9 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
         path = ("findings", word)
         codes = codes_of(word)
         if not codes:
-            say(path, f"no finding is called {word}", suggest(word, known) or "yarc explain lists all codes")
+            subject = unknown(word, known)
+            help_ = subject.question or "yarc explain lists all codes"
+            say(path, f"no finding is called {word}", help_, subject)
         elif level not in _LEVELS:
             say(path, f"{word} is set to {level!r}", f"a finding is one of {', '.join(_LEVELS)}")
         elif len(codes) == 1 and everything()[codes[0]].severity == "error" and level != "error":

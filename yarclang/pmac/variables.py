@@ -81,11 +81,15 @@ _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 
 @frozen
 class SignalVariable:
-    """The variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy."""
+    """The variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy.
+
+    `is_taken` is True for a variable that yarclang itself uses.
+    """
 
     name: str | None
     fault: str = ""
     remedy: str = ""
+    is_taken: bool = False
 
 
 def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:
@@ -96,5 +100,5 @@ def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:
         return SignalVariable(None, fault, "for example M11")
     name = f"{found[1]}{int(found[2])}"
     if _OUR_OWN.fullmatch(name) or name in feedback:
-        return SignalVariable(None, "is used by yarclang itself", "choose another variable")
+        return SignalVariable(None, "is used by yarclang itself", "choose another variable", is_taken=True)
     return SignalVariable(name)

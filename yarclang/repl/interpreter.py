@@ -31,7 +31,7 @@ from yarclang.coordinator.messages.replies import Ended, OfferDescribed, Offered
 from yarclang.coordinator.names import Names
 from yarclang.coordinator.offers import Planner
 from yarclang.coordinator.picture import Picture
-from yarclang.diagnostics import Diagnostic, suggest
+from yarclang.diagnostics import Diagnostic
 from yarclang.motion.plan import MotionPlan
 from yarclang.repl.answers import ended_text, offer_text
 from yarclang.repl.dot import DotCommand, Misused, dot_commands
@@ -43,6 +43,7 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.signals import signal_text
 from yarclang.runtime.state import State
 from yarclang.semantics.scope import Scope
+from yarclang.subjects import suggest
 
 PROMPT = "yarc> "
 

@@ -9,6 +9,7 @@ import numpy as np
 from yarclang.robot.model import Chain
 from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
 from yarclang.robot.urdf_xml import Element
+from yarclang.subjects import Name
 from yarclang.toml.file import did_you_mean
 
 
@@ -75,10 +76,10 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
             urdf.say("Y1359", message, remedy, urdf.links[joint.child])
 
 
-def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str]]:
-    """Which of the links that robot.toml names, by key, the URDF doesn't have: key, message, help."""
+def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, Name]]:
+    """Return which of the links that robot.toml names, by key, the URDF doesn't have: key, message, help and the link."""
     return [
-        (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", did_you_mean(link, urdf.links))
+        (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", *did_you_mean(link, urdf.links))
         for key, link in names.items()
         if link not in urdf.links
     ]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from yarclang.robot.drive_checks import check_drives
 from yarclang.robot.urdf import Joint, Urdf
+from yarclang.subjects import Name
 from yarclang.toml.circles import circles
 from yarclang.toml.file import TomlFile, did_you_mean, right_length
 from yarclang.toml.places import Path
@@ -76,14 +77,13 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
     for name in given:
         if name in kinds:
             continue
-        remedy = did_you_mean(name, missing or names)
-        near = remedy.startswith("Did") and remedy.split()[3].rstrip("?")
-        if near in missing:
-            missing.remove(near)
+        remedy, subject = did_you_mean(name, missing or names)
+        if subject.meant in missing:
+            missing.remove(subject.meant)
         elif len(missing) == 1 and len(given) == len(names):
-            remedy = f"The joint without a table is {missing.pop()}."
+            remedy, subject = f"The joint without a table is {missing.pop()}.", Name(name)
         message = f"[joints.{name}] is no joint between the base and the flange of the URDF."
-        file.say("Y1313", ("joints", name), message, remedy, at_key=True)
+        file.say("Y1313", ("joints", name), message, remedy, subject, at_key=True)
     for name in missing:
         message = f"Joint {name} of the URDF has no table [joints.{name}]."
         remedy = "Add it, with position, velocity, acceleration and jerk."
@@ -184,8 +184,8 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
             parents[name.upper()] = parent
         elif parent != "FLANGE" and ("frames", frame.parent) not in draft.dropped:
             message = f"The parent of frame {name} is {frame.parent[:40]}, which isn't a frame on the flange."
-            remedy = did_you_mean(parent, {"FLANGE", *upper} - {name.upper()})
-            file.say("Y1329", ("frames", name, "parent"), message, remedy)
+            near = did_you_mean(parent, {"FLANGE", *upper} - {name.upper()})
+            file.say("Y1329", ("frames", name, "parent"), message, *near)
     for circle in circles(parents):
         message = f"The frames {', '.join(circle)} hang on each other in a circle."
         if len(circle) == 1:

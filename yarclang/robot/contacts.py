@@ -32,7 +32,7 @@ def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -
         lost = [name for name in names if name not in urdf.links and name not in tools]
         for name in lost:
             message = f"allowed names the link {name[:40]}, which the URDF doesn't have."
-            file.say("Y1347", place, message, did_you_mean(name, [*urdf.links, *tools]))
+            file.say("Y1347", place, message, *did_you_mean(name, [*urdf.links, *tools]))
         if not lost:
             pairs.add(_ordered(*names))
     if table.collision.srdf is not None:
@@ -69,7 +69,8 @@ def _link(text: UrdfText, element: Element, key: str, urdf: Urdf) -> str:
         )
     elif name not in urdf.links:
         message = f"{key} is {name[:40]}, a link that the URDF doesn't have."
-        text.say("Y1347", message, did_you_mean(name, urdf.links), element, key)
+        remedy, subject = did_you_mean(name, urdf.links)
+        text.say("Y1347", message, remedy, element, key, subject)
         return ""
     return name
 

@@ -39,6 +39,7 @@ from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
 from yarclang.robot.urdf_shapes import check_shapes
 from yarclang.shapes import Mesh
 from yarclang.source import SourceFile
+from yarclang.subjects import Name
 from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import find_places
 from yarclang.toml.reading import parse_toml, read_text
@@ -68,7 +69,8 @@ def load_robot(name_or_path: str) -> Result[Robot]:
         names = ", ".join(robot.name for robot in list_robots())
         remedy = f"The robots are {names}; a robot of yours is named by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy
-        return _nothing(Diagnostic("Y1301", f"There is no robot {name_or_path[:80]!r}.", help=remedy))
+        message, subject = f"There is no robot {name_or_path[:80]!r}.", Name(name_or_path, near)
+        return _nothing(Diagnostic("Y1301", message, help=remedy, subject=subject))
     if path.parent.parent == stdlib_folder() / "robots":
         return _of_library(path, _stamp(path.parent))
     return _read(path)
@@ -120,8 +122,8 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
             key: link for key, link in (("base", draft.table.base), ("flange", draft.table.flange)) if link
         }
         lost = find_links(urdf, ends)
-        for key, message, remedy in lost:
-            file.say("Y1347", (key,), message, remedy)
+        for key, message, remedy, subject in lost:
+            file.say("Y1347", (key,), message, remedy, subject)
         if len(ends) == 2 and not lost:
             moving = _chain(file, urdf, (ends["base"], ends["flange"]), shapes, draft.table.ignored_joints)
     check_table(file, draft, moving)
@@ -200,7 +202,7 @@ def _chain(
         strays = [
             joint.name for joint in urdf.joints.values() if joint.kind != "fixed" and joint not in joints
         ]
-        file.say("Y1362", ("ignored_joints", at), message, did_you_mean(name, strays))
+        file.say("Y1362", ("ignored_joints", at), message, *did_you_mean(name, strays))
     sound = check_chain(urdf, joints, ignored)
     check_bodies(urdf, joints, shapes)
     return moving if sound else None

@@ -46,8 +46,8 @@ def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
         path: Path = ("bodies", at)
         if body.tool is not None and body.tool.upper() not in names:
             message = f"{table_name(path)} belongs to the tool {body.tool[:40]}, which the file doesn't have."
-            remedy = f"{did_you_mean(body.tool.upper(), names)} A tool is a table [tools.NAME]."
-            file.say("Y0931", (*path, "tool"), message, remedy)
+            remedy, subject = did_you_mean(body.tool.upper(), names)
+            file.say("Y0931", (*path, "tool"), message, f"{remedy} A tool is a table [tools.NAME].", subject)
         if body.shape is not None:
             keys = Keys(f"a {body.shape}", SIZES[body.shape])
             if has_its_keys(body, (file, type(draft.table), path), keys, OF_SHAPES, draft.dropped):
@@ -105,7 +105,7 @@ def _check_tool(
     frames, lost = names
     if tool.frame.upper() not in frames | lost:
         message = f"The frame of tool {path[1]} is {tool.frame[:40]}, which isn't a frame on the flange."
-        file.say("Y1329", (*path, "frame"), message, did_you_mean(tool.frame.upper(), frames))
+        file.say("Y1329", (*path, "frame"), message, *did_you_mean(tool.frame.upper(), frames))
     whole = True
     for key, size in (("center_of_mass", 3), ("inertia", 6)):
         values = getattr(tool, key)

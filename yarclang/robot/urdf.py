@@ -223,7 +223,8 @@ def _check_tree(urdf: Urdf) -> bool:
                 message = (
                     f"The {tag} of joint {joint.name} is the link {link[:40]}, which the URDF doesn't have."
                 )
-                urdf.say("Y1347", message, did_you_mean(link, urdf.links), end, "link")
+                remedy, subject = did_you_mean(link, urdf.links)
+                urdf.say("Y1347", message, remedy, end, "link", subject)
     if len(urdf.findings) > before:
         return False
     above: dict[str, Joint] = {}

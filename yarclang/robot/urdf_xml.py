@@ -11,6 +11,7 @@ from xml.parsers import expat
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile, Span
+from yarclang.subjects import Subject
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST, _LARGEST_LIMIT = 1e6, 1e30
@@ -38,10 +39,11 @@ class Element:
 
 
 class UrdfText:
-    """The text of a URDF, its root element, and the findings about it."""
+    """The text of a URDF, its root element, and the findings about it; `kind` is what these call the file."""
 
-    def __init__(self, source: SourceFile) -> None:
+    def __init__(self, source: SourceFile, kind: str = "a URDF") -> None:
         self.source = source
+        self.kind = kind
         self.findings: list[Diagnostic] = []
         self.root: Element | None = None
         text = source.text.replace("\r\n", "\n").replace("\r", "\n")
@@ -52,7 +54,15 @@ class UrdfText:
         """The place in the text of a line and column, both from 1."""
         return self.starts[min(line, len(self.starts)) - 1] + column - 1
 
-    def say(self, code: str, message: str, remedy: str, place: Element, attribute: str = "") -> None:
+    def say(
+        self,
+        code: str,
+        message: str,
+        remedy: str,
+        place: Element,
+        attribute: str = "",
+        subject: Subject | None = None,
+    ) -> None:
         """Adds a finding at an element's tag, or at one of its attributes."""
         start, end = place.start, place.end
         if attribute:
@@ -64,7 +74,7 @@ class UrdfText:
         first = bisect.bisect_right(self.starts, start)
         last = bisect.bisect_right(self.starts, end)
         span = Span(first, start - self.starts[first - 1] + 1, last, end - self.starts[last - 1] + 1)
-        self.findings.append(Diagnostic(code, message, self.source, span, remedy))
+        self.findings.append(Diagnostic(code, message, self.source, span, remedy, subject=subject))
 
     def numbers(
         self, place: Element | None, attribute: str, count: int, default: Sequence[float] | None = None
@@ -149,7 +159,7 @@ def parse_xml(urdf: UrdfText) -> None:
         stack.append(element)
 
     def doctype(*_: Any) -> None:
-        refuse("The file has a DOCTYPE, which a URDF can't have.", "Remove the DOCTYPE.")
+        refuse(f"The file has a DOCTYPE, which {urdf.kind} can't have.", "Remove the DOCTYPE.")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _tag: stack.pop()

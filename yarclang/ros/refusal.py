@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
+from yarclang.findings import number_of
 from yarclang.runtime.actions import Trouble
-
-_CODE = re.compile(r"Y(\d{4})")
 
 UNNAMED = 9999
 """The error code of what has no finding's code: every finding's number is below."""
@@ -30,8 +28,8 @@ class Refusal:
     @property
     def number(self) -> int:
         """The error code of robot_status: the finding's number."""
-        found = _CODE.fullmatch(self.code)
-        return int(found[1]) if found else UNNAMED
+        number = number_of(self.code)
+        return UNNAMED if number is None else number
 
     def __str__(self) -> str:
         """As a terminal shows it."""

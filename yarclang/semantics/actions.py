@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import Dwell, Hold, Origin, SetOutput, Step, WaitInput, When
-from yarclang.semantics.amounts import AmountError
+from yarclang.semantics.amounts import AmountError, missing_unit
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.files import values_of
 from yarclang.semantics.naming import state_value
@@ -12,7 +12,8 @@ from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.signal_names import input_named, output_named
 from yarclang.semantics.to_hir import origin_of
-from yarclang.semantics.units import amount, missing_unit, resolve_units
+from yarclang.semantics.units import amount, resolve_units
+from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import Computed, Number, Statement, Text
 
 LONGEST_WAIT = 3600.0
@@ -64,7 +65,11 @@ def _wait(
     if not values:
         if statement.time is None:
             findings.add(
-                "Y0406", "WAIT doesn't say how long", statement.head_span, "for example WAIT [2] (s)"
+                "Y0406",
+                "WAIT doesn't say how long",
+                statement.head_span,
+                "for example WAIT [2] (s)",
+                subject=LeftOut("how long it waits"),
             )
         return None if seconds is None else Dwell(origin, seconds)
     signal = input_named(values[0], scope, statement, findings)
@@ -92,15 +97,14 @@ def _seconds(statement: Statement, scope: Scope, defaults: Defaults, findings: C
         return None
     unit = units.get("time") or defaults.units.get("time") or found.unit
     if unit is None:
-        message, help_ = missing_unit("time", "the time")
-        findings.add("Y0304", message, span, help_)
+        findings.add_error(missing_unit("time", "the time"), span)
         return None
     try:
         seconds = found.in_unit(unit) * unit.factor
         if unit.kind != "time":
             raise AmountError("Y0307", f"{found} isn't a time")
     except AmountError as error:
-        findings.add(error.code, error.message, span, error.help)
+        findings.add_error(error, span)
         return None
     if not 0.0 < seconds <= LONGEST_WAIT:
         message = f"[{found}]: a wait is above 0 and at most {LONGEST_WAIT:g} s"

@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from yarclang.diagnostics import FindingError
 from yarclang.frozen import frozen
-from yarclang.units import UNITS, Kind, Unit
+from yarclang.subjects import MissingUnit, unknown
+from yarclang.units import UNITS, Kind, Unit, units_of
 
 
 @frozen
@@ -50,14 +52,31 @@ class Amount:
         return f"{self.value:.10g}" + (f" {self.unit.name}" if self.unit else "")
 
 
-class AmountError(ValueError):
-    """What can't be computed: the finding's code, its sentence and its help."""
+class AmountError(FindingError):
+    """What can't be computed."""
 
-    def __init__(self, code: str, message: str, help_: str = "") -> None:
-        super().__init__(message)
-        self.code = code
-        self.message = message
-        self.help = help_
+
+def no_unit(text: str) -> AmountError:
+    """Return the error for a word that is no unit."""
+    subject = unknown(text, UNITS)
+    help_ = subject.question or f"units are {', '.join(UNITS)}"
+    return AmountError("Y0305", f"`{text}` is no unit", help_, subject)
+
+
+def missing_unit(kind: Kind, what: str) -> AmountError:
+    """Return the error for a unit that a line needs and doesn't have.
+
+    Args:
+        kind: of the unit.
+        what: needs it, with its article.
+    """
+    names = " or ".join(units_of(kind)[:2])
+    return AmountError(
+        "Y0304",
+        f"{what} need{'' if what.endswith('s') else 's'} a unit of {kind}",
+        f"write one ({names}) in the line's units, or in DEFAULT",
+        MissingUnit(kind, what),
+    )
 
 
 def _a(kind: Kind) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from yarclang.diagnostics import Collector, suggest
+from yarclang.diagnostics import Collector
 from yarclang.semantics.arguments import Given
 from yarclang.semantics.files import File, Sub, values_of
 from yarclang.semantics.parameters import bind, given_by
 from yarclang.semantics.scope import KINDS, Routine, Scope
 from yarclang.source import Span
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import Statement, Word
 
 
@@ -66,8 +67,9 @@ class Calls:
                 self._refuse_recursion(word, span, findings)
             else:
                 known = sorted(set(scope.names(Routine)))
-                help_ = suggest(word.text, known) or (f"there are {', '.join(known)}" if known else "")
-                findings.add("Y0210", f"no SUB is named {word.text}", span, help_)
+                subject = unknown(word.text, known)
+                help_ = subject.question or (f"there are {', '.join(known)}" if known else "")
+                findings.add("Y0210", f"no SUB is named {word.text}", span, help_, subject=subject)
             return None
         if sub in self._subs:
             self._refuse_recursion(word, span, findings)

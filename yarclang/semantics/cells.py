@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, has_errors
+from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.hir import FrameLink, Output, Signal
 from yarclang.robot.model import Robot
@@ -27,10 +28,6 @@ class CellName:
 
     path: str
     span: Span
-
-
-_FOLLOWERS = frozenset(["Y0205", "Y0210", "Y0301", "Y0411"])
-"""What is said of names that aren't known: they may be those of a cell that can't be read."""
 
 
 class Cells:
@@ -121,8 +118,8 @@ class Cells:
         self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
-        """The findings without those that only say that a cell couldn't be read."""
-        return [one for one in findings if not self._unread or one.code not in _FOLLOWERS]
+        """Return the findings without those of names that aren't known, if a cell can't be read: it may declare them."""
+        return [one for one in findings if not self._unread or CATALOGUE[one.code].need != "name"]
 
 
 def read_cell_line(statement: Statement, findings: Collector) -> CellName | None:

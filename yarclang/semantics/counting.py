@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from yarclang.diagnostics import Collector
+from yarclang.diagnostics import Collector, FindingError
 from yarclang.frozen import frozen
 from yarclang.progress import tell
 from yarclang.semantics.amounts import Amount
@@ -64,7 +64,7 @@ _Tally = tuple[int, int, int, int]
 _NOTHING = (0, 0, 0, 0)
 
 
-class TooMuch(Exception):  # noqa: N818 - ends the counting, and becomes a finding
+class TooMuch(FindingError):  # noqa: N818 - ends the counting, and becomes a finding
     """More than is ever carried out.
 
     Attributes:
@@ -76,12 +76,9 @@ class TooMuch(Exception):  # noqa: N818 - ends the counting, and becomes a findi
     """
 
     def __init__(self, file: File, statement: Statement, code: str, message: str, help_: str) -> None:
-        super().__init__(message)
+        super().__init__(code, message, help_)
         self.file = file
         self.statement = statement
-        self.code = code
-        self.message = message
-        self.help = help_
 
 
 class Counter:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from yarclang.diagnostics import Collector, suggest
+from yarclang.diagnostics import Collector
 from yarclang.hir import Array
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import Defaults
@@ -14,6 +14,7 @@ from yarclang.semantics.scope import JointPosition, Scope
 from yarclang.semantics.times import time_is_sound
 from yarclang.semantics.units import resolve_units
 from yarclang.source import Span
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import Module, Statement, Text, Word
 
 
@@ -64,9 +65,10 @@ def read_start(
         if isinstance(found, JointPosition):
             return found.q
         known = sorted(set(scope.names(JointPosition)))
-        help_ = suggest(word.text, known) or f"there are {', '.join(known)}"
+        subject = unknown(word.text, known)
+        help_ = subject.question or f"there are {', '.join(known)}"
         message = f"no joint position is named {word.text}"
-        findings.add("Y0205", message, statement.span(word.place), help_)
+        findings.add("Y0205", message, statement.span(word.place), help_, subject=subject)
         return None
     q = joint_values(statement, values, scope, defaults, robot, findings)
     if q is not None:

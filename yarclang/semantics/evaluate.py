@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from yarclang.diagnostics import suggest
-from yarclang.semantics.amounts import Amount, AmountError, binary, function, unary
+from yarclang.diagnostics import FindingError
+from yarclang.semantics.amounts import Amount, AmountError, binary, function, no_unit, unary
 from yarclang.semantics.scope import KINDS, Scope
+from yarclang.subjects import Subject, unknown
 from yarclang.syntax.expressions import Binary, Bracket, Expression, Function, Name, Unary
 from yarclang.syntax.leaves import Number, Place, Quantity
 from yarclang.units import UNITS
@@ -14,15 +15,19 @@ from yarclang.units import UNITS
 LARGEST_NUMBER = 1e9
 
 
-class EvaluationError(ValueError):
-    """An expression without a value: where, the finding's code, its sentence, its help."""
+class EvaluationError(FindingError):
+    """An expression without a value, and the place in the statement; else as `FindingError`."""
 
-    def __init__(self, place: Place, code: str, message: str, help_: str = "") -> None:
-        super().__init__(message)
+    def __init__(
+        self, place: Place, code: str, message: str, help_: str = "", subject: Subject | None = None
+    ) -> None:
+        super().__init__(code, message, help_, subject)
         self.place = place
-        self.code = code
-        self.message = message
-        self.help = help_
+
+    @classmethod
+    def at(cls, place: Place, error: AmountError) -> EvaluationError:
+        """Return what can't be computed with its place."""
+        return cls(place, error.code, error.message, error.help, error.subject)
 
 
 def evaluate(expression: Expression, scope: Scope) -> Amount:
@@ -51,13 +56,13 @@ def evaluate(expression: Expression, scope: Scope) -> Amount:
             try:
                 return binary(operator, one, other)
             except AmountError as error:
-                raise EvaluationError(place, error.code, error.message, error.help) from None
+                raise EvaluationError.at(place, error) from None
         case Function(arguments=arguments, place=place):
             amounts = tuple(evaluate(argument, scope) for argument in arguments)
             try:
                 return function(expression.name, amounts)
             except AmountError as error:
-                raise EvaluationError(place, error.code, error.message, error.help) from None
+                raise EvaluationError.at(place, error) from None
 
 
 def quantity(item: Quantity) -> Amount:
@@ -68,8 +73,7 @@ def quantity(item: Quantity) -> Amount:
     """
     unit = UNITS.get(item.unit.text.lower())
     if unit is None:
-        help_ = suggest(item.unit.text, UNITS) or f"units are {', '.join(UNITS)}"
-        raise EvaluationError(item.unit.place, "Y0305", f"`{item.unit.text}` is no unit", help_)
+        raise EvaluationError.at(item.unit.place, no_unit(item.unit.text))
     return Amount(item.number.value, unit)
 
 
@@ -87,7 +91,6 @@ def named(name: Name, scope: Scope) -> Amount:
     if found is not None:
         raise EvaluationError(name.place, "Y0209", f"{name.text} is {KINDS[type(found)]}, not a number")
     known = sorted(set(scope.names(Amount)))
-    help_ = suggest(name.text, known) or (
-        f"there are {', '.join(known[:8])}" if known else "declare it by LET"
-    )
-    raise EvaluationError(name.place, "Y0210", f"no number is named {name.text}", help_)
+    subject = unknown(name.text, known)
+    help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by LET")
+    raise EvaluationError(name.place, "Y0210", f"no number is named {name.text}", help_, subject)

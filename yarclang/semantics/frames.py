@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Protocol
 
-from yarclang.diagnostics import Collector, Edit, Fix, suggest
+from yarclang.diagnostics import Collector, Edit, Fix
 from yarclang.semantics.scope import BASE, Frame, Scope
 from yarclang.source import Span
+from yarclang.subjects import Name, unknown
 from yarclang.syntax.ast import FrameName, Place
 
 
@@ -29,7 +30,8 @@ def moving_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Co
     if not found.on_flange:
         tools = [name for name in scope.frame_names() if (one := scope.frame(name)) and one.on_flange]
         message = f"{frame.text} stands still: it can't be moved"
-        findings.add("Y0303", message, statement.span(frame.place), f"move one of {_listed(tools)}")
+        help_ = f"move one of {_listed(tools)}"
+        findings.add("Y0303", message, statement.span(frame.place), help_, subject=Name(frame.name))
         return None
     return found
 
@@ -42,7 +44,7 @@ def base_axes(
     if found is not None and found.on_flange and not may_move:
         message = f"{frame.text} moves with the robot: a pose can't be given in it"
         help_ = "write {B}; DMOVE takes a base frame on the robot"
-        findings.add("Y0303", message, statement.span(frame.place), help_)
+        findings.add("Y0303", message, statement.span(frame.place), help_, subject=Name(frame.name))
         return None
     return found
 
@@ -58,9 +60,9 @@ def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Col
         findings.add("Y0204", f"{frame.text} is today {{{today}}}", span, f"write {{{today}}}", fix)
         return found
     known = tuple(dict.fromkeys(scope.frame_names()))
-    meant = suggest(frame.name, known)
-    help_ = (meant + " " if meant else "") + f"there are the frames {_listed(known)}"
-    findings.add("Y0301", f"no frame is named {frame.text}", span, help_)
+    subject = unknown(frame.name, known)
+    help_ = f"{subject.question} there are the frames {_listed(known)}".lstrip()
+    findings.add("Y0301", f"no frame is named {frame.text}", span, help_, subject=subject)
     return None
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.commands.spec import Values
-from yarclang.diagnostics import suggest
 from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal
 from yarclang.semantics.line import Line
 from yarclang.semantics.moved import takes_names
@@ -15,6 +14,7 @@ from yarclang.semantics.names import ResolvedName
 from yarclang.semantics.numbers import numbers_of
 from yarclang.semantics.poses import check_limits, rotation_of
 from yarclang.semantics.scope import KINDS, Frame, JointPosition
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import WayPoint, Word
 from yarclang.transforms import constant
 
@@ -95,9 +95,9 @@ def _joint_position(line: Line, word: Word) -> JointPosition | None:
         line.findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a joint position", span)
         return None
     known = sorted(set(line.scope.names(JointPosition)))
-    meant = suggest(word.text, known)
-    help_ = (meant + " " if meant else "") + f"there are {', '.join(known)}"
-    line.findings.add("Y0205", f"no joint position is named {word.text}", span, help_)
+    subject = unknown(word.text, known)
+    help_ = f"{subject.question} there are {', '.join(known)}".lstrip()
+    line.findings.add("Y0205", f"no joint position is named {word.text}", span, help_, subject=subject)
     return None
 
 

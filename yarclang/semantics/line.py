@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
+from yarclang.semantics.amounts import missing_unit
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.names import ResolvedName
 from yarclang.semantics.scope import Scope
-from yarclang.semantics.units import missing_unit
 from yarclang.source import Span
 from yarclang.syntax.ast import Statement
 from yarclang.units import Kind, Unit
@@ -42,5 +42,4 @@ class Line:
         if kind in self._told:
             return
         self._told.add(kind)
-        message, help_ = missing_unit(kind, WHAT[kind])
-        self.findings.add("Y0304", message, span, help_)
+        self.findings.add_error(missing_unit(kind, WHAT[kind]), span)

@@ -10,6 +10,7 @@ from yarclang.semantics.frames import base_axes, known_frame, moving_frame
 from yarclang.semantics.line import Line
 from yarclang.semantics.names import ResolvedName
 from yarclang.semantics.scope import Frame
+from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import Statement, Word
 
 
@@ -46,7 +47,8 @@ def moved_by(line: Line) -> Moved:
     else:
         help_ = "write it behind the name, as {TCP}, or in DEFAULT"
         message = f"{line.name.full} doesn't say which frame it moves"
-        line.findings.add("Y0302", message, statement.head_span, help_)
+        subject = LeftOut("the frame that it moves")
+        line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     may_move = line.name.spec.frames_may_move
     if statement.base is not None:
         base = base_axes(statement, statement.base, line.scope, may_move, line.findings)
@@ -55,7 +57,8 @@ def moved_by(line: Line) -> Moved:
     else:
         help_ = "write the base frame behind the units, as {B}, or in DEFAULT"
         message = f"{line.name.full} doesn't say in which frame its values are given"
-        line.findings.add("Y0302", message, statement.head_span, help_)
+        subject = LeftOut("the frame in which its values are given")
+        line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     if moving is None or base is None:
         return Moved(None, None)
     return Moved((moving, base), moving.link)

@@ -7,9 +7,10 @@ from functools import lru_cache
 
 from yarclang.commands.registry import commands
 from yarclang.commands.spec import CommandSpec, Values
-from yarclang.diagnostics import Collector, Edit, Fix, suggest
+from yarclang.diagnostics import Collector, Edit, Fix
 from yarclang.frozen import frozen
 from yarclang.progress import each
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.words import AVOID, DECLARATIONS
 
@@ -77,8 +78,9 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
     if spec is None:
-        help_ = suggest(name, _known(tuple(profiles))) or f"the commands are {', '.join(commands())}"
-        findings.add("Y0202", f"{statement.name.text} is no command", span, help_)
+        subject = unknown(name, _known(tuple(profiles)))
+        help_ = subject.question or f"the commands are {', '.join(commands())}"
+        findings.add("Y0202", f"{statement.name.text} is no command", span, help_, subject=subject)
         return None
     target, profile, avoids = "", DEFAULT_PROFILE, False
     for position, suffix in enumerate(suffixes):

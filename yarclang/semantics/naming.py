@@ -13,7 +13,7 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
-from yarclang.semantics.amounts import Amount, AmountError
+from yarclang.semantics.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.files import values_of
@@ -22,8 +22,9 @@ from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.poses import check_limits, rotation_of
 from yarclang.semantics.scope import BASE, Frame, Input, JointPosition, Scope, Where
 from yarclang.semantics.signals import Signals
-from yarclang.semantics.units import amount, joint_kinds, missing_unit, number_fault, resolve_units
+from yarclang.semantics.units import amount, joint_kinds, number_fault, resolve_units
 from yarclang.source import SourceFile
+from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
 from yarclang.syntax.words import RESERVED
 from yarclang.transforms import constant
@@ -106,6 +107,7 @@ def declare_frame(
             f"{statement.name.name} doesn't say which frame it declares",
             statement.head_span,
             example,
+            subject=LeftOut("the frame that it declares"),
         )
         return
     name = statement.moving.name
@@ -133,7 +135,11 @@ def _base(statement: Statement, scope: Scope, defaults: Defaults, findings: Coll
     if defaults.base is not None and defaults.statement is not None:
         return base_axes(defaults.statement, defaults.base, defaults.scope, True, findings)
     help_ = "write it behind the units, as {B}, or {FLANGE} for a tool"
-    findings.add("Y0302", "FRAME doesn't say in which frame it is given", statement.head_span, help_)
+    message, subject = (
+        "FRAME doesn't say in which frame it is given",
+        LeftOut("the frame in which it is given"),
+    )
+    findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     return None
 
 
@@ -178,7 +184,7 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
     try:
         found = evaluate(statement.expression, scope)
     except EvaluationError as error:
-        findings.add(error.code, error.message, statement.span(error.place), error.help)
+        findings.add_error(error, statement.span(error.place))
         found = Amount(1.0)
     if allowed:
         scope.declare(word.name, found, Where(findings.source, statement.span(word.place)))
@@ -235,7 +241,7 @@ def state_value(value: Value, scope: Scope, statement: Statement, findings: Coll
     try:
         return found.plain("the value of an input or output")
     except AmountError as error:
-        findings.add(error.code, error.message, span, error.help)
+        findings.add_error(error, span)
         return None
 
 
@@ -272,7 +278,7 @@ def _numbers(
         try:
             numbers[place] = _in_si(found, kind, units)
         except AmountError as error:
-            findings.add(error.code, error.message, statement.span(value.place), error.help)
+            findings.add_error(error, statement.span(value.place))
             return None
     return numbers
 
@@ -282,8 +288,7 @@ def _in_si(found: Amount, kind: Kind | None, units: Mapping[Kind, Unit]) -> floa
         return found.plain("a part of a quaternion")
     unit = units.get(kind) or found.unit
     if unit is None:
-        message, help_ = missing_unit(kind, f"the {kind}s")
-        raise AmountError("Y0304", message, help_)
+        raise missing_unit(kind, f"the {kind}s")
     if found.unit is not None and found.unit.kind != kind:
         raise AmountError("Y0307", f"{found} is of the wrong kind: a unit of {kind} is wanted here")
     return found.in_unit(unit) * unit.factor

@@ -89,7 +89,7 @@ def _computed(line: Line, value: Value, kind: Kind | None, unit: Unit | None) ->
                 raise AmountError("Y0307", f"{found} is of the wrong kind: this place takes {WHAT[kind]}")
             return found.value * found.unit.factor
     except AmountError as error:
-        line.findings.add(error.code, error.message, span, error.help)
+        line.findings.add_error(error, span)
         return None
     line.missing(kind, span)
     return None

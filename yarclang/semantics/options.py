@@ -86,7 +86,7 @@ def _tolerance(line: Line, option: Option) -> float | None:
     try:
         metres = found.in_unit(unit) * unit.factor if unit else found.value * (found.unit or _NONE).factor
     except AmountError as error:
-        line.findings.add(error.code, error.message, span, error.help)
+        line.findings.add_error(error, span)
         return None
     if metres <= 0.0:
         line.findings.add("Y0412", f"TOL {found}: a tolerance is above 0", span)

@@ -6,10 +6,10 @@ from collections.abc import Container
 
 import numpy as np
 
-from yarclang.diagnostics import Collector, suggest
+from yarclang.diagnostics import Collector
 from yarclang.hir import Output
 from yarclang.robot.model import Robot
-from yarclang.semantics.amounts import Amount, AmountError
+from yarclang.semantics.amounts import Amount, AmountError, no_unit
 from yarclang.semantics.arguments import Given, names_in
 from yarclang.semantics.files import values_of
 from yarclang.semantics.frames import known_frame
@@ -17,6 +17,7 @@ from yarclang.semantics.naming import frame_may_be_declared, may_be_declared
 from yarclang.semantics.scope import KINDS, Frame, Input, JointPosition, Named, Scope, Where
 from yarclang.semantics.units import amount
 from yarclang.source import SourceFile
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import Computed, FrameName, Number, Parameter, Quantity, Statement, Value, Word
 from yarclang.units import UNITS, Unit
 
@@ -33,8 +34,7 @@ def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Coll
         if word is not None and may_be_declared(head, word, seen, robot, findings, may_hide=True):
             seen.declare(word.name, Amount(0.0), Where(findings.source, head.span(word.place)))
         if isinstance(parameter, Parameter) and (unit := parameter.unit) and unit.text.lower() not in UNITS:
-            help_ = suggest(unit.text, UNITS) or f"units are {', '.join(UNITS)}"
-            findings.add("Y0305", f"`{unit.text}` is no unit", head.span(unit.place), help_)
+            findings.add_error(no_unit(unit.text), head.span(unit.place))
 
 
 def bind(
@@ -122,7 +122,8 @@ def _bind_one(
     span = statement.span(value.place)
     if isinstance(parameter, FrameName):
         if not isinstance(value, FrameName):
-            findings.add("Y0411", f"a frame is wanted for {parameter.text}, not {value.text}", span)
+            message = f"a frame is wanted for {parameter.text}, not {value.text}"
+            findings.add("Y0411", message, span, subject=unknown(value.text))
             return False
         frame = known_frame(statement, value, scope, findings)
         if frame is not None:
@@ -132,24 +133,25 @@ def _bind_one(
     unit = _unit_of(parameter)
     meaning: Named | None
     if isinstance(value, FrameName):
-        findings.add("Y0411", f"{word.text} isn't a frame", span)
+        findings.add("Y0411", f"{word.text} isn't a frame", span, subject=unknown(value.text))
         return False
     if isinstance(value, Word):
         meaning = scope.name(value.name)
         if isinstance(meaning, Amount):
             help_ = f"write ${value.text} for its value"
-            findings.add("Y0411", f"{value.text} is a number", span, help_)
+            findings.add("Y0411", f"{value.text} is a number", span, help_, subject=unknown(value.text))
             return False
         if not isinstance(meaning, JointPosition | Input | Output):
             known = sorted(set(scope.names(JointPosition, Input, Output)))
-            help_ = suggest(value.text, known)
+            subject = unknown(value.text, known)
             message = (
                 f"{value.text} is {KINDS[type(meaning)]}" if meaning else f"nothing is named {value.text}"
             )
-            findings.add("Y0411", message, span, help_)
+            findings.add("Y0411", message, span, subject.question, subject=subject)
             return False
         if unit is not None:
-            findings.add("Y0411", f"{word.text} is a number of {unit.name}, not {KINDS[type(meaning)]}", span)
+            message = f"{word.text} is a number of {unit.name}, not {KINDS[type(meaning)]}"
+            findings.add("Y0411", message, span, subject=unknown(value.text))
             return False
     elif isinstance(value, Number | Computed | Quantity):
         found = amount(value, scope, statement, findings)
@@ -158,10 +160,11 @@ def _bind_one(
         try:
             meaning = found if unit is None else Amount(found.in_unit(unit), unit)
         except AmountError as error:
-            findings.add("Y0411", f"{word.text}: {error.message}", span, error.help)
+            message = f"{word.text}: {error.message}"
+            findings.add("Y0411", message, span, error.help, subject=unknown(value.text))
             return False
     else:
-        findings.add("Y0411", f"`{value.text}` is no argument", span)
+        findings.add("Y0411", f"`{value.text}` is no argument", span, subject=unknown(value.text))
         return False
     inner.declare(word.text.upper(), meaning, where)
     return True

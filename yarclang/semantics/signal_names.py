@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from yarclang.diagnostics import Collector, suggest
+from yarclang.diagnostics import Collector
 from yarclang.hir import Output, Signal
 from yarclang.semantics.frames import Placed
 from yarclang.semantics.scope import KINDS, Input, Scope
+from yarclang.subjects import unknown
 from yarclang.syntax.ast import Value, Word
 
 
@@ -51,7 +52,6 @@ def _wrong(
         findings.add("Y0209", f"{value.text} is {KINDS[type(found)]}, not an {what}", span)
         return
     known = sorted(set(scope.names(*kinds)))
-    help_ = suggest(value.text, known) or (
-        f"there are {', '.join(known)}" if known else f"declare it: {example}"
-    )
-    findings.add("Y0210", f"no {what} is named {value.text}", span, help_)
+    subject = unknown(value.text, known)
+    help_ = subject.question or (f"there are {', '.join(known)}" if known else f"declare it: {example}")
+    findings.add("Y0210", f"no {what} is named {value.text}", span, help_, subject=subject)

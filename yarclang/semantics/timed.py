@@ -229,7 +229,7 @@ def _seconds(line: Line, time: Time) -> float | None:
         try:
             value = found.in_unit(unit) * unit.factor
         except AmountError as error:
-            line.findings.add(error.code, error.message, span, error.help)
+            line.findings.add_error(error, span)
             return None
     if not value > 0.0:
         message = f"the time of a way-point is above 0: the motion begins at 0 where the robot stands, not at {value:.6g} s"
@@ -295,7 +295,7 @@ def _plain(line: Line, value: Value, what: str) -> float | None:
     try:
         return found.plain(what)
     except AmountError as error:
-        line.findings.add(error.code, error.message, span, error.help)
+        line.findings.add_error(error, span)
         return None
 
 

@@ -7,12 +7,13 @@ from functools import lru_cache
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import Reading, Timing
-from yarclang.semantics.amounts import AmountError
+from yarclang.semantics.amounts import AmountError, missing_unit
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.scope import Scope
-from yarclang.semantics.units import amount, missing_unit, number_fault
+from yarclang.semantics.units import amount, number_fault
 from yarclang.source import Span
+from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Percent, Statement, Time, Word
 from yarclang.units import Kind, Unit
 
@@ -82,7 +83,8 @@ def resolve_time(
     if time is None:
         if not defaults.has_bad_time:
             help_ = "write [20] for 20 time units, [MIN] for the shortest, or give one in DEFAULT"
-            findings.add("Y0406", "the motion time is missing", statement.head_span, help_)
+            subject = LeftOut("the motion time")
+            findings.add("Y0406", "the motion time is missing", statement.head_span, help_, subject=subject)
         return Timing(None)
     own = time is statement.time
     if own and not time_is_sound(statement, time, findings):
@@ -139,13 +141,12 @@ def _speed(
         try:
             value = found.plain("a speed")
         except AmountError as error:
-            findings.add(error.code, error.message, span, error.help)
+            findings.add_error(error, span)
             return None
     if not _speed_is_sound(value, f"{value:.10g}", span, findings):
         return None
     if (second := units.get("time")) is None:
-        message, help_ = missing_unit("time", "the speed")
-        findings.add("Y0304", message, span, help_)
+        findings.add_error(missing_unit("time", "the speed"), span)
         return None
     length, angle = units.get("length"), units.get("angle")
     return Reading(
@@ -171,8 +172,7 @@ def _seconds(
     unit = defaults.units.get("time") if not own and "time" in defaults.units else units.get("time")
     span = statement.span(item.place) if own else statement.head_span
     if found.unit is None and unit is None:
-        message, help_ = missing_unit("time", "the motion time")
-        findings.add("Y0304", message, span, help_)
+        findings.add_error(missing_unit("time", "the motion time"), span)
         return None
     try:
         value = (
@@ -183,7 +183,7 @@ def _seconds(
         if unit is None and found.unit is not None and found.unit.kind != "time":
             raise AmountError("Y0307", f"{found} isn't a time")
     except AmountError as error:
-        findings.add(error.code, error.message, span, error.help)
+        findings.add_error(error, span)
         return None
     if value <= 0.0:
         findings.add("Y0407", f"a motion can't take {found}: the time has to be positive", span, _HELP)
@@ -199,9 +199,9 @@ def _percentage(
     try:
         return evaluate(item.expression, scope).plain("a percentage")
     except EvaluationError as error:
-        findings.add(error.code, error.message, statement.span(error.place), error.help)
+        findings.add_error(error, statement.span(error.place))
     except AmountError as error:
-        findings.add(error.code, error.message, statement.span(item.place), error.help)
+        findings.add_error(error, statement.span(item.place))
     return None
 
 

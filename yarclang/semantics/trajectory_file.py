@@ -12,7 +12,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from yarclang.diagnostics import Collector, Result, suggest
+from yarclang.diagnostics import Collector, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array, Timetable
 from yarclang.robot.model import Robot
@@ -20,6 +20,7 @@ from yarclang.semantics.evaluate import LARGEST_NUMBER
 from yarclang.semantics.poses import check_limits
 from yarclang.semantics.units import joint_kinds
 from yarclang.source import SourceFile, Span
+from yarclang.subjects import Name, unknown
 from yarclang.transforms import constant
 from yarclang.units import UNITS, Kind, Unit, units_of
 
@@ -296,11 +297,13 @@ def _unknown(cell: _Cell, robot: Robot, findings: Collector) -> None:
     shown = f"{cell.name[:_SHOWN]!r}" if cell.name else "a column without a name"
     message = f"{shown} is no column of a trajectory of {robot.name}"
     other = f"columns are {TIME}, {', '.join(robot.joint_names)}, and these with _velocity or _acceleration"
-    help_ = suggest(cell.name, titles) or other
+    subject: Name | None = unknown(cell.name, titles)
+    help_ = (subject.question if subject else "") or other
     numbered = _NUMBERED.fullmatch(rate_of(cell.name)[0])
     if numbered and int(numbered[1]) > robot.size:
         help_ = f"{robot.name} has {robot.size} joints: {', '.join(robot.joint_names)}"
-    findings.add("Y1380", message, cell.span, help_)
+        subject = None
+    findings.add("Y1380", message, cell.span, help_, subject=subject)
 
 
 def _with_units(

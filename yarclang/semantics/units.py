@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-from yarclang.diagnostics import Collector, suggest
+from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
-from yarclang.semantics.amounts import Amount
+from yarclang.semantics.amounts import Amount, no_unit
 from yarclang.semantics.evaluate import LARGEST_NUMBER, EvaluationError, evaluate, quantity
 from yarclang.semantics.scope import Scope
 from yarclang.syntax.ast import Computed, Number, Quantity, Statement, Units, Value
-from yarclang.units import UNITS, Kind, Unit, units_of
+from yarclang.units import UNITS, Kind, Unit
 
 
 def resolve_units(
@@ -33,8 +33,7 @@ def resolve_units(
     for item in units.items:
         unit, span = UNITS.get(item.text.lower()), statement.span(item.place)
         if unit is None:
-            help_ = suggest(item.text, UNITS) or f"units are {', '.join(UNITS)}"
-            findings.add("Y0305", f"`{item.text}` is no unit", span, help_)
+            findings.add_error(no_unit(item.text), span)
             return None
         if unit.kind in found:
             message = f"{found[unit.kind].name} and {unit.name} are both units of {unit.kind}"
@@ -48,15 +47,6 @@ def resolve_units(
 def joint_kinds(robot: Robot) -> tuple[Kind, ...]:
     """The kind of unit of each joint value of a robot."""
     return tuple("length" if unit == "mm" else "angle" for unit in robot.axis_unit_names)
-
-
-def missing_unit(kind: Kind, what: str) -> tuple[str, str]:
-    """The message and the help for a unit that a line needs and doesn't have."""
-    names = " or ".join(units_of(kind)[:2])
-    return (
-        f"{what} need{'' if what.endswith('s') else 's'} a unit of {kind}",
-        f"write one ({names}) in the line's units, or in DEFAULT",
-    )
 
 
 def number_fault(item: Value) -> tuple[str, str, str] | None:
@@ -89,5 +79,5 @@ def amount(item: Value, scope: Scope, statement: Statement, findings: Collector)
             case Number(value=value):
                 return Amount(value)
     except EvaluationError as error:
-        findings.add(error.code, error.message, statement.span(error.place), error.help)
+        findings.add_error(error, statement.span(error.place))
     return None

@@ -161,7 +161,7 @@ class _Unroller:
         try:
             holds = bool(evaluate(head.expression, scope).value)
         except EvaluationError as error:
-            file.findings.add(error.code, error.message, head.span(error.place), error.help)
+            file.findings.add_error(error, head.span(error.place))
             self._steps.append(Gap())
             return
         chosen = block.body if holds else (block.otherwise or ())
@@ -223,7 +223,7 @@ class _Unroller:
         """Add a finding, and carry out as little as there can be of what follows."""
         findings = error.file.findings
         before, findings.place = findings.place, place
-        findings.add(error.code, error.message, error.statement.whole_span, error.help)
+        findings.add_error(error, error.statement.whole_span)
         findings.place = before
         self._is_too_much = True
         self._extent.reach()

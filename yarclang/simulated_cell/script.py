@@ -158,9 +158,8 @@ def read_setting(text: str, known: Known) -> Result[Change]:
     """
     name, number = check_setting(text)
     variable = input_variable(name, known)
-    if isinstance(variable, tuple):
-        code, message, remedy = variable
-        return Result(None, (Diagnostic(code, message, help=remedy),))
+    if isinstance(variable, Diagnostic):
+        return Result(None, (variable,))
     return Result(Change(variable, number, at=0.0))
 
 
@@ -189,30 +188,26 @@ def value_of(text: str) -> float | None:
     return number if abs(number) <= 1e9 else None
 
 
-def input_variable(text: str, known: Known) -> str | tuple[str, str, str]:
-    """Return the variable of an input by its name or as M11; else code, message and remedy of what is wrong."""
+def input_variable(text: str, known: Known) -> str | Diagnostic:
+    """Return the variable of an input by its name or as M11, or a finding without a place."""
     name = text.strip().upper()
     shown = name[:40]
     if name in known.inputs:
         return known.inputs[name]
     if name in known.outputs:
-        return (
-            "Y1618",
-            f"{shown} is an output, which the program sets.",
-            "Name an input.",
-        )
+        return Diagnostic("Y1618", f"{shown} is an output, which the program sets.", help="Name an input.")
     variable = signal_variable(name, known.feedback)
     if variable.name is None:
-        if "yarclang itself" in variable.fault:
-            return "Y0413", f"{shown} {variable.fault}.", f"{variable.remedy.capitalize()}."
-        return (
-            "Y1617",
-            f"No input is named {shown}.",
-            f"{did_you_mean(name, known.inputs)} A variable such as M11 is an input as well.",
-        )
+        if variable.is_taken:
+            remedy = f"{variable.remedy.capitalize()}."
+            return Diagnostic("Y0413", f"{shown} {variable.fault}.", help=remedy)
+        remedy, subject = did_you_mean(name, known.inputs)
+        remedy = f"{remedy} A variable such as M11 is an input as well."
+        return Diagnostic("Y1617", f"No input is named {shown}.", help=remedy, subject=subject)
     if variable.name in known.outputs.values():
         output = next(one for one, its in known.outputs.items() if its == variable.name)
-        return "Y1618", f"{shown} is the output {output}, which the program sets.", "Name an input."
+        message = f"{shown} is the output {output}, which the program sets."
+        return Diagnostic("Y1618", message, help="Name an input.")
     return variable.name
 
 
@@ -237,9 +232,8 @@ def _change(table: InputTable, path: Path, known: Known, file: TomlFile) -> Chan
     assert table.input is not None and table.to is not None  # noqa: PT018  (of one entry)
     good = True
     variable = input_variable(table.input, known)
-    if isinstance(variable, tuple):
-        code, message, remedy = variable
-        file.say(code, (*path, "input"), message, remedy)
+    if isinstance(variable, Diagnostic):
+        file.say(variable.code, (*path, "input"), variable.message, variable.help, variable.subject)
         good = False
     given = [key for key in ("at", "place", "output") if getattr(table, key) is not None]
     if len(given) != 1:
@@ -271,7 +265,7 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
         return None
     variable = known.outputs.get(name) or signal_variable(name, known.feedback).name
     if variable is None:
-        file.say("Y1617", path, f"No output is named {name[:40]}.", did_you_mean(name, known.outputs))
+        file.say("Y1617", path, f"No output is named {name[:40]}.", *did_you_mean(name, known.outputs))
         return None
     return variable, number
 
@@ -285,8 +279,8 @@ def _is_place(place: str, path: Path, known: Known, file: TomlFile) -> bool:
         return True
     indices = {part for one in known.places for part in [one.partition("(")[0].partition(">")[0]]}
     shown = place[:40].strip()
-    remedy = did_you_mean(re.split(r"[(>]", shown.upper())[0], indices)
-    file.say("Y1617", path, f"The program has no command {shown}.", remedy)
+    near = did_you_mean(re.split(r"[(>]", shown.upper())[0], indices)
+    file.say("Y1617", path, f"The program has no command {shown}.", *near)
     return False
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from yarclang.frozen import frozen
+from yarclang.subjects import Subject
 from yarclang.syntax.leaves import Place, place_of
 
 _CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
@@ -28,6 +29,7 @@ class Fault:
     place: Place
     title: str = ""
     edits: tuple[tuple[Place, str], ...] = ()
+    subject: Subject | None = None
 
 
 class FaultError(Exception):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from yarclang.diagnostics import suggest
+from yarclang.subjects import Subject, unknown
 from yarclang.syntax.expressions import (
     Binary,
     BinaryOperator,
@@ -82,14 +82,17 @@ def named(text: str, place: Place) -> Name:
 
 def _check_function(word: Word, arguments: tuple[Expression, ...], place: Place) -> None:
     if word.name not in FUNCTIONS:
-        help_ = suggest(word.text, FUNCTIONS) or f"the functions are {' '.join(FUNCTIONS)}"
-        message = f"no function is named {word.text}"
+        subject: Subject | None = None
         if word.name in CONSTANTS:
             message, help_ = f"{word.name} is a number and takes no argument", "take the brackets away"
         elif all(isinstance(one, Name) and one.text.lower() in UNITS for one in arguments) and arguments:
             message = f"only a number has a unit behind it; {word.text} has that of its declaration"
             help_ = "take the bracket away, or write the number: 60 (mm)"
-        raise FaultError(Fault("Y0109", message, help_, word.place))
+        else:
+            subject = unknown(word.text, FUNCTIONS)
+            message = f"no function is named {word.text}"
+            help_ = subject.question or f"the functions are {' '.join(FUNCTIONS)}"
+        raise FaultError(Fault("Y0109", message, help_, word.place, subject=subject))
     least, most = FUNCTIONS[word.name]
     given = len(arguments)
     if given < least or (most is not None and given > most):

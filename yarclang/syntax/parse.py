@@ -74,7 +74,10 @@ def parse(source: SourceFile) -> Result[Module]:
             place = parsed.place
             span = _span(line, place)
             fix = _fix(line, parsed)
-            diagnostics.append(Diagnostic(parsed.code, parsed.message, source, span, parsed.help, fix))
+            found = Diagnostic(
+                parsed.code, parsed.message, source, span, parsed.help, fix, subject=parsed.subject
+            )
+            diagnostics.append(found)
             unreadable.append(line)
     module = Module(source, tuple(statements), tuple(unreadable), tuple(comment_lines))
     return Result(module, tuple(diagnostics))

@@ -87,9 +87,7 @@ def has_its_keys(
             sound = False
             # what is required of every such table, or had the wrong form, was said
             if key not in table.required and at not in dropped:
-                mistake = missing_mistake(document, at)
-                message = f"{mistake.message.removesuffix('.')}, which {keys.what} needs."
-                file.say(mistake.code, at, message, mistake.help, at_key=True)
+                missing_mistake(document, at, f", which {keys.what} needs").tell(file)
         elif given and key not in keys.needed and key not in keys.optional:
             sound = False
             known = ", ".join((*keys.needed, *keys.optional)) or "none of its own"

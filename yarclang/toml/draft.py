@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 from pydantic import ValidationError
 
 from yarclang.frozen import frozen
+from yarclang.subjects import Name, Subject
 from yarclang.toml.file import TomlFile
 from yarclang.toml.places import Path
 from yarclang.toml.tables import LARGEST, LEAST, Document, Table
@@ -25,6 +26,11 @@ class Mistake:
     message: str
     help: str
     at_key: bool = False
+    subject: Subject | None = None
+
+    def tell(self, file: TomlFile) -> None:
+        """Adds the mistake to the findings of the file."""
+        file.say(self.code, self.path, self.message, self.help, self.subject, at_key=self.at_key)
 
 
 @frozen
@@ -38,7 +44,7 @@ class Draft(Generic[D]):
     def tell(self, file: TomlFile) -> None:
         """Adds the mistakes to the findings of the file."""
         for mistake in self.mistakes:
-            file.say(mistake.code, mistake.path, mistake.message, mistake.help, at_key=mistake.at_key)
+            mistake.tell(file)
 
 
 def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
@@ -78,7 +84,9 @@ def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excuse
         expected = str(context.get("expected")).replace("'", '"')
         message = f"{name} is {shown}, but must be {expected}."
         near = difflib.get_close_matches(str(value), expected.split('"')[1::2], 1, 0.6)
-        return Mistake("Y1308", path, message, f"Did you mean {near[0]}?" if near else f"Write {expected}.")
+        subject = Name(str(value), near[0] if near else "")
+        help_ = f"Did you mean {near[0]}?" if near else f"Write {expected}."
+        return Mistake("Y1308", path, message, help_, subject=subject)
     if isinstance(value, (int, float)) and abs(value) <= LARGEST and ("ge" in context or "le" in context):
         bound = "at least 0.000001" if context.get("ge") == LEAST else ""
         bound = bound or (
@@ -123,7 +131,8 @@ def _unknown_key(document: type[Document], data: dict[str, Any], path: Path, exc
         return Mistake("Y1305", path, message, f"Remove it; the keys are {known}.", at_key=True)
     if near[0] in table.required:
         excused.add((*above, near[0]))
-    return Mistake("Y1305", path, message, f"Did you mean {near[0]}? The keys are {known}.", at_key=True)
+    help_ = f"Did you mean {near[0]}? The keys are {known}."
+    return Mistake("Y1305", path, message, help_, at_key=True, subject=Name(str(key), near[0]))
 
 
 def _table_at(document: type[Document], path: Path) -> type[Table]:
@@ -145,14 +154,14 @@ def _missing(document: Document) -> Iterator[Path]:
         yield from ((*path, key) for key in table.required if getattr(table, key) is None)
 
 
-def missing_mistake(document: type[Document], path: Path) -> Mistake:
-    """The words for a required key that isn't there."""
+def missing_mistake(document: type[Document], path: Path, why: str = "") -> Mistake:
+    """Return the words for a required key that isn't there; `why` ends the sentence."""
     key = str(path[-1])
     example = document.examples.get(key)
     if len(path) == 1 and example is not None and example.startswith("it "):
-        message, remedy = f"The table [{key}] is missing.", f"Add it; {example}"
+        message, remedy = f"The table [{key}] is missing{why}.", f"Add it; {example}"
     else:
-        message = f"{_table(path)} lacks {key}." if len(path) > 1 else f"The file lacks {key}."
+        message = f"{_table(path) if len(path) > 1 else 'The file'} lacks {key}{why}."
         remedy = f"Add it; {example or f'{key} = [...], one entry a joint.'}"
     return Mistake("Y1304", path, message, remedy, at_key=True)
 
@@ -170,9 +179,20 @@ def _prune(data: dict[str, Any], path: Path) -> Path:
 
 def spoken(path: Path) -> str:
     """A path in words: `K[3] of [actuation]`, entries counted from 1 as the joints are."""
-    last = max(at for at, part in enumerate(path) if isinstance(part, str))
+    last = _key_of(path)
     name = str(path[last]) + "".join(f"[{part + 1}]" for part in path[last + 1 :] if isinstance(part, int))
-    return f"{name} of {table_name(path[:last])}" if last else name
+    return f"{name} of {table_of(path)}" if last else name
+
+
+def table_of(path: Path) -> str:
+    """Return the table of a key in words; nothing for a key at the top of the file."""
+    last = _key_of(path)
+    return table_name(path[:last]) if last else ""
+
+
+def _key_of(path: Path) -> int:
+    """Return where in a path its key stands; behind it are only numbers of entries."""
+    return max(at for at, part in enumerate(path) if isinstance(part, str))
 
 
 def table_name(path: Path) -> str:

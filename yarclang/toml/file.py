@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile
+from yarclang.subjects import Name, Subject
 from yarclang.toml.places import Path, Places
 
 
@@ -19,10 +20,19 @@ class TomlFile:
     places: Places
     findings: list[Diagnostic] = field(default_factory=list)
 
-    def say(self, code: str, path: Path, message: str, remedy: str, *, at_key: bool = False) -> None:
+    def say(
+        self,
+        code: str,
+        path: Path,
+        message: str,
+        remedy: str,
+        subject: Subject | None = None,
+        *,
+        at_key: bool = False,
+    ) -> None:
         """Adds a finding at the value of a key, or at the key."""
         span = self.places.of_key(path) if at_key else self.places.of_value(path)
-        self.findings.append(Diagnostic(code, message, self.source, span, remedy))
+        self.findings.append(Diagnostic(code, message, self.source, span, remedy, subject=subject))
 
 
 def right_length(
@@ -38,10 +48,10 @@ def right_length(
     return False
 
 
-def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """The help line for a name that isn't one of `names`."""
+def did_you_mean(name: str, names: Iterable[str]) -> tuple[str, Name]:
+    """Return the help line for a name that isn't one of `names`, and the name as the subject of the finding."""
     known = sorted(names)
     near = difflib.get_close_matches(name, known, 1, 0.6)
     shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
     listed = f"There {'are' if len(known) > 1 else 'is only'} {shown}." if known else "There is none."
-    return f"Did you mean {near[0]}? {listed}" if near else listed
+    return (f"Did you mean {near[0]}? {listed}", Name(name, near[0])) if near else (listed, Name(name))

@@ -13,6 +13,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate, CommandCertificate
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, TimedMove, WaitInput, When
+from yarclang.lint.registry import everything
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.progress import each
 from yarclang.report.carried import Carried, carried_in_plan
@@ -35,8 +36,6 @@ _SHORT = 40
 """A program of up to so many commands has no list of its worst places: all of them are seen at once."""
 _LOOKS = 200
 """Places of a motion at which a collision that was found is looked for."""
-MEETINGS = ("Y0901", "Y0902", "Y0903", "Y0930")
-"""Findings that two bodies come too near to each other."""
 
 
 def stage_of_program(
@@ -253,7 +252,7 @@ class _Stands:
             return piece.begins
         middle = (piece.begins + piece.ends) / 2.0
         scene = self.scenes.scene(int(self.scenes.numbers(np.array([middle]))[0]))
-        if finding.code in MEETINGS and scene is not None:
+        if everything()[finding.code].sort == "meeting" and scene is not None:
             times = np.linspace(piece.begins, piece.ends, _LOOKS)
             closest = near(scene, self._positions(times, step)).closest
             return float(times[int(np.argmin(closest))])

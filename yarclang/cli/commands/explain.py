@@ -11,9 +11,9 @@ from yarclang.cli.options import code_argument
 @code_argument("codes", nargs=-1, metavar="[CODE]...")
 def command(codes: tuple[str, ...]) -> None:
     """Explain findings by their codes; without one, list all codes."""
-    from yarclang.diagnostics import suggest
     from yarclang.findings import FAMILIES
     from yarclang.lint.registry import everything
+    from yarclang.subjects import suggest
 
     if not codes:
         for family, title in FAMILIES.items():
@@ -28,7 +28,7 @@ def command(codes: tuple[str, ...]) -> None:
         return
     unknown = False
     for code in codes:
-        known = [one for one in everything().values() if code.lower() in {one.code.lower(), one.name}]
+        known = [one for one in everything().values() if code.upper() == one.code or code.lower() == one.name]
         if not known:
             click.echo(f"no finding has the code {code}. {suggest(code, everything())}".rstrip(), err=True)
             unknown = True

@@ -66,7 +66,7 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
         show_findings(found)
         if found:
             failed += 1
-            unproved += all(one.code.startswith(YARCLANG) for one in found)
+            unproved += all(one.family == YARCLANG for one in found)
         elif made.is_changed:
             changed += 1
             if not diff and file != STANDARD:

@@ -113,8 +113,9 @@ def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int
 def _say_unknown(program: Program, place: str | None, line: int | None, wrong: bool, findings: Any) -> None:
     """Nothing is meant by what was given: the findings may say why, else what there is."""
     from yarclang.cli.show import show_findings
-    from yarclang.diagnostics import Diagnostic, grouped, in_order, suggest
+    from yarclang.diagnostics import Diagnostic, grouped, in_order
     from yarclang.pipeline.places import labels_of
+    from yarclang.subjects import suggest
 
     if wrong:
         show_findings(in_order(grouped(one for one in findings if one.is_error)))
@@ -161,7 +162,7 @@ def _show(
         }
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
         return
-    ours = [one for one in others if one.code.startswith(YARCLANG)]
+    ours = [one for one in others if one.family == YARCLANG]
     show_findings((*inspected.findings, *ours))
     if elsewhere := count_text(others):
         click.echo(f"elsewhere: {elsewhere}; `yarc check` shows them", err=True)
@@ -261,12 +262,14 @@ def _text_sections(
     text: str,
     all_lines: bool,
 ) -> list[Any]:
+    from yarclang.pipeline.line_map import MOVE
     from yarclang.report.inspection.text import Section, stretch_lines
 
     lines = tuple(text.split("\n"))
     sections = []
     if line is not None:
-        what = stretches[0].what.replace("a move", "a move of the command below")
+        what = stretches[0].what
+        what = f"{what} of the command below" if what == MOVE else what
         sections.append(Section(f"line {line}", (lines[line - 1], what)))
     listed = next((one.command for one in stretches if one.command is not None), None)
     if listed is None:

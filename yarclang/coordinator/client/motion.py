@@ -12,6 +12,7 @@ from yarclang.coordinator.history import stands_there
 from yarclang.coordinator.kept_parts import Performed
 from yarclang.coordinator.messages.events import Found
 from yarclang.coordinator.messages.findings import finding_messages
+from yarclang.coordinator.messages.orders import APPROACH_FIRST
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.signals import output_names
@@ -225,9 +226,7 @@ class Motion(Part):
         way = await coordinator.carrying.way_to_start(loaded, here)
         if way.text and not (approach and way.job is not None):
             remedy = (
-                "approach it first"
-                if not approach
-                else "there is no joint motion to the start: move it there"
+                APPROACH_FIRST if not approach else "there is no joint motion to the start: move it there"
             )
             raise Trouble(way.text, remedy, code="Y1601")
         lasting = loaded.rest.lasting

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from functools import partial
 
 from yarclang.coordinator.client.part import Part
-from yarclang.diagnostics import Result
+from yarclang.diagnostics import Diagnostic, Result
 from yarclang.runtime.actions import Script, Trouble
 from yarclang.simulated_cell.script import input_variable
 
@@ -81,12 +81,11 @@ class Signals(Part):
             )
         known = surroundings.known
         if (declared := coordinator.names.input(name).value) is not None:
-            variable: str | tuple[str, str, str] = declared.variable
+            variable: str | Diagnostic = declared.variable
         else:
             variable = input_variable(name, known)
-        if isinstance(variable, tuple):
-            code, message, remedy = variable
-            raise Trouble(message.rstrip("."), remedy, code)
+        if isinstance(variable, Diagnostic):
+            raise Trouble(variable.clause, variable.help, variable.code)
         surroundings.set(variable, number)
         return Result(number)
 

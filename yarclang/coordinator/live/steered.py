@@ -213,7 +213,7 @@ class Steered:
 
 def _refusal(found: Diagnostic) -> Trouble:
     """Return a finding as what a client is told, with the place if it is in a file of the cell or the robot."""
-    what = found.message.rstrip(".")
+    what = found.clause
     if found.source is not None and found.span is not None and found.source.name.endswith(".toml"):
         what = f"{found.source.name}, line {found.span.line}: {what}"
     return Trouble(what, found.help, found.code)

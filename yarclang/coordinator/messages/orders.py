@@ -355,6 +355,10 @@ class AskCourse(Order[courses.ProgramCourse]):
     """How many joint positions are told."""
 
 
+APPROACH_FIRST = "approach it first"
+"""The remedy for a run whose robot stands elsewhere; each door says it in its own words."""
+
+
 class Run(Order[replies.Ended]):
     """Carry a program out that was loaded; answered when it has ended."""
 

@@ -63,6 +63,7 @@ RULE = Rule(
         "parent than it was measured in. Poses in it may still be refused one by one; here is why.",
         "FRAME {TABLE} 0 1000 500 0 0 0 (cm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 -900 0 0 0 0 [5] (cm,deg,s) {TABLE}",
         "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 276 0 0 0 [5] (mm,deg,s) {TABLE}",
+        needs="unit",
     ),
     Program,
     _look,

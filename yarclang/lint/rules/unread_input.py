@@ -29,6 +29,8 @@ RULE = Rule(
         "WAIT or WHEN the robot goes on whatever the input says.",
         "INPUT DOOR_SHUT M11\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "INPUT DOOR_SHUT M11\nP0010 WAIT DOOR_SHUT ON [30] (s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
+        needs="use",
+        tag="unneeded",
     ),
     Module,
     _look,

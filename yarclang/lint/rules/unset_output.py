@@ -29,6 +29,8 @@ RULE = Rule(
         "left alone: it is set at a stop.",
         "OUTPUT GRIP M1\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "OUTPUT GRIP M1\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 SET GRIP ON",
+        needs="use",
+        tag="unneeded",
     ),
     Module,
     _look,

@@ -51,6 +51,8 @@ RULE = Rule(
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nFRAME {RIGHT} 200 1074.4 1126 0 0 0 (mm,deg) {B}\n"
         "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
+        needs="use",
+        tag="unneeded",
     ),
     Module,
     _look,

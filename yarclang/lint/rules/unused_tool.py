@@ -35,6 +35,8 @@ RULE = Rule(
         "tool meets what stands there.",
         "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        needs="use",
+        tag="unneeded",
     ),
     Module,
     _look,

@@ -108,6 +108,7 @@ RULE = Rule(
         "round. Where the robot can do it all the same, it does something else than was meant.",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (m,deg,s) {B}",
+        needs="unit",
     ),
     Program,
     _look,

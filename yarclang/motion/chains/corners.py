@@ -160,11 +160,11 @@ def _between_joints(
 ) -> _Room | None:
     """Each joint stays within an angle (a sliding one within a length) of the corner."""
     if blend.angle is None:
-        findings.add(*messages.blend_without_unit("an angle", "between two motions of joints", step.origin))
+        findings.add(*messages.blend_without_unit("angle", "between two motions of joints", step.origin))
         return None
     reach = np.where(robot.chain.is_prismatic, blend.length or 0.0, blend.angle)
     if robot.chain.is_prismatic.any() and blend.length is None:
-        findings.add(*messages.blend_without_unit("a length", "of a sliding joint", step.origin))
+        findings.add(*messages.blend_without_unit("length", "of a sliding joint", step.origin))
         return None
     if not reach.any():
         return _tangent(step, ways, None, findings)
@@ -197,7 +197,7 @@ def _of_frame(
 ) -> _Room | None:
     """The moving frame stays within a distance of the corner; in a long chain, of no more than the half of a short piece."""
     if blend.length is None:
-        findings.add(*messages.blend_without_unit("a length", "of a moving frame", step.origin))
+        findings.add(*messages.blend_without_unit("length", "of a moving frame", step.origin))
         return None
     frame = next(
         moving_frame(one) for one in (step, following) if isinstance(one, LineMove | ArcMove | PoseSplineMove)

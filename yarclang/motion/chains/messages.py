@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from yarclang.hir import Else, EndWhen, Gap, Motion, Origin, Step, Stop, TimedMove, When
 from yarclang.motion.curve import Curve
-from yarclang.motion.wording import Message, length_text
+from yarclang.motion.wording import Message, MessageAbout, length_text
+from yarclang.subjects import MissingUnit
 from yarclang.units import DEG, MM, MS, Kind
 
 
-def blend_without_unit(kind: str, what: str, origin: Origin) -> Message:
+def blend_without_unit(kind: Kind, what: str, origin: Origin) -> MessageAbout:
     """BLEND without the unit that it needs."""
-    message = f"BLEND {what} needs {kind} unit"
-    return "Y0304", message, origin.span, "for example (mm,deg,s)", None
+    message = f"BLEND {what} needs {'an' if kind == 'angle' else 'a'} {kind} unit"
+    subject = MissingUnit(kind, f"BLEND {what}")
+    return "Y0304", message, origin.span, "for example (mm,deg,s)", None, subject
 
 
 def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:

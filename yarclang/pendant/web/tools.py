@@ -147,16 +147,15 @@ def _written(robot: Robot, project: ProjectFolder, asked: said.SavePayload) -> t
         Trouble: the file can't be changed here, isn't what was shown any more, or would be wrong then.
     """
     file = robot_file(robot, project)
-    if file.why_not:
-        what, remedy = file.why_not.split(": ", 1)
-        raise Trouble(what, remedy, "outside")
+    if file.outside:
+        raise Trouble(file.outside, file.remedy, "outside")
     if file.sha256 != asked.known:
         raise Changed(file.file, file.sha256)
     text = with_payload(file, asked)
     read = read_robot(SourceFile(file.file, text), file.folder)
     if read.value is None:
         first = read.diagnostics[0]
-        raise Trouble(first.message.rstrip("."), first.help or "enter other values", first.code)
+        raise Trouble(first.clause, first.help or "enter other values", first.code)
     return text, file.file
 
 

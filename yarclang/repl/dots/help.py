@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from yarclang.diagnostics import suggest
 from yarclang.repl.dot import DotCommand, dot_commands
 from yarclang.repl.interpreter import Interpreter
+from yarclang.subjects import suggest
 
 _HEAD = "A line of YARC, with or without an index, is planned from where the robot stands, certified, shown, and carried out if you say so."
 

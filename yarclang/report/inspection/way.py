@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
@@ -108,16 +109,14 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
     if not line:
         return ""
     planned = plan_program(replace(program, start=stands, steps=tuple(line)), request)
-    first = next((one for one in planned.diagnostics if one.is_error and one.code not in _OF_TIME), None)
+    first = next(
+        (one for one in planned.diagnostics if one.is_error and CATALOGUE[one.code].sort != "time"), None
+    )
     if first is None:
         return ""
     origin = next((one.origin for one in line if one.origin.span == first.span), None)
     which = f"{origin.label} {origin.name}".strip() if origin is not None else "a later motion"
     return f"{which} fails from here: {first.message} ({first.code})"
-
-
-_OF_TIME = ("Y0601", "Y0604")
-"""Another time helps there, not another way."""
 
 
 def _behind(program: Program, start: Array, line: tuple[Step, ...], request: Request) -> Array | None:

@@ -58,7 +58,7 @@ def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) 
 
 def _finding(finding: Diagnostic) -> Item:
     place = f" ({finding.source.name}:{finding.span.line})" if finding.source and finding.span else ""
-    message = finding.message.rstrip(".")
+    message = finding.clause
     return Item(
         finding.code, "to do" if finding.is_error else "note", f"{message}{place}", finding.help.rstrip(".")
     )

@@ -67,8 +67,8 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     tree = _Tree(urdf, FINGERS)
     lost = find_links(urdf, {key: link for key, link in (("--base", base), ("--tip", tip)) if link})
     if lost:
-        _, message, remedy = lost[0]
-        return Diagnostic("Y1347", message, urdf.source, help=remedy)
+        _, message, remedy, subject = lost[0]
+        return Diagnostic("Y1347", message, urdf.source, help=remedy, subject=subject)
     others: tuple[str, ...] = ()
     if tip is None:
         starts = [base] if base else tree.starts()

@@ -33,8 +33,8 @@ from yarclang.coordinator.messages.events import Position
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.description import load_robot
-from yarclang.runtime.messages import AskControl
-from yarclang.runtime.protocol import Connection
+from yarclang.runtime.pmac.messages import AskControl
+from yarclang.runtime.pmac.protocol import Connection
 
 ROBOT = "INDUSTRIAL6"
 SIMULATOR = "from yarclang.cli.yarc import main; main(['sim', '--port', '0', '--robot', 'INDUSTRIAL6'])"

@@ -26,7 +26,7 @@ from typing import Literal
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline import stages
 from yarclang.robot.description import load_robot
-from yarclang.runtime.protocol import Answer, Ask, Connection, Request, Write, Written, encode
+from yarclang.runtime.pmac.protocol import Answer, Ask, Connection, Request, Write, Written, encode
 from yarclang.simulator.commissioning import commissioned
 from yarclang.simulator.ethernet import PacketReader, Station
 from yarclang.simulator.machine import Machine

@@ -35,10 +35,10 @@ from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import compile_module
 from yarclang.robot.description import load_robot
 from yarclang.runtime.job import Job
-from yarclang.runtime.messages import Ask, Write, Written
 from yarclang.runtime.notices import Hold, Remark, Resume, Stop
-from yarclang.runtime.performance import connect, perform
-from yarclang.runtime.protocol import Connection, fitting
+from yarclang.runtime.pmac.messages import Ask, Write, Written
+from yarclang.runtime.pmac.performance import connect, perform
+from yarclang.runtime.pmac.protocol import Connection, fitting
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned

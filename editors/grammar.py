@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from yarclang.assist.vocabulary import ACTIONS, DECLARED
+from yarclang.assist.vocabulary import DECLARED, action_entries
 from yarclang.commands.registry import commands
 from yarclang.highlight.words import words
 
@@ -79,10 +79,10 @@ def snippets() -> dict[str, Any]:
     made: dict[str, Any] = {}
     for spec in commands().values():
         made[spec.name] = _snippet(spec.name, spec.examples[0].splitlines()[0], spec.summary)
-    for word, entry in {**ACTIONS, **DECLARED}.items():
+    for word, entry in {**action_entries(), **DECLARED}.items():
         if not entry.example or word in {"END", "ELSE"}:
             continue
-        line = f"P0010 {entry.example}" if word in ACTIONS else entry.example
+        line = f"P0010 {entry.example}" if word in action_entries() else entry.example
         made[word] = _snippet(word, line, entry.summary)
         if word in words().blocks:
             made[word]["body"] += ["  $0", "END"]

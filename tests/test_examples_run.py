@@ -12,10 +12,11 @@ from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import compile_module
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.notices import Changed, Progress, Reached, Resume
-from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.runtime.state import State
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import known_in, load_script
+from yarclang.simulator.beside import Beside
 from yarclang.simulator.commissioning import commissioned, stand
 
 NAMES = sorted(path.name for path in EXAMPLES.glob("*.yarc") if path.name >= "05")
@@ -56,7 +57,7 @@ def cell_of(name, compiled, robot):
     assert file.exists() == waits, file
     if not waits:
         return SimulatedCell(cell=cell, robot=robot)
-    known = known_in(compiled.program, cell, robot.controller.feedback)
+    known = known_in(compiled.program, cell, robot.controller.signal)
     script = load_script(file, known)
     assert script.diagnostics == ()
     return SimulatedCell(script.value, known, cell=cell, robot=robot, waits=True)
@@ -71,7 +72,7 @@ def test_an_example_runs_to_its_end(name):
     machine = commissioned(robot, settings_text(robot))
     stand(machine, robot, job.start)
     cell = cell_of(name, compiled, robot)
-    cell.attach(machine)
+    cell.attach(Beside(machine))
     world = World(machine)
     world.perform(connect(world.operation))
     operator = Operator(world, cell)

@@ -1,10 +1,27 @@
 """Keys of what steps do."""
 
+from dataclasses import fields, replace
+from typing import get_args
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from yarclang.identity import flat
+from yarclang.hir import (
+    ArcMove,
+    LineMove,
+    Motion,
+    Origin,
+    PoseGoal,
+    PoseSplineMove,
+    Reading,
+    TimedMove,
+    Timetable,
+    Timing,
+)
+from yarclang.identity import flat, key_of
+from yarclang.source import SourceFile, Span
 
 plain = st.one_of(
     st.none(),
@@ -37,3 +54,73 @@ def test_it_is_the_value_that_counts_not_the_object(part):
 def test_a_number_of_numpy_is_taken():
     assert flat(np.float64(1.5)) == flat(np.float64(1.5))
     assert flat(np.float64(1.5)) != flat(np.float64(2.5))
+
+
+SOURCE = SourceFile("a.yarc", "MOVEJ HOME\n")
+TIMING = Timing(2.0)
+
+
+def pose(x):
+    base_from_moving = np.eye(4)
+    base_from_moving[0, 3] = x
+    return PoseGoal(base_from_moving, np.eye(4))
+
+
+def table(scale):
+    rows = np.full((2, 2), scale)
+    return Timetable(np.array([1.0, 2.0]) * scale, rows, rows, rows)
+
+
+OTHERS = {
+    "goal": (pose(0.1), pose(0.2)),
+    "waypoints": ((pose(0.1), pose(0.2)), (pose(0.1), pose(0.3))),
+    "via": (np.zeros(3), np.ones(3)),
+    "table": (table(1.0), table(2.0)),
+    "within": (np.zeros(2), np.ones(2)),
+    "stretch": (1.0, 1.5),
+    "profile": ("ONE", "OTHER"),
+    "timing": (TIMING, Timing(3.0)),
+    "tolerance": (None, 1e-3),
+    "blend": (None, Reading(1e-3, None)),
+    "file": ("", "path.csv"),
+}
+"""Two values of each field of a motion. A new field needs a pair here."""
+
+
+@pytest.mark.parametrize("kind", get_args(Motion))
+def test_the_key_of_a_motion_has_every_field(kind):
+    """A proof that is kept is never taken for a motion that does something else."""
+    named = [one.name for one in fields(kind) if one.name != "origin"]
+    origin = Origin("P0010", "MOVE", SOURCE, Span.on_line(1, 1, 2))
+    values = {name: OTHERS[name][0] for name in named}
+    step = kind(origin=origin, **values)
+    assert key_of(kind(origin=replace(origin, index="P0020"), **values)) == key_of(step)
+    for name in named:
+        is_same = key_of(replace(step, **{name: OTHERS[name][1]})) == key_of(step)
+        assert is_same == (name == "file")  # where a table lies says nothing of what it holds
+
+
+@pytest.mark.parametrize("part", ["times", "positions", "velocities", "accelerations"])
+def test_the_key_of_a_timetable_has_all_of_its_rows(part):
+    origin = Origin("P0010", "MOVEJ_TIMED", SOURCE, Span.on_line(1, 1, 2))
+    rows = table(1.0)
+    steps = [
+        TimedMove(origin, one, np.zeros(2), 1.0, TIMING)
+        for one in (rows, replace(rows, **{part: getattr(rows, part) * 2.0}))
+    ]
+    assert key_of(steps[0]) != key_of(steps[1])
+
+
+@pytest.mark.parametrize("kind", get_args(Motion))
+def test_every_motion_says_where_it_ends(kind):
+    origin = Origin("P0010", "MOVE", SOURCE, Span.on_line(1, 1, 2))
+    values = {one.name: OTHERS[one.name][0] for one in fields(kind) if one.name != "origin"}
+    step = kind(origin=origin, **values)
+    if kind is TimedMove:
+        assert step.goals == ()
+        assert step.flange_from_moving is None
+        np.testing.assert_array_equal(step.end.q, values["table"].positions[-1])
+    else:
+        assert step.goals[-1] is step.end
+        np.testing.assert_array_equal(step.flange_from_moving, np.eye(4))
+    assert step.leads_frame == (kind in (LineMove, ArcMove, PoseSplineMove))

@@ -11,7 +11,7 @@ import pytest
 from programs import codes, compiled
 
 import yarclang
-from yarclang.commands.registry import commands
+from yarclang.commands.registry import actions, commands
 from yarclang.findings import CATALOGUE, FAMILIES
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.cells import cell_loader
@@ -133,3 +133,9 @@ def test_links_lead_to_headings():
         return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
     assert set(_LINK.findall(TEXT)) <= {anchor(heading) for heading in _HEADING.findall(TEXT)}
+
+
+@pytest.mark.parametrize("name", actions())
+def test_every_action_has_a_row_and_an_example(name):
+    assert re.search(rf"^\| `{name}\b", TEXT, re.MULTILINE)
+    assert re.search(rf"^ *P\d+ {name}\b", TEXT, re.MULTILINE)

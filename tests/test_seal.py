@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from yarclang.pmac.seal import is_sealed, sealed
+from yarclang.emitted.seal import is_sealed, sealed
 
 HEAD = "; yarcc 1: a.yarc\n; certificate -\n; sha256 -\n"
 

@@ -12,7 +12,7 @@ from tests.runtime.virtual import World
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.robot.actuation import to_counts
-from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.simulator.commissioning import commissioned, stand
 
 MOST_BYTES = 9_000

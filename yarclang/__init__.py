@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from yarclang.motion.plan import MotionPlan
     from yarclang.pipeline.inputs import Opened, Options
     from yarclang.pipeline.stages import Compiled
-    from yarclang.pmac.program import Target
     from yarclang.source import SourceFile
     from yarclang.syntax.ast import Module
 
@@ -146,7 +145,7 @@ def compile(  # noqa: A001  (the word that people look for)
     text: str,
     *,
     robot: str | None = None,
-    target: Target = "rotary",
+    target: str = "",
     name: str = "<text>",
     folder: str | PathLike[str] = ".",
     start: Sequence[float] | None = None,

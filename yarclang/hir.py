@@ -146,14 +146,45 @@ class Timing:
     speed: Reading | None = None
 
 
-@frozen(eq=False)
-class JointMove:
-    """Straight in joint space.
+Goal = JointGoal | JointDelta | PoseGoal | PoseDelta
 
-    `tolerance` [m], here and below, is how far the moving frame may be from the path; None: what the robot says.
-    `blend` is how far from the end the path may be left to flow into the next motion without a stop; None: the
-    motion ends at rest.
+
+class MotionHead:
+    """What can be asked of every motion, whichever kind it is.
+
+    Besides, each has an `origin`, a `profile`, a `timing`, a `tolerance` [m] (how far the moving frame may be from the path; None: what the robot says) and a `blend`: how far from the end
+    the path may be left to flow into the next motion without a stop (None: the motion ends at rest).
     """
+
+    __slots__ = ()
+    leads_frame: bool = False
+    """True if the path is one of the moving frame, and not of the joints."""
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """The goals that the command names, the end last; none of a timetable, whose rows are one array."""
+        raise NotImplementedError
+
+    @property
+    def end(self) -> Goal:
+        """The goal at which the motion ends."""
+        return self.goals[-1]
+
+    @property
+    def besides(self) -> tuple[Array | None, ...]:
+        """What else decides over the path: a via point, a table."""
+        return ()
+
+    @property
+    def flange_from_moving(self) -> Array | None:
+        """The place of the moving frame on the flange (4, 4); None if all goals are of joints."""
+        poses = (one for one in self.goals if isinstance(one, PoseGoal | PoseDelta))
+        return next((one.flange_from_moving for one in poses), None)
+
+
+@frozen(eq=False)
+class JointMove(MotionHead):
+    """Straight in joint space."""
 
     origin: Origin
     goal: JointGoal | JointDelta | PoseGoal
@@ -162,9 +193,14 @@ class JointMove:
     tolerance: float | None = None
     blend: Reading | None = None
 
+    @property
+    def goals(self) -> tuple[JointGoal | JointDelta | PoseGoal]:
+        """The one goal."""
+        return (self.goal,)
+
 
 @frozen(eq=False)
-class AvoidMove:
+class AvoidMove(MotionHead):
     """In joint space to the goal by a way that keeps clear of all that is around: straight where that is free, else a natural cubic
     spline, as that of a SplineMove, through way-points that the planner finds.
     """
@@ -176,11 +212,17 @@ class AvoidMove:
     tolerance: float | None = None
     blend: Reading | None = None
 
+    @property
+    def goals(self) -> tuple[JointGoal | PoseGoal]:
+        """The one goal."""
+        return (self.goal,)
+
 
 @frozen(eq=False)
-class LineMove:
+class LineMove(MotionHead):
     """The moving frame goes straight, turning about one fixed axis, the short way."""
 
+    leads_frame = True
     origin: Origin
     goal: PoseGoal | PoseDelta
     profile: str
@@ -188,13 +230,19 @@ class LineMove:
     tolerance: float | None = None
     blend: Reading | None = None
 
+    @property
+    def goals(self) -> tuple[PoseGoal | PoseDelta]:
+        """The one goal."""
+        return (self.goal,)
+
 
 @frozen(eq=False)
-class ArcMove:
+class ArcMove(MotionHead):
     """The moving frame's origin goes along the circle through where it stands, `via` (3,) [m, in {B}] and the goal; it
     turns about one fixed axis, the short way, in step with the arc.
     """
 
+    leads_frame = True
     origin: Origin
     via: Array
     goal: PoseGoal
@@ -203,9 +251,19 @@ class ArcMove:
     tolerance: float | None = None
     blend: Reading | None = None
 
+    @property
+    def goals(self) -> tuple[PoseGoal]:
+        """The one goal."""
+        return (self.goal,)
+
+    @property
+    def besides(self) -> tuple[Array]:
+        """The via point."""
+        return (self.via,)
+
 
 @frozen(eq=False)
-class PoseSplineMove:
+class PoseSplineMove(MotionHead):
     """One C2 curve of the moving frame from where it stands through all way-points, which have one `flange_from_moving`.
 
     Positions and unit quaternions (each with the sign nearer to the one before) are natural cubic splines over
@@ -213,6 +271,7 @@ class PoseSplineMove:
     `TURN_CHORD` times the angle; neighbours of which it would grow by 1 um or less count once.
     """
 
+    leads_frame = True
     origin: Origin
     waypoints: tuple[PoseGoal, ...]
     profile: str
@@ -220,13 +279,18 @@ class PoseSplineMove:
     tolerance: float | None = None
     blend: Reading | None = None
 
+    @property
+    def goals(self) -> tuple[PoseGoal, ...]:
+        """The way-points."""
+        return self.waypoints
+
 
 TURN_CHORD = 0.1
 """How much of a spline's parameter [m] a turn of 1 rad between two way-points takes."""
 
 
 @frozen(eq=False)
-class SplineMove:
+class SplineMove(MotionHead):
     """A natural cubic spline in joint space from where the robot stands through all way-points,
     over the chord length in joint space; equal neighbours count once.
     """
@@ -237,6 +301,11 @@ class SplineMove:
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+
+    @property
+    def goals(self) -> tuple[JointGoal | PoseGoal, ...]:
+        """The way-points."""
+        return self.waypoints
 
 
 @frozen(eq=False)
@@ -282,7 +351,7 @@ class Timetable:
 
 
 @frozen(eq=False)
-class TimedMove:
+class TimedMove(MotionHead):
     """All joints along a timetable, from where the robot stands to rest at its last row.
 
     Attributes:
@@ -311,6 +380,23 @@ class TimedMove:
     def asked(self) -> Timetable:
         """The table with its times stretched."""
         return self.table.stretched(self.stretch)
+
+    @property
+    def goals(self) -> tuple[()]:
+        """None: the table has its positions in one array."""
+        return ()
+
+    @property
+    def end(self) -> JointGoal:
+        """The last row."""
+        return JointGoal(self.table.positions[-1])
+
+    @property
+    def besides(self) -> tuple[Array | None, ...]:
+        """The table, how near to it the joints stay, and by what its times are stretched."""
+        table = self.table
+        stretch = np.array(self.stretch)
+        return table.times, table.positions, table.velocities, table.accelerations, self.within, stretch
 
     @property
     def waypoints(self) -> tuple[JointGoal, ...]:

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from yarclang.hir import (
-    Array,
     FrameLink,
+    Goal,
     JointDelta,
     JointGoal,
     Motion,
@@ -24,7 +24,6 @@ from yarclang.hir import (
     Program,
     Reading,
     Step,
-    TimedMove,
 )
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 
@@ -44,27 +43,17 @@ _WITHOUT_REFERENCES = 2
 
 def key_of(step: Motion) -> bytes:
     """What a motion does and what it moves, by value: all of it but where it stands in a text."""
-    # a table has them all in one array
-    goals = () if isinstance(step, TimedMove) else getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
     timing, speed = step.timing, step.timing.speed
-    via: Array | None = getattr(step, "via", None)
     return flat(
         type(step).__name__,
-        tuple(map(_key_of_goal, goals)),
-        None if via is None else via.tobytes(),
+        tuple(map(_key_of_goal, step.goals)),
+        tuple([None if one is None else one.tobytes() for one in step.besides]),
         step.profile,
         (timing.duration, timing.share, timing.ramp, None if speed is None else _key_of_reading(speed)),
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
         _key_of_link(step.origin.tool),
-        _key_of_table(step) if isinstance(step, TimedMove) else None,
     )
-
-
-def _key_of_table(step: TimedMove) -> Hashable:
-    table = step.table
-    arrays = (table.times, table.positions, table.velocities, table.accelerations, step.within)
-    return step.stretch, *(None if one is None else one.tobytes() for one in arrays)
 
 
 def _key_of_link(link: FrameLink | None) -> Hashable:
@@ -78,7 +67,7 @@ def _key_of_reading(reading: Reading) -> Hashable:
     return reading.length, reading.angle
 
 
-def _key_of_goal(goal: JointGoal | JointDelta | PoseGoal | PoseDelta) -> Hashable:
+def _key_of_goal(goal: Goal) -> Hashable:
     match goal:
         case JointGoal():
             return "joints", goal.q.tobytes()

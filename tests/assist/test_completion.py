@@ -8,7 +8,7 @@ from tests.assist.texts import HEAD, checked, looked_at, marked
 from yarclang.assist.completion import candidates_at
 from yarclang.assist.snippets import declaration_snippet, plain_text
 from yarclang.assist.view import View
-from yarclang.assist.vocabulary import ACTIONS, DECLARED, OPTIONS, command_names
+from yarclang.assist.vocabulary import DECLARED, OPTIONS, action_entries, command_names
 from yarclang.syntax.parse import parse_statement
 from yarclang.syntax.words import DECLARATIONS
 from yarclang.syntax.words import OPTIONS as OPTION_WORDS
@@ -128,7 +128,7 @@ def test_a_command_is_complete_once_its_holes_are_filled(name: str):
 def test_every_word_has_its_documentation():
     assert DECLARED.keys() == DECLARATIONS
     assert OPTIONS.keys() == OPTION_WORDS
-    for entry in (*DECLARED.values(), *(ACTIONS.values())):
+    for entry in (*DECLARED.values(), *action_entries().values()):
         assert entry.summary
         parsed = parse_statement(entry.example if entry in DECLARED.values() else f"P0010 {entry.example}")
         assert hasattr(parsed, "name"), entry.example

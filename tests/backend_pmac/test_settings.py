@@ -10,7 +10,7 @@ from runtime.virtual import prepared, world_of
 
 from yarclang.backend_pmac.settings import settings_of, settings_text
 from yarclang.robot.actuation import counts_per_joint, from_counts, to_counts
-from yarclang.runtime.performance import perform
+from yarclang.runtime.pmac.performance import perform
 
 
 def axis_definitions(robot):

@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from yarclang import hir
+from yarclang.pmac.controller import TurboPmac
 from yarclang.robot.actuation import to_counts
 from yarclang.robot.kinematics.fk import poses_and_jacobians, tool_poses
-from yarclang.robot.model import Actuation, Chain, Controller, Limits, Robot, Tolerance
+from yarclang.robot.model import Actuation, Chain, Limits, Robot, Tolerance
 from yarclang.source import SourceFile, Span
 
 DEG = np.pi / 180.0
@@ -83,7 +84,7 @@ def railed() -> Robot:
 
 def _robot(name, chain, limits, actuation, axes, kinds, **changes) -> Robot:
     n = len(axes)
-    controller = Controller(
+    controller = TurboPmac(
         kind="turbo-pmac",
         coordinate_system=1,
         axes=axes,

@@ -9,7 +9,7 @@ from tests.certify.test_certify_blends import Q0, codes, joint_chain, judge
 from yarclang import hir
 from yarclang.certify import certify
 from yarclang.certify.judge import certify_text
-from yarclang.certify.read import read
+from yarclang.certify.pmac.read import read
 from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.robot.model import Tolerance
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from tests.certify.certify_bench import everything, industrial6
 from yarclang.certify.numbers import read_numbers
-from yarclang.certify.read import read
+from yarclang.certify.pmac.own import own_of
+from yarclang.certify.pmac.read import read
 from yarclang.certify.text import ControllerText, Run, Stood, Unreadable
 from yarclang.memory import Recent
 
@@ -37,10 +38,10 @@ def test_what_was_emitted(target):
     assert [(entry.step, entry.name) for entry in text.entries][-1] == (8, "STOP")
     assert text.entries[-1].first is None
     if target == "rotary":
-        assert np.allclose(text.start.rapid, case.start / units)
+        assert np.allclose(text.start.printed, case.start / units)
     else:
-        assert np.allclose(text.start.guard_width, 3072)
-        assert text.start.guard[5] < 0
+        assert np.allclose(own_of(text).guard.width, 3072)
+        assert own_of(text).guard.place[5] < 0
 
 
 @pytest.mark.parametrize(
@@ -56,7 +57,7 @@ def test_the_guard_compares_with_a_number(form, value):
         assert isinstance(text, Unreadable)
         assert text.line == place + 1
     else:
-        assert text.start.guard[2] == value
+        assert own_of(text).guard.place[2] == value
 
 
 REFUSED = [  # target, line as it begins, what it becomes (None: left out)
@@ -186,7 +187,7 @@ def test_text_of_other_kinds():
     assert isinstance(read("", CONTROLLER), Unreadable)
     assert isinstance(read(text.replace("\n", "\r\n"), CONTROLLER), Unreadable)
     guarded = read(text, CONTROLLER)
-    assert [one.on for one in guarded.arms] == [True, False]
+    assert [one.on for one in own_of(guarded).arms] == [True, False]
     assert isinstance(read(text.replace("TM50\n", "TM50\n; a remark\n", 1), CONTROLLER), Unreadable)
 
 
@@ -213,12 +214,12 @@ def test_the_lines_that_are_sent_are_those_that_were_read(target):
     whole = everything().text(target)
     text = read(whole, CONTROLLER)
     if target == "prog":
-        assert (text.setup, text.loaded, text.marks) == ((), (), None)
+        assert (own_of(text).setup, own_of(text).loaded, own_of(text).marks) == ((), (), None)
         return
     lines = whole.split("\n")[:-1]
-    loaded = [numbered for sent in text.loaded for numbered in sent.numbered()]
+    loaded = [numbered for sent in own_of(text).loaded for numbered in sent.numbered()]
     assert all(lines[number - 1] == line for number, line in loaded)
-    assert [*text.setup, "OPEN ROT", "CLEAR", *(line for _, line in loaded), "CLOSE"] == [
+    assert [*own_of(text).setup, "OPEN ROT", "CLEAR", *(line for _, line in loaded), "CLOSE"] == [
         line for line in lines if not line.startswith(";")
     ]
 

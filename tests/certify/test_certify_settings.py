@@ -12,8 +12,8 @@ from robot.made_arms import DATA, REAL, made
 
 from yarclang.backend_pmac import settings as writer
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.certify.settings import certify_settings
-from yarclang.certify.settings.expression import NotAffineError, evaluate, variable
+from yarclang.certify.pmac.settings import certify_settings
+from yarclang.certify.pmac.settings.expression import NotAffineError, evaluate, variable
 from yarclang.robot.actuation import from_counts, joints_per_count, to_counts
 from yarclang.robot.description import load_robot
 from yarclang.robot.library import list_robots

@@ -34,7 +34,7 @@ from tests.certify.forging import Forger
 from tests.certify.test_certify_blends import Q0, START, TIMING, codes, judge, line
 from yarclang import hir
 from yarclang.certify import certify
-from yarclang.certify.read import read
+from yarclang.certify.pmac.read import read
 from yarclang.pipeline.stages import claims_of
 from yarclang.robot.kinematics.fk import tool_poses
 

@@ -28,8 +28,8 @@ from yarclang.cli.yarc import main as yarc
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.description import load_robot
-from yarclang.runtime.performance import connect, look
-from yarclang.runtime.protocol import AskControl
+from yarclang.runtime.pmac.performance import connect, look
+from yarclang.runtime.pmac.protocol import AskControl
 from yarclang.runtime.session import Session
 
 ROUND = """\

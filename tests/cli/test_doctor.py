@@ -8,7 +8,7 @@ import pytest
 from tests.cli.run_processes import run_on
 from tests.simulator.serving import Client
 from yarclang.pipeline.settings import items_of
-from yarclang.runtime.protocol import GREETING, Ask
+from yarclang.runtime.pmac.protocol import GREETING, Ask
 
 
 def examine(workshop, *options, status=0):

@@ -29,7 +29,7 @@ from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.settings import items_of
 from yarclang.pmac.requests import PORT
 from yarclang.runtime.notices import Changed
-from yarclang.runtime.performance import connect, look
+from yarclang.runtime.pmac.performance import connect, look
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.lock import controller_lock

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from tests.cli.run_processes import assert_on_path, command_at, off_the_path, places, run_on
 from yarclang.cli.yarc import main as yarc
 from yarclang.coordinator import engine
-from yarclang.runtime.performance import perform
+from yarclang.runtime.pmac.performance import perform
 from yarclang.runtime.state import State
 
 

@@ -35,7 +35,7 @@ def test_table_ii_of_the_paper_is_complete():
 
 
 def test_profiles_are_found_by_their_files():
-    assert profile_names() == ("LSPB", "POLY5", "SCURVE", "TOPP")
+    assert set(profile_names()) >= {"LSPB", "POLY5", "SCURVE", "TOPP"}
     assert [load_profile(name).name for name in profile_names()] == list(profile_names())
 
 

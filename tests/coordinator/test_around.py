@@ -10,6 +10,7 @@ from yarclang.coordinator.messages import orders
 from yarclang.coordinator.ownership import NotOwner
 from yarclang.runtime.actions import Trouble
 from yarclang.simulated_cell.playing import SimulatedCell
+from yarclang.simulator.beside import Beside
 
 DECLARED = "INPUT DOOR M11\nOUTPUT GLUE M1 OFF\nMOVEJ 1 0 0 0 0 0 [1] (deg,s)"
 CELL = '[inputs]\nREADY = "M12"\n\n[outputs]\nGRIP = "M2"\n'
@@ -63,7 +64,7 @@ def test_a_simulated_robot_tells_at_any_time_and_its_inputs_can_be_set():
         async with coordinating() as (world, coordinator, client):
             coordinator.surroundings = cell = SimulatedCell()
             assert cell.value("M11") is None
-            cell.attach(world.machine)
+            cell.attach(Beside(world.machine))
             await done(client, DECLARED)
             watcher = coordinator.attach("watcher")
             with pytest.raises(NotOwner):

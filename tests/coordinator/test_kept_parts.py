@@ -15,6 +15,7 @@ from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.checking import check_program_file
 from yarclang.pipeline.inputs import Options
 from yarclang.runtime.actions import Trouble
+from yarclang.simulator.beside import Beside
 
 SET_UP = "DEFAULT {GRIPPER} [50%] (mm,deg,s) {B}"
 FEEDER, PUT_AT = [0.3, 0.85, 0.65], [-0.25, 0.9, 0.7]
@@ -363,7 +364,7 @@ def test_sensors_see_the_parts_where_the_coordinator_has_them(project):
     async def typed():
         async with session(project) as (world, coordinator, client):
             coordinator.surroundings = around = SimulatedCell(cell=cell, robot=robot)
-            around.attach(world.machine)
+            around.attach(Beside(world.machine))
 
             def agree():
                 world.catch_up()

@@ -13,8 +13,8 @@ from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.messages import orders, replies
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.pmac.variables import HOMING, HOMING_PLC
-from yarclang.runtime import homing
 from yarclang.runtime.actions import Trouble
+from yarclang.runtime.pmac import homing
 
 J1 = 25532.8278
 
@@ -500,7 +500,7 @@ def test_a_bug_of_ours_ends_a_search():
         with pytest.MonkeyPatch.context() as patch:
             task = await held(here, orders.Home(motors=(1,)), 1.0)
             assert world.moving
-            patch.setattr("yarclang.runtime.homing.sample", lambda *_: 1 / 0)
+            patch.setattr("yarclang.runtime.pmac.homing.sample", lambda *_: 1 / 0)
             with pytest.raises(ZeroDivisionError):
                 await task
         assert not world.moving

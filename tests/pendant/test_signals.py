@@ -11,6 +11,7 @@ from yarclang.coordinator.messages import events
 from yarclang.pendant.accounts.roles import Role
 from yarclang.pendant.signals import Signals, comments_of
 from yarclang.simulated_cell.playing import SimulatedCell
+from yarclang.simulator.beside import Beside
 from yarclang.source import SourceFile
 
 CELL = """units = "mm,deg,s"
@@ -165,7 +166,7 @@ def test_the_wait_at_which_a_program_stands(monkeypatch, tmp_path):
 def test_inputs_of_a_simulated_robot(monkeypatch, tmp_path):
     async def work(place, bea):
         place.coordinator.surroundings = around = SimulatedCell()
-        around.attach(place.world.machine)
+        around.attach(Beside(place.world.machine))
         dora = place.logged_in("dora", Role.PROGRAMMER)
         assert (await valued(bea))[0]["DOOR_OPEN"] == (0, False)
         assert (

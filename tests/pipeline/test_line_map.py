@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from programs import compiled
 
-from yarclang.certify.read import read
+from yarclang.certify.pmac.read import read
 from yarclang.certify.text import Barred, Dwelt, Put, Run
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.line_map import HEADER, MOVE, OPENING, is_compiled_text, map_lines

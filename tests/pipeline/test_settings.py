@@ -25,7 +25,7 @@ def wrong_abort(monkeypatch):
 
 def test_the_items_are_the_lines_of_the_text(robot):
     """Each line that a controller keeps is asked for, in the order of the text, but for what programs set."""
-    text, items = proved_settings(robot).text, items_of(robot)
+    text, items = proved_settings(robot), items_of(robot)
     lines = [line.partition(" ;")[0] for line in text.splitlines()]
     asked = [
         f"{item.question}{'' if item.question.endswith('->') else '='}{item.wanted}"
@@ -58,13 +58,13 @@ def test_a_wrong_generator_is_refused(industrial6, wrong_abort):
 
 
 def test_the_own_text_differs_in_nothing(robot):
-    judged = check_settings(SourceFile("mine.txt", proved_settings(robot).text), robot)
+    judged = check_settings(SourceFile("mine.txt", proved_settings(robot)), robot)
     assert judged.value is not None
     assert judged.diagnostics == ()
 
 
 def test_differences_are_told_line_by_line(industrial6):
-    own = proved_settings(industrial6).text
+    own = proved_settings(industrial6)
     edited = own.replace("I113=4340581", "I113=4340582").replace("I16=5 ", "I16=9 ")
     edited = edited.replace("P1=M162/(I108*32)/25532.8278", "P1=M162/25532.8278/(32*I108)")
     edited = edited.replace("#1->25532.8278X", "#1->25532.82780X")
@@ -91,7 +91,7 @@ def test_differences_are_told_line_by_line(industrial6):
 def test_errors_come_alone(industrial6):
     """What is wrong, and not what differs besides."""
     edited = (
-        proved_settings(industrial6).text.replace("I113=4340581", "I113=4340582").replace("I42=0", "I42=1")
+        proved_settings(industrial6).replace("I113=4340581", "I113=4340582").replace("I42=0", "I42=1")
     )
     judged = check_settings(SourceFile("mine.txt", edited), industrial6)
     assert judged.value is None

@@ -8,6 +8,7 @@ from repl.talking import talking
 
 from yarclang.repl.dot import dot_commands
 from yarclang.simulated_cell.playing import SimulatedCell
+from yarclang.simulator.beside import Beside
 
 MOVE = "MOVEJ 10 0 0 0 20 0 [1] (deg,s)"
 
@@ -236,7 +237,7 @@ def test_inputs_of_a_simulated_robot_are_set_by_hand(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
             person.coordinator.surroundings = cell = SimulatedCell()
-            cell.attach(person.world.machine)
+            cell.attach(Beside(person.world.machine))
             await person.type("INPUT DOOR M11", "OUTPUT GRIP M1 OFF")
             assert await person.type(".set door on") == "DOOR is 1"
             assert await person.type(".io") == "DOOR  input  1\nGRIP  output  0"

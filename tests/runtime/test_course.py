@@ -17,10 +17,10 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.settings import items_of
 from yarclang.pipeline.stages import Request, compile_module
-from yarclang.runtime.course import Course
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.notices import Override
-from yarclang.runtime.performance import connect, look, perform
+from yarclang.runtime.pmac.course import Course
+from yarclang.runtime.pmac.performance import connect, look, perform
+from yarclang.runtime.sample import Sample
 from yarclang.simulator.commissioning import commissioned, stand
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse

@@ -12,10 +12,10 @@ from runtime.virtual import asks_flow, moved_along, prepared, well_behaved, worl
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Trouble
-from yarclang.runtime.memory import Memory
-from yarclang.runtime.messages import Ask, AskControl, Control, Write
 from yarclang.runtime.notices import Abort, Hold, Resume
-from yarclang.runtime.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.pmac.memory import Memory
+from yarclang.runtime.pmac.messages import Ask, AskControl, Control, Write
+from yarclang.runtime.pmac.performance import connect, end_what_runs, look, perform
 from yarclang.runtime.state import State
 
 AT = 2.2

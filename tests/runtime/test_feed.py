@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runtime.virtual import prepared
 
-from yarclang.runtime.feed import AHEAD, Feed
-from yarclang.runtime.packets import fitting
+from yarclang.runtime.pmac.feed import AHEAD, Feed
+from yarclang.runtime.pmac.loading import Loading, capacity_of, loading_of
+from yarclang.runtime.pmac.packets import fitting
 
 SEGMENT = 0.01
 
@@ -29,9 +30,8 @@ def job_of(gaps, words=480):
         times=np.array(times),
         duration=(len(gaps) + 2) * SEGMENT,
         segment=SEGMENT,
-        words=words,
-        low=5,
-        full=10,
+        capacity=capacity_of(model.robot, words),
+        own=Loading((), words, 5, 10),
     )
 
 
@@ -167,7 +167,7 @@ def test_few_lines_ahead_are_low_water_and_before_that_hunger():
     feed = Feed(job)
     while feed.packet():
         feed.written(len(feed.packet()))
-    assert job.low < feed.low < job.full < feed.plenty < job.capacity
+    assert loading_of(job).low < feed.low < loading_of(job).full < feed.plenty < job.capacity
     for ahead in range(job.capacity + 1):
         feed.heard(ahead, 1.0, 1.0)
         assert feed.runs_low(1.0) == (ahead < feed.low)
@@ -182,4 +182,4 @@ def test_the_buffer_of_a_compiled_program_is_large_enough(robot, tm):
     job, _ = example_of(robot, tm=tm)
     feed = Feed(job)
     assert job.capacity * job.segment > 0.99
-    assert job.low < feed.low <= job.full < feed.plenty < job.capacity
+    assert loading_of(job).low < feed.low <= loading_of(job).full < feed.plenty < job.capacity

@@ -6,10 +6,9 @@ from hypothesis import strategies as st
 from simulator.machines import robot_machine
 
 from yarclang.pmac.status import MOTOR_WORD_1, MOTOR_WORD_2
-from yarclang.runtime.feedback import (
+from yarclang.runtime.pmac.feedback import (
     MotorStatus,
     ReportError,
-    Sample,
     counts_in,
     groups_of,
     in_order,
@@ -17,6 +16,7 @@ from yarclang.runtime.feedback import (
     statuses_in,
     system_status,
 )
+from yarclang.runtime.sample import Sample
 
 
 def status(*names):

@@ -9,10 +9,10 @@ from simulator.machines import robot_machine
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.description import load_robot
-from yarclang.runtime.inspection import inspect
-from yarclang.runtime.messages import Ask, Control
 from yarclang.runtime.notices import Stop
-from yarclang.runtime.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.pmac.inspection import inspect
+from yarclang.runtime.pmac.messages import Ask, Control
+from yarclang.runtime.pmac.performance import connect, end_what_runs, look, perform
 from yarclang.runtime.state import Event, State
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")

@@ -8,9 +8,9 @@ from runtime.virtual import prepared, robot_machine
 
 from yarclang.pipeline.settings import items_of
 from yarclang.runtime.actions import Wait
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.notices import Changed, Remark
-from yarclang.runtime.performance import connect, look, perform
+from yarclang.runtime.pmac.performance import connect, look, perform
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import stand

@@ -10,7 +10,7 @@ from yarclang.certify.judge import certify
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.notices import Abort, Changed, Hold, Progress, Resume, Stop
-from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.runtime.signals import OutputSet, WaitBegan, WaitEnded, signal_text
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned

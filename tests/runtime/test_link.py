@@ -5,8 +5,8 @@ from runtime.virtual import World, well_behaved
 from simulator.machines import robot_machine
 
 from yarclang.runtime.actions import Trouble
-from yarclang.runtime.messages import Ask, Write
-from yarclang.runtime.performance import connect, measured
+from yarclang.runtime.pmac.messages import Ask, Write
+from yarclang.runtime.pmac.performance import connect, measured
 
 
 def link_of(world, robot):

@@ -17,7 +17,6 @@ from report.runs.made_up_runs import ANCHOR, made, samples, whole, write
 from runtime.virtual import World
 
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.log import FLUSH_EACH, RunLog
 from yarclang.runtime.log_record import Anchor
 from yarclang.runtime.notices import (
@@ -31,7 +30,8 @@ from yarclang.runtime.notices import (
     Resume,
 )
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.pmac.performance import connect, perform
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned
 

@@ -6,7 +6,7 @@ import pytest
 from runtime.virtual import robot_machine
 
 from yarclang.pipeline.settings import items_of
-from yarclang.runtime.performance import connect, look
+from yarclang.runtime.pmac.performance import connect, look
 from yarclang.runtime.session import Session
 from yarclang.simulator.embedded import EmbeddedSimulator
 

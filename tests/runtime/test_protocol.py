@@ -7,26 +7,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from yarclang.pmac.requests import MOST_LINES, MOST_REPLY
-from yarclang.runtime.protocol import (
+from yarclang.runtime.actions import Closed, Late, Violation
+from yarclang.runtime.pmac.protocol import (
     MOST_TEXT,
     Answer,
     Ask,
     AskControl,
     Busy,
-    Closed,
     Connection,
     Control,
     Fetch,
     Flush,
     IsReady,
-    Late,
     Memory,
     ProtocolError,
     ReadMemory,
     Ready,
     Send,
     Taken,
-    Violation,
     Write,
     WriteMemory,
     Written,

@@ -13,7 +13,7 @@ from yarclang.pmac.requests import Code
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Abort, Changed, Hold, Resume, Stop
-from yarclang.runtime.performance import connect, look, perform
+from yarclang.runtime.pmac.performance import connect, look, perform
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.simulator.ethernet import PacketReader, Station

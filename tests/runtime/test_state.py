@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from yarclang.runtime.operation import Operation
+from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.state import TRANSITIONS, Event, State, TransitionError, after
 
 LEGAL = {(state, event) for state, events in TRANSITIONS.items() for event in events}

@@ -16,9 +16,9 @@ from runtime.virtual import (
 )
 
 from yarclang.robot.actuation import from_counts, to_counts
-from yarclang.runtime.messages import Ask, Control, Write
 from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Override, Resume, Stop
-from yarclang.runtime.performance import perform
+from yarclang.runtime.pmac.messages import Ask, Control, Write
+from yarclang.runtime.pmac.performance import perform
 from yarclang.runtime.state import State
 
 ORDERS = st.one_of(

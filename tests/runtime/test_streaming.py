@@ -21,12 +21,13 @@ from runtime.virtual import (
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import Request, compile_module
 from yarclang.robot.actuation import to_counts
-from yarclang.runtime.feed import Feed
-from yarclang.runtime.feedback import Sample
-from yarclang.runtime.memory import Memory
-from yarclang.runtime.messages import Ask, Control, Write
 from yarclang.runtime.notices import Abort, Changed, Hold, Override, Progress, Remark, Resume
-from yarclang.runtime.performance import perform
+from yarclang.runtime.pmac.feed import Feed
+from yarclang.runtime.pmac.loading import capacity_of, loading_of
+from yarclang.runtime.pmac.memory import Memory
+from yarclang.runtime.pmac.messages import Ask, Control, Write
+from yarclang.runtime.pmac.performance import perform
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.state import State
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
@@ -276,7 +277,8 @@ def test_a_link_that_was_found_fast_enough_is(tm):
 
 def test_a_rotary_that_holds_less_than_a_second():
     job, _ = prepared(tm=5)
-    small = replace(job, words=480)
+    own = replace(loading_of(job), words=480)
+    small = replace(job, own=own, capacity=capacity_of(job.robot, 480))
     never_began(world_of(job), small, "holds 0.40 s of the program")
 
 
@@ -321,15 +323,18 @@ def test_a_controller_that_counts_other_lines():
 def test_a_line_of_the_preparation_that_is_refused():
     job, _ = prepared(tm=20)
     world = world_of(job)
-    wrong = replace(job, setup=(*job.setup[:-1], "FOO"))
+    own = loading_of(job)
+    wrong = replace(job, own=replace(own, setup=(*own.setup[:-1], "FOO")))
     never_began(world, wrong, "refuses 'FOO': ERR003")
 
 
 def test_a_rotary_that_is_smaller_than_was_asked_for():
     job, _ = prepared(tm=20)
     world = world_of(job)
-    setup = tuple("DEFINE ROT 100" if line.startswith("DEFINE ROT") else line for line in job.setup)
-    ended = never_began(world, replace(job, setup=setup), "ERR006")
+    setup = tuple(
+        "DEFINE ROT 100" if line.startswith("DEFINE ROT") else line for line in loading_of(job).setup
+    )
+    ended = never_began(world, replace(job, own=replace(loading_of(job), setup=setup)), "ERR006")
     assert "though there should be" in ended.what
 
 
@@ -420,9 +425,11 @@ def test_the_host_holds_before_the_guard_does():
 
     world.spoil = spoil
     # so late that fewer lines are ahead than the host wants, and more than the guard does
-    world.stall_at = [(since + 1.0, (job.capacity - (job.low + Feed(job).low) / 2.0 - 22) * job.segment)]
+    world.stall_at = [
+        (since + 1.0, (job.capacity - (loading_of(job).low + Feed(job).low) / 2.0 - 22) * job.segment)
+    ]
     assert run(world, job).well
-    assert job.low < ahead[0] < Feed(job).low + 4
+    assert loading_of(job).low < ahead[0] < Feed(job).low + 4
     assert "low water" in world.words
     assert moved_along(world, job, plan, since) < 1.0
 

@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from runtime.virtual import World, example_of, moved_along, prepared, well_behaved, world_of
 
 from yarclang.pipeline.settings import items_of
-from yarclang.runtime.messages import Ask, Write
 from yarclang.runtime.notices import Fail, Hold, Override, Remark, Resume, Stop
-from yarclang.runtime.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.pmac.messages import Ask, Write
+from yarclang.runtime.pmac.performance import connect, end_what_runs, look, perform
+from yarclang.runtime.pmac.supervision import patience_for, wound_up
 from yarclang.runtime.state import State
-from yarclang.runtime.supervision import patience_for, wound_up
 
 AT = 1.3
 """When somebody else does something, in the run [s]."""

@@ -18,12 +18,12 @@ from yarclang.pipeline.parts import approach
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.robot.description import load_robot
-from yarclang.runtime.actions import Connect, Connected, Unreachable, Wait
-from yarclang.runtime.messages import Ask, AskControl, Control, Late, Request, Violation, Write, Written
+from yarclang.runtime.actions import Connect, Connected, Late, Unreachable, Violation, Wait
 from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Remark, Stop
-from yarclang.runtime.operation import Operation
-from yarclang.runtime.performance import connect, look, perform
-from yarclang.runtime.protocol import GREETING, Connection
+from yarclang.runtime.pmac.messages import Ask, AskControl, Control, Request, Write, Written
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.performance import connect, look, perform
+from yarclang.runtime.pmac.protocol import GREETING, Connection
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned
 from yarclang.simulator.ethernet import PacketReader, Station

@@ -8,6 +8,7 @@ from simulator.machines import robot_machine
 from yarclang.cli.yarc import main
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import Change
+from yarclang.simulator.beside import Beside
 
 
 def value(machine, variable):
@@ -27,7 +28,7 @@ def test_inputs_change_at_their_exact_times_however_time_passes(steps):
         ]
     )
     begin = machine.now
-    cell.attach(machine)
+    cell.attach(Beside(machine))
     machine.command("M5->*", 7)
     machine.command("M5=1", 7)
     for step in steps:
@@ -38,7 +39,7 @@ def test_inputs_change_at_their_exact_times_however_time_passes(steps):
 def test_what_is_said_in_another_thread_holds_from_the_next_instant_on():
     _, machine = robot_machine("INDUSTRIAL6", False)
     cell = SimulatedCell([Change("M11", 1.0, place="P0010", delay=0.5)], waits=True)
-    cell.attach(machine)
+    cell.attach(Beside(machine))
     machine.advance(5.0)
     cell.begin()
     cell.reached("P0010")
@@ -52,7 +53,7 @@ def test_what_is_said_in_another_thread_holds_from_the_next_instant_on():
 def test_settings_hold_from_the_start():
     _, machine = robot_machine("INDUSTRIAL6", False)
     SimulatedCell(settings=[Change("M11", 1.0, at=0.0), Change("P40", 2.0, at=0.0)], waits=True).attach(
-        machine
+        Beside(machine)
     )
     assert (value(machine, "M11"), value(machine, "P40")) == (1.0, 2.0)
 

@@ -4,11 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from yarclang.pmac.variables import signal_variable
 from yarclang.simulated_cell.script import Change, Known, load_script, read_script, read_setting
 from yarclang.source import SourceFile
 
 KNOWN = Known(
-    {"PART_READY": "M11"}, {"GRIP": "M1"}, frozenset({"P0010(#0)", "P0020(#0)>P0010"}), feedback=("P20",)
+    {"PART_READY": "M11"},
+    {"GRIP": "M1"},
+    frozenset({"P0010(#0)", "P0020(#0)>P0010"}),
+    signal=lambda text: signal_variable(text, ("P20",)),
 )
 
 

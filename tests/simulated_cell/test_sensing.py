@@ -14,6 +14,7 @@ from yarclang.simulated_cell.inputs import Inputs
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import Change
 from yarclang.simulated_cell.sensing import ARRIVES_AFTER, Sensing
+from yarclang.simulator.beside import Beside
 from yarclang.source import SourceFile
 
 HEAD = """units = "mm,deg"
@@ -163,7 +164,7 @@ def test_sensors_look_at_exact_times_however_time_passes(step):
     cell = SimulatedCell([Change("M11", 0.0, at=0.255)], cell=program.cell, robot=robot)
     begin = machine.now
     machine.variables.watch("M", 11, lambda value: heard.append((round(machine.now - begin, 6), value)))
-    cell.attach(machine)
+    cell.attach(Beside(machine))
     machine.command("#1J=100000", 7)
     while machine.now < begin + 1.0:
         machine.advance(step)

@@ -4,7 +4,7 @@ import contextlib
 import socket
 import time
 
-from yarclang.runtime.protocol import Connection
+from yarclang.runtime.pmac.protocol import Connection
 from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.faults import parse_fault
 

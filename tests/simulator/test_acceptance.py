@@ -17,7 +17,7 @@ from simulator.serving import Client, served
 
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.robot.actuation import from_counts, to_counts
-from yarclang.runtime.protocol import Ask, Write, Written, fitting
+from yarclang.runtime.pmac.protocol import Ask, Write, Written, fitting
 from yarclang.simulator.machine import Machine
 
 BOTH = pytest.mark.parametrize("name", EXAMPLES)

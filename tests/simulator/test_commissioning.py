@@ -11,7 +11,7 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pmac.defaults import MOTOR
 from yarclang.robot.description import load_robot
-from yarclang.runtime.performance import connect, perform
+from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.simulator.commissioning import commissioned, fatal_limit
 
 FINER = 20.0

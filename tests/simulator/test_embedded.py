@@ -8,7 +8,8 @@ import pytest
 
 from tests.simulator.echo import Echo
 from tests.simulator.serving import Client
-from yarclang.runtime.protocol import Answer, Ask, Closed
+from yarclang.runtime.actions import Closed
+from yarclang.runtime.pmac.protocol import Answer, Ask
 from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.faults import parse_fault
 from yarclang.simulator.server import SimulatorServer

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.simulator.echo import Echo
 from yarclang.pmac.requests import DOWN, HEADER, MOST_DATA, MOST_REPLY, UP, Code
-from yarclang.runtime.protocol import (
+from yarclang.runtime.pmac.protocol import (
     Answer,
     Ask,
     AskControl,

@@ -6,7 +6,7 @@ import pytest
 from simulator.echo import Echo
 from simulator.serving import Client
 
-from yarclang.runtime.protocol import Answer, Ask
+from yarclang.runtime.pmac.protocol import Answer, Ask
 from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.leash import AHEAD, EXCHANGE, Leash, tick
 

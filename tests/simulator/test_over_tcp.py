@@ -9,7 +9,8 @@ import yarclang
 from tests.simulator.serving import Client, served
 from yarclang.backend_pmac.settings import settings_text
 from yarclang.robot.actuation import to_counts
-from yarclang.runtime.protocol import Ask, AskControl, Control, Violation, Write, Written, fitting
+from yarclang.runtime.actions import Violation
+from yarclang.runtime.pmac.protocol import Ask, AskControl, Control, Write, Written, fitting
 from yarclang.simulator.commissioning import commissioned
 
 AWAY = "P0010 MOVEJ 10 -20 15 5 6 7 [2] (deg,s)\n"

@@ -16,17 +16,15 @@ from click.testing import CliRunner
 from tests.simulator.echo import Echo
 from tests.simulator.serving import Client, served
 from yarclang.cli.yarc import main as yarc
-from yarclang.runtime.protocol import (
+from yarclang.runtime.actions import Closed, Late, Violation
+from yarclang.runtime.pmac.protocol import (
     Answer,
     Ask,
     Busy,
-    Closed,
     IsReady,
-    Late,
     Ready,
     Send,
     Taken,
-    Violation,
     Write,
     Written,
     encode,

@@ -14,19 +14,20 @@ from yarclang.assist.cursor import Cursor, cursor_at
 from yarclang.assist.snippets import command_snippet, declaration_snippet, next_index, plain_text
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import (
-    ACTIONS,
     DECLARED,
     OPTIONS,
     OTHERS,
     RATES,
     TIMES,
     Entry,
+    action_entries,
     command_names,
     command_of,
     command_text,
     entry_text,
     unit_text,
 )
+from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
@@ -34,6 +35,8 @@ from yarclang.semantics.scope import Input, JointPosition, Routine
 from yarclang.source import Span
 from yarclang.syntax.words import STATES
 from yarclang.units import UNITS
+from yarclang.words.registry import word_specs
+from yarclang.words.spec import Slot, WordSpec
 
 
 def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
@@ -85,7 +88,7 @@ class _Maker(NameMaker):
                 continue  # a long list: they come when the command is written
             text = front + command_snippet(self.view, name)
             yield self.make(name, "command", spec.summary, command_text(name), text, suffixes)
-        for name, entry in ACTIONS.items():
+        for name, entry in action_entries().items():
             text = front + declaration_snippet(entry.example)
             yield self.make(name, "command", entry.summary, entry_text(name, entry), text)
         if self.cursor.has_index:
@@ -103,23 +106,28 @@ class _Maker(NameMaker):
     # the parts behind it
 
     def _parts(self) -> Iterator[Candidate]:
-        cursor = self.cursor
-        match cursor.head:
-            case "ROBOT":
+        head = self.cursor.head
+        if (word := word_specs().get(head)) is not None:
+            yield from self._slots(word.slots) if word.slots else self._proposed(word)
+        elif (action := actions().get(head)) is not None:
+            yield from self._slots(action.fullest.slots)
+        elif command_of(head) is not None:
+            yield from self._of_command(head)
+
+    def _proposed(self, word: WordSpec) -> Iterator[Candidate]:
+        """Yield the names of the kind that a word speaks of."""
+        match word.proposes:
+            case "robots":
                 for one in list_robots():
                     yield self.make(one.name, "robot", f"{one.title}, {one.size} joints", "", one.name)
-            case "USE":
+            case "modules":
                 yield from self.modules()
-            case "START":
+            case "joints":
                 yield from self.known(JointPosition, "joints")
-            case "SET" | "WAIT" | "WHEN":
-                yield from self._signals()
-            case "CALL":
+            case "arguments":
                 yield from self._arguments()
-            case "DEFAULT" | "FRAME" | "FRAME_QUAT":
+            case "frames":
                 yield from self.frames()
-            case head if command_of(head) is not None:
-                yield from self._of_command(head)
 
     def _of_command(self, head: str) -> Iterator[Candidate]:
         """Frames, joint positions and options."""
@@ -153,14 +161,15 @@ class _Maker(NameMaker):
                         plain_text(text), "time", entry.summary, entry_text(entry.example, entry), text, 2
                     )
 
-    def _signals(self) -> Iterator[Candidate]:
-        """Inputs or outputs, and then their states."""
-        if len(self.cursor.before) == 1:
-            if self.cursor.head == "SET":
-                yield from self.known(Output, "output")
-            else:
-                yield from self.known(Input, "input")
-        elif len(self.cursor.before) == 2:
+    def _slots(self, slots: tuple[Slot, ...]) -> Iterator[Candidate]:
+        """Yield inputs, outputs or states, as the value at this place is one."""
+        at = len(self.cursor.before) - 1
+        slot = slots[at] if at < len(slots) else None
+        if slot is Slot.INPUT:
+            yield from self.known(Input, "input")
+        elif slot is Slot.OUTPUT:
+            yield from self.known(Output, "output")
+        elif slot is Slot.STATE:
             for name in sorted(STATES):
                 yield self.make(name, "word", OTHERS[name].summary, entry_text(name, OTHERS[name]), name)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.assist.view import View
 from yarclang.certify.certificate import Clearance, CommandCertificate, Load
-from yarclang.hir import Array, AvoidMove, FrameLink, JointGoal, JointMove, Motion, PoseGoal
+from yarclang.hir import Array, FrameLink, JointGoal, Motion, PoseGoal
 from yarclang.report.inspection.inspected import chain_of, chain_pose
 from yarclang.report.inspection.limits import Pace, pace_of
 from yarclang.robot.kinematics.fk import tool_poses
@@ -80,8 +80,8 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
     joints: Array | None = None
     if planned is not None:
         joints = planned[0].waypoints[-1]
-    elif isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, JointGoal):
-        joints = step.goal.q
+    elif isinstance(step.end, JointGoal):
+        joints = step.end.q
     frame, flange_from_frame = _moving(view, step.origin.moving, robot)
     world = _world(step, joints, flange_from_frame, robot)
     base = step.origin.base
@@ -115,8 +115,7 @@ def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Arra
 
 def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: Robot) -> Array | None:
     """Where the moving frame stands in {B} at the end (4, 4)."""
-    goal = getattr(step, "goal", None) or step.waypoints[-1]  # type: ignore[union-attr]
-    if isinstance(goal, PoseGoal):
+    if isinstance(goal := step.end, PoseGoal):
         return goal.base_from_moving
     if joints is None:
         return None

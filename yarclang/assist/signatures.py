@@ -10,10 +10,11 @@ from yarclang.assist.declared import described_sub
 from yarclang.assist.lexemes import Lexeme
 from yarclang.assist.sketch import Sketch
 from yarclang.assist.view import View
-from yarclang.assist.vocabulary import ACTIONS, DECLARED, command_of
+from yarclang.assist.vocabulary import DECLARED, command_of
 from yarclang.commands.spec import Values
 from yarclang.syntax.words import OPTIONS
 from yarclang.units import UNITS, Kind
+from yarclang.words.registry import word_specs
 
 _MEANINGS = {
     "x": "along the x axis of the base frame",
@@ -162,7 +163,7 @@ def _of_call(view: View, cursor: Cursor) -> Signature | None:
         f"CALL {name}",
         values,
         active if active < len(values) else None,
-        sub.purpose or ACTIONS["CALL"].summary,
+        sub.purpose or word_specs()["CALL"].summary,
     )
 
 

@@ -8,6 +8,7 @@ from yarclang.assist.sketch import Sketch
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import command_of
 from yarclang.commands.spec import CommandSpec, Values
+from yarclang.syntax.words import BLOCK_HEADS
 
 _STEP = 10
 _HOLE = re.compile(r"\$\{\d+:([^}]*)\}|\$\{\d+\}|\$\d+")
@@ -91,6 +92,6 @@ def declaration_snippet(example: str) -> str:
     head, _, line = example.partition(" ")
     holes = _Holes()
     text = f"{head} {_FILLED.sub(lambda match: holes.hole(match[0]), line)}".rstrip()
-    if head in {"SUB", "REPEAT", "IF", "WHEN"}:
+    if head in BLOCK_HEADS:
         text += "\n  $0\nEND"
     return text

@@ -8,12 +8,13 @@ from functools import cache
 from itertools import product
 from types import MappingProxyType
 
-from yarclang.commands.registry import commands
+from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import CommandSpec
 from yarclang.motion.profile import load_profile, profile_names
 from yarclang.semantics.names import DEFAULT_PROFILE
 from yarclang.syntax.words import AVOID
 from yarclang.units import UNITS
+from yarclang.words.registry import word_specs
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,51 +26,21 @@ class Entry:
 
 
 DECLARED: Mapping[str, Entry] = MappingProxyType(
-    {
-        "ROBOT": Entry("the robot that the program is for", "ROBOT INDUSTRIAL6"),
-        "CELL": Entry(
-            "the cell's file: frames, joint positions, inputs, outputs, obstacles", 'CELL "cell.toml"'
-        ),
-        "USE": Entry("a module: a file beside the program, or one of the standard library", "USE PALLET"),
-        "DEFAULT": Entry("what lines of this file may leave out", "DEFAULT {TCP} [50%] (mm,deg,s) {B}"),
-        "FRAME": Entry(
-            "a frame by x y z roll pitch yaw in another one", "FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
-        ),
-        "FRAME_QUAT": Entry(
-            "a frame by x y z qx qy qz qw in another one", "FRAME_QUAT {TABLE} 800 200 300 0 0 0 1 (mm) {B}"
-        ),
-        "JOINTS": Entry("a named joint position", "JOINTS READY 0 -10 -20 0 -60 0 (deg)"),
-        "START": Entry("where the robot stands at first", "START HOME"),
-        "INPUT": Entry("a name for a variable of the controller that is read", "INPUT DOOR M11"),
-        "OUTPUT": Entry(
-            "a name for a variable of the controller that is set; OFF: at any stop", "OUTPUT GLUE M1 OFF"
-        ),
-        "LET": Entry("a name for a number", "LET PITCH = 60 (mm)"),
-        "SUB": Entry(
-            "commands that CALL carries out, with parameters, up to END", "SUB DRILL {AT} DEPTH (mm) T (s)"
-        ),
-        "REPEAT": Entry("carries out the lines up to END several times, counted from 0", "REPEAT I 4"),
-        "IF": Entry(
-            "carries out the lines up to END if a condition holds, decided when compiled", "IF PITCH > 50"
-        ),
-        "WHEN": Entry(
-            "carries out the lines up to END if an input has a value, decided when run", "WHEN DOOR OFF"
-        ),
-        "ELSE": Entry("what is done where the condition of IF or WHEN doesn't hold", "ELSE"),
-        "END": Entry("the end of a SUB, REPEAT, IF or WHEN", "END"),
-    }
+    {name: Entry(word.summary, word.example) for name, word in word_specs().items() if not word.is_command}
 )
 """Words that begin a line without an index."""
 
-ACTIONS: Mapping[str, Entry] = MappingProxyType(
-    {
-        "WAIT": Entry("stands still for a time, or until an input has a value", "WAIT DOOR ON [5] (s)"),
-        "SET": Entry("sets an output when the motion before has ended", "SET GRIP ON"),
-        "HOLD": Entry("waits for the operator", 'HOLD "put in the next part"'),
-        "CALL": Entry("carries out a SUB", "CALL DRILL {HOLE} 20 1.5"),
+
+@cache
+def action_entries() -> Mapping[str, Entry]:
+    """Return the commands that aren't motions, with their documentation."""
+    calls = {
+        name: Entry(word.summary, word.example) for name, word in word_specs().items() if word.is_command
     }
-)
-"""Commands that no file of commands/builtin carries out."""
+    return MappingProxyType(
+        {name: Entry(spec.summary, spec.examples[0]) for name, spec in actions().items()} | calls
+    )
+
 
 OPTIONS: Mapping[str, Entry] = MappingProxyType(
     {
@@ -177,7 +148,7 @@ def command_text(name: str) -> str:
     """A command's documentation in Markdown; empty for what is none."""
     found = command_of(name)
     if found is None:
-        entry = ACTIONS.get(name) or DECLARED.get(name)
+        entry = action_entries().get(name) or DECLARED.get(name)
         return entry_text(name, entry) if entry else ""
     spec, target, profile = found
     lines = [f"**{name}**: {spec.summary}", "", spec.doc.strip()]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from yarclang.frozen import frozen
+from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot
 
 _RESERVE = 0.1
@@ -28,7 +29,7 @@ def watermarks(robot: Robot, segment: float) -> Watermarks:
 
     A line costs one word an axis; two more are reckoned for what stands between the lines.
     """
-    controller = robot.controller
+    controller = turbo_pmac(robot)
     low = math.ceil((controller.hold_time / 2.0 + _RESERVE) / segment)
     full = low + max(5, low // 2)
     lines = max(_SECONDS_AHEAD / segment, 2.0 * full)

@@ -10,6 +10,7 @@ from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.guard import Watermarks, watermarks
 from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, Motion, SetOutput, Stop, WaitInput, When
 from yarclang.motion.plan import MotionPlan, PlannedMotion
+from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.program import (
     Assignment,
     Barrier,
@@ -45,10 +46,10 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     first = segments[0] if segments else shortest
     # the start as it is printed is the start of the motion
     start = _printed(plan.program.start / robot.axis_units, decimals)
-    unit = 32 * robot.controller.ixx08
+    unit = 32 * turbo_pmac(robot).ixx08
     return PmacProgram(
         target=target,
-        coordinate_system=robot.controller.coordinate_system,
+        coordinate_system=turbo_pmac(robot).coordinate_system,
         motors=robot.controller.motors,
         axes=robot.controller.axes,
         joint_names=robot.joint_names,

@@ -9,6 +9,7 @@ import numpy as np
 
 from yarclang.backend_pmac.guard import watermarks
 from yarclang.hir import Array
+from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.settings import AxisDefinition, ControllerSettings, IVariable, MDefinition, Plc
 from yarclang.pmac.variables import (
     ARMED,
@@ -48,7 +49,7 @@ def settings_of(robot: Robot) -> ControllerSettings:
         robot=robot.name,
         title=_printable(robot.title),
         fingerprint=robot.fingerprint,
-        system=robot.controller.coordinate_system,
+        system=turbo_pmac(robot).coordinate_system,
         axes=tuple(_axis_definitions(robot)),
         registers=tuple(_registers(robot)),
         motors=tuple(_motor_settings(robot)),
@@ -66,7 +67,7 @@ def _printable(title: str) -> str:
 
 def _axis_definitions(robot: Robot) -> Iterator[AxisDefinition]:
     """The paper's Listing 1: each motor as a sum of axes."""
-    actuation, controller = robot.actuation, robot.controller
+    actuation, controller = robot.actuation, turbo_pmac(robot)
     for motor, gear, row, offset in zip(
         controller.motors, actuation.gear, actuation.coupling, actuation.offset, strict=True
     ):
@@ -104,12 +105,12 @@ def _registers(robot: Robot) -> Iterator[MDefinition]:
     for motor in robot.controller.motors:
         yield MDefinition(*commanded_position(motor))
         yield MDefinition(*actual_position(motor))
-    yield MDefinition(*rotary_full(robot.controller.coordinate_system))
+    yield MDefinition(*rotary_full(turbo_pmac(robot).coordinate_system))
 
 
 def _motor_settings(robot: Robot) -> Iterator[IVariable]:
     """I-variables of the motors. The controller's own default of Ixx15 would take 6 s to abort a motion."""
-    controller, limits = robot.controller, robot.limits
+    controller, limits = turbo_pmac(robot), robot.limits
     stop = _motor_rate(robot, limits.stop_acceleration) * MS**2
     ramp = _motor_rate(robot, limits.acceleration) * MS**2
     fastest = np.minimum(
@@ -178,7 +179,7 @@ def _software_limit(reach: float) -> int:
 
 
 def _system_settings(robot: Robot) -> Iterator[IVariable]:
-    controller = robot.controller
+    controller = turbo_pmac(robot)
     system = controller.coordinate_system
     marks = watermarks(robot, controller.largest_segment)
     # TSRM 43, 177: the time base changes by Isx95 each servo interrupt, in units of I10
@@ -201,7 +202,7 @@ def _system_settings(robot: Robot) -> Iterator[IVariable]:
 
 def _feedback(robot: Robot) -> Iterator[str]:
     """PLC 0: joint positions from actual motor positions, and the guard's heartbeat, which shows that PLC 0 runs."""
-    actuation, controller = robot.actuation, robot.controller
+    actuation, controller = robot.actuation, turbo_pmac(robot)
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
     for variable, row in zip(controller.feedback, inverse, strict=True):
         terms = ""
@@ -230,7 +231,7 @@ def _offset(counts: float) -> str:
 
 def _guard(robot: Robot) -> Iterator[str]:
     """PLC 29: holds once when the rotary isn't full any more, and once when the computer that streams has let the watchdog run down."""
-    system = robot.controller.coordinate_system
+    system = turbo_pmac(robot).coordinate_system
     yield f"{HEARTBEAT}={HEARTBEAT}+1"
     for flag, condition in ((ARMED, f"{ROTARY_FULL}=0"), (WATCHED, f"{watchdog(system)}<0")):
         yield from (f"IF({flag}=1)", f"IF({condition})", f"{flag}=2", f'CMD"&{system}H"', "ENDIF", "ENDIF")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from yarclang.cell.model import Array, Cell, CellOutput, Grip, Removal
 from yarclang.diagnostics import Diagnostic, Result, in_order
 from yarclang.frozen import frozen
-from yarclang.pmac.variables import signal_variable
+from yarclang.robot.kinds import known_signal
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 from yarclang.toml.file import TomlFile
@@ -158,7 +158,7 @@ def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None)
     """The controller's variable of an input or output; None with a finding."""
     if text is None:
         return None
-    variable = signal_variable(text.upper(), robot.controller.feedback if robot else ())
+    variable = robot.controller.signal(text.upper()) if robot else known_signal(text.upper())
     if variable.name is None:
         file.say("Y0413", path, f"{text[:40]} {variable.fault}.", f"{variable.remedy.capitalize()}.")
     return variable.name

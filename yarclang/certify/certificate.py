@@ -228,7 +228,7 @@ class CommandCertificate:
     limits allow. `hold`
     is the most that a hold in the worst moment asks of a joint, |a| + |v| / hold time, against the
     acceleration of an emergency stop: stated, not judged. `tool_speed` is that of Cartesian motions; `blended` is the blend behind
-    the command. The jerk of a time-optimal motion (profile TOPP), of blends with one, and of a timetable is stated as well, and not judged: `jerk_judged`.
+    the command. The jerk of a motion whose profile lets the acceleration jump, of blends with one, and of a timetable is stated as well, and not judged: `jerk_judged`.
     `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves, `zone_clearance` how near what zones
     watch comes to borders that it must not cross (its bodies are what is watched, and the zone), `zone_speed` how fast it is in slow zones, where that is nearest to
     what is allowed; None where there is nothing. `torque` is the largest share of a motor's effort, None of a robot whose masses or efforts aren't known. `module` is the module that `source_line` is in; empty for the program's own lines.
@@ -331,7 +331,7 @@ class Certificate:
     know the servo loop's following error nor the controller's own rounding.
     """
 
-    target: Literal["rotary", "prog"]
+    target: str
     commands: tuple[CommandCertificate, ...]
     tolerance: Tolerance
     text: ControllerText = field(repr=False, compare=False)
@@ -410,7 +410,10 @@ class Certificate:
             kinds = {command.kind == "timed" for command in self.commands if not command.jerk_judged}
             whose = " and ".join(
                 name
-                for is_timed, name in ((False, "time-optimal motions"), (True, "timetables"))
+                for is_timed, name in (
+                    (False, "motions whose profile has no limit of it"),
+                    (True, "timetables"),
+                )
                 if is_timed in kinds
             )
             told = f"; jerk of {whose} up to {max(free) * 100.0:.0f} %, not judged"

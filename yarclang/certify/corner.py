@@ -27,8 +27,7 @@ NEARLY_KEPT = 5e-4
 
 def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
     """Return the tolerance of a motion where `tolerance` counts for those that say nothing."""
-    leads_frame = isinstance(motion, hir.LineMove | hir.ArcMove | hir.PoseSplineMove)
-    return tolerance.of_motion(motion.tolerance, leads_frame=leads_frame)
+    return tolerance.of_motion(motion.tolerance, leads_frame=motion.leads_frame)
 
 
 @frozen
@@ -87,9 +86,7 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
     for row, place in enumerate(layout.places):
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
-            if end.q is None and isinstance(
-                place.motion, hir.JointMove | hir.AvoidMove | hir.SplineMove | hir.TimedMove
-            ):
+            if end.q is None and not place.motion.leads_frame:
                 assert ahead is not None
                 end = _End(end.flange, _joints(judged, layout, *ahead, end.flange))
             if end.q is not None:
@@ -115,7 +112,7 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
         case hir.TimedMove(table=table):
             end = table.positions[-1]
         case hir.SplineMove():
-            claimed = claimed_joints(judged, place, len(motion.waypoints))
+            claimed = claimed_joints(judged, place, len(motion.goals))
             end = q if claimed is None else claimed[-1]
         case hir.AvoidMove():
             claimed = claimed_way(judged, place)
@@ -147,7 +144,7 @@ def claimed_way(judged: Judged, place: Place) -> Array | None:
     """The way-points (k, n) of a motion: as many as it has, or, of one that finds its own, as many as the planner claims to have found."""
     motion = place.motion
     if isinstance(motion, hir.SplineMove):
-        return claimed_joints(judged, place, len(motion.waypoints))
+        return claimed_joints(judged, place, len(motion.goals))
     claimed = judged.claims.witnesses.get(place.step)
     return claimed_joints(judged, place, max(len(claimed), 1) if claimed is not None and claimed.ndim else 1)
 
@@ -189,7 +186,7 @@ def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
     """
     motion = place.motion
     assert isinstance(motion, hir.JointMove | hir.AvoidMove | hir.SplineMove)
-    goals = motion.waypoints if isinstance(motion, hir.SplineMove) else (motion.goal,)
+    goals = motion.goals
     claimed = claimed_joints(judged, place, len(goals))
     if isinstance(motion, hir.AvoidMove) and (way := claimed_way(judged, place)) is not None:
         claimed = way[-1:]  # where it leads between is its own affair

@@ -178,12 +178,7 @@ def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
 
 def frame_of(*motions: hir.Motion) -> Array | None:
     """Where the moving frame sits on the flange: that of the first of some motions that is Cartesian."""
-    for motion in motions:
-        if isinstance(motion, hir.PoseSplineMove):
-            return motion.waypoints[0].flange_from_moving
-        if isinstance(motion, hir.LineMove | hir.ArcMove):
-            return motion.goal.flange_from_moving
-    return None
+    return next((motion.flange_from_moving for motion in motions if motion.leads_frame), None)
 
 
 def _corner(layout: Layout, robot: Robot, first: int, second: int, segments: int) -> Corner:

@@ -166,14 +166,8 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
 
 def moving_frame(motion: hir.Motion) -> Array:
     """Where the frame that a motion moves sits on the flange (4, 4): by its goals, else as its line says, else the flange itself."""
-    goals: tuple[object, ...] = ()
-    if isinstance(motion, hir.SplineMove | hir.PoseSplineMove):
-        goals = motion.waypoints
-    elif not isinstance(motion, hir.TimedMove):
-        goals = (motion.goal,)
-    for goal in goals:
-        if isinstance(goal, hir.PoseGoal | hir.PoseDelta):
-            return goal.flange_from_moving
+    if (named := motion.flange_from_moving) is not None:
+        return named
     flange_from_moving = np.eye(4)
     link = motion.origin.moving
     while link is not None and link.parent is not None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from sys import intern
 
-from yarclang.certify.cursor import Lines, Refusal, check_characters, shown
+from yarclang.certify.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.text import Barred, Entry, Unreadable
+from yarclang.emitted.header import COLUMNS, Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
-from yarclang.pmac.header import COLUMNS, LOADING, Header
 
 _FIRST = re.compile(r"; yarcc (\S{1,40}): (.*)")
-_TARGET = re.compile(r"; target (rotary|prog)")
+_TARGET = re.compile(r"; target ([a-z]{1,20})")
 _ROBOT = re.compile(r"; robot (\S+) ([0-9a-f]{64})")
 _PROGRAM = re.compile(r"; program ([0-9a-f]{64})")
 _MADE_WITH = re.compile(r"; made with (.*)")
@@ -24,10 +24,7 @@ _DURATION = re.compile(
     rf"(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
 )
 _LONGEST = re.compile(rf"; longest segment asked for ({_TIME}) ms")
-_LOADING = {
-    target: re.compile("; " + re.escape(text).replace(re.escape("{system}"), "([0-9]{1,2})"))
-    for target, text in LOADING.items()
-}
+_LOADING = re.compile(r"; (loading .{1,200})")
 _CERTIFICATE = re.compile(r"; certificate (.*)")
 _SEAL = re.compile(r"; sha256 (-|[0-9a-f]{64})")
 
@@ -106,8 +103,7 @@ def _read_header(lines: Lines) -> Header:
     longest = ""
     if lines.peek().startswith("; longest"):
         (longest,) = _matched(lines, _LONGEST, "the longest segment that was asked for")
-    is_rotary = target == "rotary"
-    found = _matched(lines, _LOADING["rotary" if is_rotary else "prog"], "what loading does")
+    (loading,) = _matched(lines, _LOADING, "what loading does")
     if (line := lines.peek()) != f"; {COLUMNS}":
         lines.refuse(f"is {shown(line)} where the map of commands begins")
     lines.skip()
@@ -116,8 +112,8 @@ def _read_header(lines: Lines) -> Header:
     return Header(
         version=version,
         source=source,
-        target="rotary" if is_rotary else "prog",
-        system=int(found[0]) if found else 0,
+        target=target,
+        loading=loading,
         robot=robot,
         robot_fingerprint=robot_fingerprint,
         program_fingerprint=program,

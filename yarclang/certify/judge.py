@@ -16,7 +16,7 @@ from yarclang.certify.corner import Judged
 from yarclang.certify.deviations import find_deviations
 from yarclang.certify.judgement import Judge
 from yarclang.certify.layout import Layout, Place, lay_out
-from yarclang.certify.read import read
+from yarclang.certify.reader import reader_of
 from yarclang.certify.slowed import slowed
 from yarclang.certify.stretches import Proved, recalled
 from yarclang.certify.text import ControllerText, Unreadable
@@ -56,7 +56,7 @@ def certify(
         The certificate, also if it proves violations (these are errors among the findings); None if
         the text can't be read or its commands aren't the program's.
     """
-    content = read(text, robot.controller, memory)
+    content = reader_of(robot.controller).read(text, robot.controller, memory)
     if isinstance(content, Unreadable):
         shown = Diagnostic(
             content.code, f"line {content.line} of the controller's text {content.reason}", program.source
@@ -183,7 +183,7 @@ def certify_text(
         The certificate, whose deviations are infinite: how far the path is from the programmed one isn't known. None
         if the text can't be read.
     """
-    content = read(text, robot.controller)
+    content = reader_of(robot.controller).read(text, robot.controller, NO_MEMORY)
     if isinstance(content, Unreadable):
         shown = Diagnostic(content.code, f"line {content.line} {content.reason}", source)
         return Result(None, (shown,))

@@ -11,26 +11,24 @@ from types import MappingProxyType
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.assignments import check_assignments
 from yarclang.certify.bounds import Cubics
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, Loads, ToolSpeed
 from yarclang.certify.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.corner import tolerance_of
 from yarclang.certify.flow import check_flow, check_rests
-from yarclang.certify.guard import check_guard
 from yarclang.certify.handled import Handled, follow
 from yarclang.certify.joint import joint_weights
 from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
 from yarclang.certify.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
+from yarclang.certify.reader import reader_of
 from yarclang.certify.speed import KEPT
-from yarclang.certify.text import TM_STEPS_PER_MS, ControllerText
+from yarclang.certify.text import ControllerText
 from yarclang.certify.timed import LATE, timed_tolerance
 from yarclang.certify.torque import find_torques
 from yarclang.certify.zones import NO_ZONES, InZones, find_zones
 from yarclang.diagnostics import Diagnostic
 from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
-from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import Span
 from yarclang.units import DEG, MM, MS
@@ -52,8 +50,6 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
         hir.TimedMove: "timed",
     }
 )
-GUARD_SHARE = 0.05
-"""A fixed program may start so far off that it adds this share of the acceleration limit."""
 
 
 @frozen
@@ -106,25 +102,11 @@ class Judge:
 
     # start, times, rest
 
-    @property
-    def _per_step(self) -> Array:
-        """How far each joint moves with a step of each motor's register (n, n) [rad or m per 1/(Ixx08 32) count]."""
-        steps: Array = np.abs(joints_per_count(self.robot)) / (32.0 * self.robot.controller.ixx08)
-        return steps
-
     def start(self, content: ControllerText) -> Array:
         """Where the text starts (n,) [rad or m]; it must be the program's start, to the printed decimals."""
-        robot, start = self.robot, content.start
-        first = next((i for i, step in enumerate(self.program.steps) if isinstance(step, hir.Motion)), None)
-        if start.rapid is not None:
-            q = start.rapid * robot.axis_units
-            allowed = 0.5 * 10.0**-content.decimals * robot.axis_units
-        else:
-            assert start.guard is not None and start.guard_step is not None  # noqa: PT018 - by the reader
-            per_step = self._per_step
-            q = from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
-            allowed = 0.5 * per_step @ start.guard_step
-            self._guard(content, per_step, first)
+        robot = self.robot
+        start = reader_of(robot.controller).start(content, robot)
+        q, allowed = start.q, start.exact
         weights = joint_weights(robot, self.tolerance)
         off = np.abs(q - self.program.start)
         allowed = np.minimum(allowed * (1.0 + 1e-6) + 1e-12, 1.0 / weights)
@@ -134,27 +116,15 @@ class Judge:
             self.find(
                 "Y1154",
                 f"the text starts with {robot.joint_names[joint]} at {q[joint] / unit:.9g}, the program at "
-                f"{self.program.start[joint] / unit:.9g} {robot.axis_unit_names[joint]} (line {start.line})",
-                first,
+                f"{self.program.start[joint] / unit:.9g} {robot.axis_unit_names[joint]} (line {content.start.line})",
+                self._first,
             )
         return q
 
-    def _guard(self, content: ControllerText, per_step: Array, first: int | None) -> None:
-        """The guard of a fixed program must be narrow: a start off by x adds x / TM^2 of acceleration."""
-        if not content.runs:
-            return
-        width = content.start.guard_width
-        assert width is not None
-        share = per_step @ width / (content.runs[0].segment_ms * MS) ** 2 / self.robot.limits.acceleration
-        joint = int(np.argmax(share))
-        if share[joint] > GUARD_SHARE * (1.0 + 1e-9):
-            self.find(
-                "Y1154",
-                f"the program's guard lets {self.robot.joint_names[joint]} start so far off that it adds "
-                f"{share[joint]:.1%} of its acceleration limit, more than {GUARD_SHARE:.0%} "
-                f"(line {content.start.line})",
-                first,
-            )
+    @property
+    def _first(self) -> int | None:
+        """The step of the first motion, which a start is of."""
+        return next((i for i, step in enumerate(self.program.steps) if isinstance(step, hir.Motion)), None)
 
     def robot_named(self, content: ControllerText) -> None:
         """Check that the header names this very robot."""
@@ -170,10 +140,10 @@ class Judge:
         """Compare the header's start and duration, which people read, with what the text does."""
         header, units = content.header, self.robot.axis_units
         said = _numbers(header.start, self.robot.controller.axes)
-        if content.start.guard_step is None:
-            step = np.full(len(units), 1e-9)
-        else:
-            step = self._per_step @ content.start.guard_step / units + 10.0**-content.decimals
+        place = reader_of(self.robot.controller).start(content, self.robot)
+        step = np.full(len(units), 1e-9)
+        if not place.is_printed:
+            step = 2.0 * place.exact / units + 10.0**-content.decimals
         if said is None or (np.abs(said - start / units) > step).any():
             stands = " ".join(f"{value:.9g}" for value in start / units)
             self.find(
@@ -210,10 +180,8 @@ class Judge:
         slack = np.minimum(10.0**-content.decimals, 1.0 / joint_weights(self.robot, self.tolerance) / units)
         for step, reason in check_rests(content, start / units, slack * (1.0 + 1e-6)):
             self.find("Y1165", reason, step)
-        for reason in check_assignments(content, self.robot, outputs):
-            self.find("Y1191", reason, None)
-        for reason in check_guard(content, self.robot):
-            self.find("Y1190", reason, None)
+        for fault in reader_of(self.robot.controller).faults(content, self.robot, outputs):
+            self.find(fault.code, fault.reason, self._first if fault.at_start else None)
 
     def any_jerk(self, content: ControllerText, free: Set[int]) -> None:
         """Check that the map takes the limit of the jerk from no other motions than the program does.
@@ -244,16 +212,7 @@ class Judge:
             )
 
     def segment_times(self, content: ControllerText, layout: Layout) -> None:
-        """Each motion takes its programmed time, and the controller can calculate that fast."""
-        for run in content.runs:
-            smallest = self.robot.controller.smallest_segment
-            if run.segment_ms * MS < smallest * (1.0 - 1e-9):
-                self.find(
-                    "Y1152",
-                    f"TM{run.segment_ms:.12g} in line {run.tm_line} is below {smallest / MS:.4f} ms, three "
-                    "real-time interrupts of the controller",
-                    None,
-                )
+        """Each motion takes its programmed time."""
         drift = 0.0
         for place in layout.places:
             if place.before is None:
@@ -265,7 +224,7 @@ class Judge:
             if isinstance(place.motion, hir.TimedMove):
                 self._table_time(place, duration, programmed)
                 continue
-            allowed = place.size / (2.0 * TM_STEPS_PER_MS) * MS + 1e-9
+            allowed = place.size * content.quantum / 2.0 + 1e-9
             chained = place.before is not None or place.behind is not None
             if chained and place.size:
                 # one segment time for the whole chain: its seams can't be but on whole segments

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
-from yarclang.pmac.header import Header
-from yarclang.pmac.program import Target
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
 _MARKS: dict[str, Mark] = {"wait": "wait", "hold": "hold", "when": "when", "else": "else", "end": "end"}
-
-TM_STEPS_PER_MS = 4096
-"""TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
 
 
 @frozen
@@ -59,23 +56,6 @@ class Sent:
     def numbered(self) -> Iterator[tuple[int, str]]:
         """Yield each line with its number in the text."""
         yield from enumerate(self.text.split("\n"), self.first)
-
-
-@frozen
-class Marks:
-    """The rotary buffer as the text defines it: `words` long; it counts as low below `low` lines (I16), as full from `full` on (I17)."""
-
-    low: int
-    full: int
-    words: int
-
-
-@frozen
-class Armed:
-    """The guard's flag P8100 is set (`on`) or cleared in a line of the text."""
-
-    line: int
-    on: bool
 
 
 @frozen
@@ -145,19 +125,10 @@ class Stood:
 
 @frozen(eq=False)
 class Start:
-    """Where the motion starts.
-
-    `rapid` (n,) [deg or mm] is the target of the RAPID move. A fixed program has no such
-    move: it waits until each motor is within `guard_width` of `guard` (n,), both in
-    1/(Ixx08 * 32) count as the register of the commanded position is; `guard_step` (n,) is
-    the last printed digit of `guard`.
-    """
+    """Where the motion starts: `printed` (n,) [deg or mm] in line `line`; None where only the kind's reader knows how the text says it (`Reader.start`)."""
 
     line: int
-    rapid: Array | None = None
-    guard: Array | None = None
-    guard_width: Array | None = None
-    guard_step: Array | None = None
+    printed: Array | None
 
 
 @frozen(eq=False)
@@ -171,10 +142,8 @@ class ControllerText:
         course: what is done, in order.
         outputs: variables and the values that they take when the guard has held the motion.
         decimals: the most that a move line prints.
-        marks: the rotary buffer; None for a program buffer.
-        arms: where the guard is armed and disarmed, in order.
-        setup: the lines in front of `OPEN ROT`; empty for a program buffer.
-        loaded: the lines that are stored in the rotary, between `CLEAR` and `CLOSE`; empty for a program buffer.
+        quantum: the step in which the controller keeps segment times [s].
+        own: what else it says, for the rooms of its kind alone.
     """
 
     header: Header
@@ -183,14 +152,12 @@ class ControllerText:
     course: tuple[Run | Dwelt | Put | Barred | Stood, ...]
     outputs: tuple[tuple[str, float], ...]
     decimals: int
-    marks: Marks | None
-    arms: tuple[Armed, ...]
-    setup: tuple[str, ...]
-    loaded: tuple[Sent, ...]
+    quantum: float
+    own: Any = None
 
     @property
-    def target(self) -> Target:
-        """The buffer that the text is for."""
+    def target(self) -> str:
+        """What the text is for, as its header says."""
         return self.header.target
 
     @property
@@ -202,6 +169,22 @@ class ControllerText:
     def schedule(self) -> Schedule:
         """When each item of the course begins, and how long all of it takes."""
         return schedule_of(_part(item) for item in self.course)
+
+
+Assignment = tuple[int | None, str, float]
+"""Line of the text (None: in the PLC of safe values), variable, value."""
+
+
+def assignments_of(text: ControllerText) -> Iterator[Assignment]:
+    """Yield what the text assigns to outputs, in the order of its lines."""
+    for variable, value in text.outputs:
+        yield None, variable, value
+    for item in text.course:
+        match item:
+            case Put(line=line, variable=variable, value=value):
+                yield line, variable, value
+            case Run(puts=puts):
+                yield from ((put.line, put.variable, put.value) for put in puts)
 
 
 def _part(item: Run | Dwelt | Put | Barred | Stood) -> Part:

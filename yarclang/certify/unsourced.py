@@ -6,12 +6,11 @@ import math
 
 from yarclang import hir
 from yarclang.cell.model import Cell
-from yarclang.certify.assignments import assignments_of
-from yarclang.certify.text import Barred, ControllerText
+from yarclang.certify.reader import reader_of
+from yarclang.certify.text import Barred, ControllerText, assignments_of
 from yarclang.diagnostics import Diagnostic
 from yarclang.findings import Severity
-from yarclang.robot.actuation import from_counts
-from yarclang.robot.model import Array, Robot
+from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 
 _MOST = 4
@@ -29,7 +28,7 @@ def told_program(
         source: under whose name findings speak of the text.
         cell: what is around the robot.
     """
-    start = start_of(content, robot)
+    start = reader_of(robot.controller).start(content, robot).q
     barriers = {item.step: item for item in content.course if isinstance(item, Barred)}
     steps: list[hir.Step] = []
     for entry in content.entries:
@@ -43,16 +42,6 @@ def told_program(
         blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
         steps.append(hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend))
     return hir.Program(source, start, tuple(steps), cell=cell)
-
-
-def start_of(content: ControllerText, robot: Robot) -> Array:
-    """Return where a text starts (n,) [rad or m]."""
-    start = content.start
-    if start.rapid is not None:
-        q: Array = start.rapid * robot.axis_units
-        return q
-    assert start.guard is not None  # the reader has found one of both
-    return from_counts(robot, start.guard / (32.0 * robot.controller.ixx08))
 
 
 def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from yarclang.cli.parameter import ParamType
-from yarclang.pmac.requests import PORT
 
 if TYPE_CHECKING:
-    from yarclang.simulator.leash import Leash
+    from yarclang.runtime.session import Leash
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -41,6 +40,14 @@ class Address:
         """As it is given on a command line."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"tcp://{host}:{self.port}"
+
+
+def _port() -> int:
+    """Where a controller listens whose address doesn't say it."""
+    from yarclang.backend import backend_called
+    from yarclang.robot.kinds import DEFAULT
+
+    return backend_called(DEFAULT).port
 
 
 class AddressType(ParamType["Address | None"]):
@@ -76,7 +83,7 @@ class AddressType(ParamType["Address | None"]):
             self.fail(f"{text!r}: {host!r} is no name or address of a host", param, ctx)
         port = found["port"]
         if port is None:
-            return Address(host, PORT)
+            return Address(host, _port())
         if not (port.isascii() and port.isdigit() and len(port) <= 5 and 0 < int(port) < 1 << 16):
             self.fail(f"{text!r}: the port is a number from 1 to 65535", param, ctx)
         return Address(host, int(port))

@@ -46,17 +46,13 @@ def controller(
     if to is not None:
         yield to
         return
+    from yarclang.backend import backend_of
     from yarclang.pipeline.settings import proved_settings
-    from yarclang.simulator.commissioning import commissioned, stand
-    from yarclang.simulator.embedded import EmbeddedSimulator
 
-    machine = commissioned(robot, proved_settings(robot).text)
-    stand(machine, robot, stands)
-    if surroundings is not None:
-        surroundings.attach(machine)
+    proved_settings(robot)
     if tells:
         click.echo(f"{robot.name} is simulated", err=True)
-    with EmbeddedSimulator(machine, rate=rate or 1.0) as simulator:
+    with backend_of(robot).simulated(robot, stands, rate or 1.0, surroundings) as simulator:
         yield Address("127.0.0.1", simulator.port, simulator.leash)
 
 

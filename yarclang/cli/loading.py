@@ -15,16 +15,11 @@ from yarclang.coordinator.loading import load as load_source
 from yarclang.coordinator.messages import orders
 from yarclang.coordinator.programs import Loaded
 from yarclang.diagnostics import Diagnostic
-from yarclang.pipeline.controller_text import COMPILED, read_controller_text, robot_of_text
+from yarclang.pipeline.controller_text import is_compiled, read_controller_text, robot_of_text
 from yarclang.pipeline.inputs import open_program, robot_for
 from yarclang.robot.model import Robot
 
 Found = tuple[Diagnostic, ...]
-
-
-def is_compiled(file: str) -> bool:
-    """Whether a file is called as what yarcc writes."""
-    return file.lower().endswith(COMPILED)
 
 
 def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:

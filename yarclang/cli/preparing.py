@@ -84,7 +84,7 @@ def machines(folder: Path, robot: Robot, options: dict[str, Any]) -> SimulatedCe
     if has_errors(around.diagnostics):
         raise SystemExit(1)
     cell = around.value.loaded.value if around.value is not None else None
-    known = known_in(None, cell, robot.controller.feedback)
+    known = known_in(None, cell, robot.controller.signal)
     made = surroundings_of(options, known, robot, cell, waits=False)
     show_findings(made.diagnostics)
     if made.value is None:

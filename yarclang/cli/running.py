@@ -100,8 +100,8 @@ def _say_error(what: str, remedy: str) -> None:
     _say(error_text(what, remedy))
 
 
-_HOW = {"MOVEJ_LSPB": "all joints straight", "MOVEL_LSPB": "along the line on which the robot stands"}
-"""How an approach goes, by its command."""
+_HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line on which the robot stands"}
+"""How an approach goes, by its command without the profile."""
 
 
 class _Run:
@@ -218,7 +218,7 @@ class _Run:
             show_findings(findings_of(way.findings))
             self._wrong(way.text, "there is no slow joint motion to the start: jog the robot there", ending)
             return None
-        how = _HOW.get(way.title.split()[-1], "round what is in the way")
+        how = _HOW.get(way.title.split()[-1].rpartition("_")[0], "round what is in the way")
         where = joints_text(way.end, robot.welcome.status)
         self.screen.say(f"{way.text}\nan approach takes {way.duration_s:.1f} s, {how} to {where}")
         if options["dry_run"]:

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 @tm_option
 @click.option(
     "--target",
-    type=click.Choice(["rotary", "prog"]),
-    default="rotary",
-    help="For streaming into the rotary buffer, or as a program buffer to download.",
+    metavar="TARGET",
+    default="",
+    help="What the text is for; of a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
 )
 @click.option(
     "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
@@ -64,7 +64,7 @@ def main(
     format_: str,
     **planning: Any,
 ) -> None:
-    """Compile YARC programs to Turbo PMAC text, and prove what they do.
+    """Compile YARC programs to their controller's text, and prove what they do.
 
     It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
@@ -87,7 +87,11 @@ def main(
             progress.file(number, len(files))
             destination = destinations[file]
             try:
-                compiled, diagnostics = _compiled(file, options, destination, certificate, strict)
+                compiled, diagnostics = _compiled(file, options, strict)
+                if compiled is not None:
+                    if output is None:
+                        destination = _called(destination, compiled)
+                    diagnostics += _write(compiled, destination, certificate)
             except Exception as error:
                 if not is_failure(error):
                     raise
@@ -125,18 +129,23 @@ def _check_usage(
         )
 
 
-def _compiled(
-    file: str, options: Options, destination: str, certificate: Path | None, strict: bool
-) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
-    """Compile a file, and write what comes of it. None if there is nothing to write."""
+def _called(destination: str, compiled: Compiled) -> str:
+    """Return how a text is called for its kind of controller."""
+    from yarclang.backend import backend_of
+
+    if destination == "-":
+        return destination
+    return str(Path(destination).with_suffix(backend_of(compiled.plan.robot).suffix))
+
+
+def _compiled(file: str, options: Options, strict: bool) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
+    """Compile a file. None if there is nothing to write."""
     from yarclang.pipeline.checking import check_program_file
 
     checked = check_program_file(file, options)
     compiled, diagnostics = checked.compiled, checked.diagnostics
     if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
         compiled = None
-    if compiled is not None:
-        diagnostics += _write(compiled, destination, certificate)
     return compiled, diagnostics
 
 

@@ -9,19 +9,37 @@ from pkgutil import iter_modules
 from types import MappingProxyType
 
 from yarclang.commands import builtin
-from yarclang.commands.spec import CommandSpec
+from yarclang.commands.spec import ActionSpec, CommandSpec
 from yarclang.named import by_name
 
 
 @cache
 def commands() -> Mapping[str, CommandSpec]:
-    """Return the commands by name, in alphabetic order.
+    """Return the commands with suffixes, values and times by name, in alphabetic order.
 
     Raises:
         NamedTwice: two of them have one name, or one has the name that another had before.
     """
+    return MappingProxyType({name: spec for name, spec in _found().items() if isinstance(spec, CommandSpec)})
+
+
+@cache
+def actions() -> Mapping[str, ActionSpec]:
+    """Return the actions by name, in alphabetic order.
+
+    Raises:
+        NamedTwice: as of `commands`.
+    """
+    return MappingProxyType({name: spec for name, spec in _found().items() if isinstance(spec, ActionSpec)})
+
+
+@cache
+def _found() -> Mapping[str, CommandSpec | ActionSpec]:
     modules = sorted(f"{builtin.__name__}.{module.name}" for module in iter_modules(builtin.__path__))
-    specs: list[tuple[str, CommandSpec]] = [(name, import_module(name).COMMAND) for name in modules]
-    names = [(name, place, spec) for place, spec in specs for name in (spec.name, spec.old_name) if name]
-    found = by_name("command", names)
-    return MappingProxyType({name: spec for name, spec in sorted(found.items()) if name == spec.name})
+    specs: list[tuple[str, CommandSpec | ActionSpec]] = [
+        (name, import_module(name).COMMAND) for name in modules
+    ]
+    names = [(spec.name, place, spec) for place, spec in specs]
+    old = [(spec.old_name, place, spec) for place, spec in specs if isinstance(spec, CommandSpec)]
+    found = by_name("command", [*names, *(one for one in old if one[0])])
+    return {name: spec for name, spec in sorted(found.items()) if name == spec.name}

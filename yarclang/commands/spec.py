@@ -1,6 +1,6 @@
-"""What a command is: one value of `CommandSpec`, in one file of commands/builtin.
+"""What a command is: one value of `CommandSpec`, or of `ActionSpec` for a word that isn't a motion, in one file of commands/builtin.
 
-The checks, the documentation and the completion read it; nothing else in the language
+The checks, the documentation, the completion, the forms and the highlighter read it; nothing else in the language
 knows a command by name.
 """
 
@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import field
 from enum import Enum
-from typing import Any
+from typing import Any, Literal
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Origin, Reading, Step, Timetable, Timing
+from yarclang.hir import Action, Array, Origin, Reading, Signal, Step, Timetable, Timing
 from yarclang.units import Kind
+from yarclang.words.spec import Slot
 
 
 class Values(Enum):
@@ -120,3 +121,65 @@ class CommandSpec:
     is_timed: bool = False
     """Whether each way-point has its own time: then the command takes no profile, and DEFAULT gives it no time. The way-points may stand in a file, whose path stands
     in quotes instead of them."""
+
+
+@frozen
+class ActionForm:
+    """The parts that stand behind an action's word: the values, and whether a time in square brackets may (`may`) or must (`must`) follow."""
+
+    slots: tuple[Slot, ...] = ()
+    time: Literal["", "may", "must"] = ""
+
+
+@frozen
+class ActionArguments:
+    """A checked action in SI, as its `build` gets it.
+
+    Attributes:
+        origin: the command.
+        values: of its form's slots: a `Signal`, a number for a state, a str.
+        seconds: the time that stands behind them [s]; None if there is none.
+        report: adds a finding at the command: its code, its message, the help.
+    """
+
+    origin: Origin
+    values: tuple[Signal | float | str, ...]
+    seconds: float | None
+    report: Callable[[str, str, str], object]
+
+
+@frozen
+class ActionSpec:
+    """A command that isn't a motion: it says what is done between two motions.
+
+    Attributes:
+        name: the word.
+        title: the heading of its form on pages: a few words.
+        summary: one line.
+        wants: its values in words, for who writes others: `an output and its value`.
+        build: makes the steps, carried out one after the other. All of them have the origin of the arguments.
+        forms: the sets of values that it takes, each with another number of values.
+        examples: lines without an index, for which a signal has to be declared.
+    """
+
+    name: str
+    title: str
+    summary: str
+    wants: str
+    build: Callable[[ActionArguments], tuple[Action, ...]]
+    forms: tuple[ActionForm, ...]
+    examples: tuple[str, ...]
+
+    @property
+    def fullest(self) -> ActionForm:
+        """The form with the most values."""
+        return max(self.forms, key=lambda form: len(form.slots))
+
+    @property
+    def takes_time(self) -> bool:
+        """True if a time may stand behind the values."""
+        return any(form.time for form in self.forms)
+
+    def form_of(self, count: int) -> ActionForm | None:
+        """Return the form with so many values."""
+        return next((form for form in self.forms if len(form.slots) == count), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from yarclang.commands.registry import commands
+from yarclang.commands.registry import actions, commands
 from yarclang.semantics.naming import FIXED_FRAMES
 from yarclang.syntax.words import RESERVED
 
@@ -19,6 +19,6 @@ def legal_name(text: str, is_frame: bool = False) -> str:
         return f"{text[:40]!r} is no name: a name has letters A to Z, digits and _, and no digit first"
     if is_frame:
         return f"{{{name}}} comes from the robot and can't be declared" if name in FIXED_FRAMES else ""
-    if name in RESERVED or name in commands() or _INDEX.fullmatch(name):
+    if name in RESERVED or name in commands() or name in actions() or _INDEX.fullmatch(name):
         return f"{text} is a word of the language"
     return ""

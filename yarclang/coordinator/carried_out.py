@@ -9,8 +9,8 @@ from yarclang.coordinator.resting import resting_place
 from yarclang.hir import Else, EndWhen, Hold, Motion, SetOutput, Step, Stop, WaitInput, When
 from yarclang.motion.plan import MotionPlan
 from yarclang.runtime.job import Job
-from yarclang.runtime.operation import PATIENCE
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.scripts import scripts_of
 
 _LOST = "Y1606"
 """Code of a connection that was lost."""
@@ -112,7 +112,11 @@ def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
     segment = max(motion.curve.segment for motion in plan.motions)
     late = program.capacity * segment + sum(seconds for _, seconds in program.dwells)
     heard = plan.begins[number] + ended.done - command.begins
-    last = heard + _AT_END * segment + (late if ended.code == _LOST else min(late, PATIENCE))
+    last = (
+        heard
+        + _AT_END * segment
+        + (late if ended.code == _LOST else min(late, scripts_of(program.robot.controller.kind).patience))
+    )
     later = (one.step for one, begins in zip(plan.motions, plan.begins, strict=True) if begins > last)
     return next(later, len(plan.program.steps))
 

@@ -128,5 +128,7 @@ class Carrying:
         session, found = self._coordinator.engine.session, dict[str, float]()
         with contextlib.suppress(Trouble, Lost):
             for variable in (*cell.grips, *cell.removals):
-                (found[variable],) = await session.perform(session.operation.numbers(variable, 1))
+                (found[variable],) = await session.perform(
+                    session.scripts.read(session.operation, (variable,))
+                )
         return found

@@ -30,11 +30,10 @@ from yarclang.coordinator.signals import hear_inputs, signal_event
 from yarclang.coordinator.subscription import Subscription
 from yarclang.lasting import Lasting
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.notices import Abort, Changed, Hold, Notice, Progress, Reached, Remark, Stop
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.rest import stands_at
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
 from yarclang.runtime.state import State
 from yarclang.simulated_cell.playing import SimulatedCell
@@ -307,7 +306,7 @@ class Coordinator:
             Trouble: as `stands`.
         """
         operation, robot = self.engine.operation, self.robot
-        return await self.engine.ask(lambda: stands_at(operation, robot))
+        return await self.engine.ask(lambda: self.engine.scripts.stands_at(operation, robot))
 
     # what is carried out
 

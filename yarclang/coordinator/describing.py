@@ -24,7 +24,7 @@ from yarclang.report.carried import carried_parts
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime import signals
 from yarclang.runtime.outcome import Ended, Where
-from yarclang.runtime.rest import off_the_start
+from yarclang.runtime.standing import off_the_start
 from yarclang.units import DEG, MM
 
 _SHOWN = 129

@@ -18,8 +18,6 @@ from yarclang.coordinator.ordered import OrderedSession
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Lost, Script, Trouble
-from yarclang.runtime.homing import end_search
-from yarclang.runtime.idling import idle
 from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
@@ -27,9 +25,9 @@ from yarclang.runtime.log import FOLDER, RunLog
 from yarclang.runtime.notices import Fail, Stop
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.performance import connect, end_leftovers, end_what_runs, look, perform, perform_live
-from yarclang.runtime.rest import described
+from yarclang.runtime.scripts import Scripts
 from yarclang.runtime.session import Session
+from yarclang.runtime.standing import described
 from yarclang.runtime.state import Event, State
 from yarclang.runtime.transports.promptness import prompt_while_moving, shares_the_interpreter
 
@@ -145,6 +143,11 @@ class Engine:
         """The session's state, orders and notices."""
         return self.session.operation
 
+    @property
+    def scripts(self) -> Scripts:
+        """What is asked of the controller, in its own words."""
+        return self.session.scripts
+
     async def start(self, *, patient: bool = False) -> Inspection | None:
         """Connect, look at everything, and serve from now on.
 
@@ -182,9 +185,9 @@ class Engine:
             Trouble: the controller can't be reached, or not be looked at.
         """
         operation = self.operation
-        await self.session.perform(connect(operation))
-        if operation.searches:  # nobody watches the search any more
-            await self.session.perform(end_search(operation))
+        await self.session.perform(self.scripts.connect(operation))
+        if operation.searches and self.scripts.services is not None:  # nobody watches the search any more
+            await self.session.perform(self.scripts.services.end_search(operation))
         return await self.look()
 
     def _judge(self, found: Inspection) -> None:
@@ -294,11 +297,14 @@ class Engine:
 
     async def perform(self, job: Job, program: Job | None = None) -> Ended:
         """Carry a job out; for work of `move`. `program` is the whole that it is a part of: the log is named after it."""
-        return await self._logged(job, perform(self.operation, job), program)
+        return await self._logged(job, self.scripts.perform(self.operation, job), program)
 
     async def perform_live(self, live: Live) -> Ended:
         """Carry a live motion out; for work of `move`. The log has its states, positions and orders; its lines are made on the way."""
-        return await self._logged(live.job, perform_live(self.operation, live))
+        script = self.scripts.perform_live
+        if script is None:
+            raise Trouble("this controller has no live motions", "move it by commands", "Y1616")
+        return await self._logged(live.job, script(self.operation, live))
 
     async def _logged(self, job: Job, script: Script[Ended], program: Job | None = None) -> Ended:
         try:
@@ -322,7 +328,7 @@ class Engine:
 
         async def cleared() -> Inspection:
             if self.operation.state is State.FAULT:
-                await self.session.perform(end_leftovers(self.operation, self.robot))
+                await self.session.perform(self.scripts.end_leftovers(self.operation, self.robot))
             return await self.look()
 
         found = await self._wait_for(cleared, moves=False)
@@ -340,7 +346,9 @@ class Engine:
 
     async def look(self) -> Inspection:
         """Look at the controller; where all is well, a fault is forgotten."""
-        self.inspection = await self.session.perform(look(self.operation, self.robot, self._items))
+        self.inspection = await self.session.perform(
+            self.scripts.look(self.operation, self.robot, self._items)
+        )
         return self.inspection
 
     def _refuse_while_under_way(self) -> None:
@@ -368,7 +376,7 @@ class Engine:
                     with prompt_while_moving() if work.moves else contextlib.nullcontext():
                         await self._carry_out(work)
                 else:
-                    await self.session.perform(idle(self.operation, self.robot, self._wanted))
+                    await self.session.perform(self.scripts.idle(self.operation, self.robot, self._wanted))
             except Lost as lost:
                 await self._reconnect(f"the connection was lost: {lost}", str(lost))
             except Exception as error:
@@ -444,14 +452,22 @@ class Engine:
         operation.orders.clear()
         if operation.state in (State.STOP, State.FAULT) and not operation.searches:
             return ""
-        rescuer = Session(session.host, session.port, pace=session.pace, connector=session.connector)
+        rescuer = Session(
+            session.host,
+            session.port,
+            pace=session.pace,
+            connector=session.connector,
+            scripts=session.scripts,
+        )
         session.close()
         where = "couldn't be brought to rest: look at it"
         with contextlib.suppress(Exception):
             async with asyncio.timeout(_RESCUE):
-                await rescuer.perform(connect(rescuer.operation))
+                await rescuer.perform(self.scripts.connect(rescuer.operation))
                 aborts = operation.searches  # a hold doesn't stop it
-                joints = await rescuer.perform(end_what_runs(rescuer.operation, self.robot, abort=aborts))
+                joints = await rescuer.perform(
+                    self.scripts.end_what_runs(rescuer.operation, self.robot, abort=aborts)
+                )
                 operation.searches = False
                 stands = described(self.robot, joints) if joints is not None else ""
                 where = f"stands at {stands}" if stands else "isn't homed any more"

@@ -8,14 +8,11 @@ import numpy as np
 
 from yarclang.coordinator.describing import joints_by_name
 from yarclang.coordinator.messages import replies
-from yarclang.pmac.status import MOTOR_WORD_1, MOTOR_WORD_2
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.state import State
 
 if TYPE_CHECKING:
     from yarclang.coordinator.coordinator import Coordinator
-
-_NAMES = (*MOTOR_WORD_1, *MOTOR_WORD_2)
 
 
 def health_of(coordinator: Coordinator) -> replies.Health:
@@ -33,10 +30,10 @@ def health_of(coordinator: Coordinator) -> replies.Health:
         motors=tuple(
             replies.MotorHealth(
                 number=number,
-                closed_loop=not motor.has("open loop"),
-                homed=motor.has("home complete"),
+                closed_loop=motor.closed_loop,
+                homed=motor.homed,
                 trouble=motor.trouble,
-                flags=tuple(name for name in _NAMES if motor.has(name)),
+                flags=motor.flags,
                 following=error,
             )
             for number, motor, error in zip(

@@ -12,14 +12,15 @@ from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.handling.parts import first_parts
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.checking import check_program_file, check_text
-from yarclang.pipeline.controller_text import COMPILED, judge_text, read_controller_text
+from yarclang.pipeline.controller_text import is_compiled, judge_text, read_controller_text
 from yarclang.pipeline.inputs import Opened, Options, open_program, open_source
-from yarclang.pipeline.jobs import Papers, job_of
+from yarclang.pipeline.jobs import job_of
 from yarclang.pipeline.origins import Origins
 from yarclang.pipeline.sources import STANDARD_INPUT
 from yarclang.pipeline.stages import CellNow
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Array, Robot
+from yarclang.runtime.job import Papers
 from yarclang.source import SourceFile
 
 
@@ -50,7 +51,7 @@ class Source:
     @property
     def is_compiled(self) -> bool:
         """Whether the file is called as what yarcc writes."""
-        return self.file.lower().endswith(COMPILED)
+        return is_compiled(self.file)
 
     @property
     def name(self) -> str:

@@ -321,9 +321,8 @@ def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
 def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
     """Which solution of a free pose was taken: `nearest of 8`."""
     step = program.steps[number]
-    if not (isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, PoseGoal)):
+    if not isinstance(step, JointMove | AvoidMove) or not isinstance(goal := step.goal, PoseGoal):
         return ""
-    goal = step.goal
     base_from_flange = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
     found, reached = branches(robot.chain, base_from_flange[None], hold=begin)
     within = [

@@ -12,11 +12,11 @@ from yarclang.coordinator.coordinator import Coordinator
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.serving import ControlSocket
 from yarclang.robot.model import Robot
-from yarclang.runtime.session import REPLY_TIME
+from yarclang.runtime.scripts import scripts_of
+from yarclang.runtime.session import REPLY_TIME, Leash
 from yarclang.runtime.transports.lock import controller_lock
 from yarclang.runtime.transports.promptness import prompt_thread
 from yarclang.simulated_cell.playing import SimulatedCell
-from yarclang.simulator.leash import Leash
 
 _MOST_FIRST = 2**40
 """Numbers of programs and offers begin anywhere below: those of a coordinator that has ended mean nothing to this one."""
@@ -82,6 +82,7 @@ async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
             reply_time=max(ground.reply_time, ground.patience or 0.0),
             pace=ground.pace,
             leash=ground.leash,
+            scripts=scripts_of(robot.controller.kind),
         )
         if ground.patience is not None:
             session.operation.wanted_silence = ground.patience * ground.pace

@@ -27,7 +27,7 @@ from yarclang.pipeline.returning import along_the_path
 from yarclang.pipeline.stages import CellNow, Compiled, compile_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.job import Job
-from yarclang.runtime.rest import off_the_start
+from yarclang.runtime.standing import off_the_start
 
 APPROACH = "approach"
 """What the way to a program's start is called."""

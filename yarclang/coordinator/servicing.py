@@ -6,18 +6,17 @@ import hashlib
 from collections.abc import Awaitable, Callable
 from typing import TypeVar
 
+from yarclang.backend import backend_of
 from yarclang.coordinator.client.part import Part
 from yarclang.coordinator.describing import finished
 from yarclang.coordinator.messages import replies
 from yarclang.coordinator.messages.events import Began
 from yarclang.lasting import Lasting
 from yarclang.pipeline.settings import proved_settings
-from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Lost, Script, Trouble
-from yarclang.runtime.homing import home, searches
 from yarclang.runtime.inspection import Inspection
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.servicing import Sent, check_open, disable, enable, save, send
+from yarclang.runtime.scripts import Sent, Services
 
 T = TypeVar("T")
 
@@ -29,34 +28,29 @@ def wrong_in(found: Inspection) -> tuple[str, ...]:
     return tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors)
 
 
-def lines_of(text: str) -> tuple[str, ...]:
-    """Return what of a settings text is sent: its lines without comments."""
-    bare = (line.partition(";")[0].strip() for line in text.splitlines())
-    return tuple(line for line in bare if line)
-
-
-def settings_text(robot: Robot) -> str:
-    """Return the settings of a robot's controller: the very text that was proved.
-
-    Raises:
-        Trouble: they aren't proved.
-    """
-    return proved_settings(robot).text
-
-
 class Servicing(Part):
     """The part of a client that gets a controller ready."""
+
+    @property
+    def _services(self) -> Services:
+        services = self._coordinator.engine.scripts.services
+        if services is None:
+            raise Trouble("this kind of controller is got ready with tools of its own", "use them", "Y1612")
+        return services
+
+    def _lines(self, text: str) -> tuple[str, ...]:
+        return backend_of(self._coordinator.robot).settings().lines(text)
 
     # the motors
 
     async def enable(self) -> replies.Serviced:
-        """Close the loops of the motors; see `yarclang.runtime.servicing`.
+        """Close the loops of the motors; see `yarclang.runtime.scripts.Services`.
 
         Raises:
             NotOwner: this client only watches.
             Trouble: something is under way, or there is no connection.
         """
-        return await self._served(ENABLING, "to enable the motors", enable)
+        return await self._served(ENABLING, "to enable the motors", self._services.enable)
 
     async def disable(self) -> replies.Serviced:
         """Open the loops of all motors.
@@ -64,7 +58,7 @@ class Servicing(Part):
         Raises:
             NotOwner, Trouble: as `enable`.
         """
-        return await self._served(DISABLING, "to disable the motors", disable)
+        return await self._served(DISABLING, "to disable the motors", self._services.disable)
 
     async def _served(self, name: str, what: str, script: Callable[..., Script[str]]) -> replies.Serviced:
         coordinator = self._coordinator
@@ -120,7 +114,7 @@ class Servicing(Part):
             Trouble: the robot is under way, or there is no connection.
         """
         engine, robot = self._coordinator.engine, self._coordinator.robot
-        found = await engine.ask(lambda: searches(engine.operation, robot))
+        found = await engine.ask(lambda: self._services.searches(engine.operation, robot))
         return replies.HomeSearches(
             searches=tuple(
                 replies.MotorSearch(
@@ -130,7 +124,7 @@ class Servicing(Part):
                     speed=round(one.speed, 6),
                     longest_s=round(one.longest, 1),
                     refused=one.refused,
-                    homed=motor.has("home complete"),
+                    homed=motor.homed,
                 )
                 for one, motor in zip(found, engine.operation.motors, strict=True)
             )
@@ -157,7 +151,7 @@ class Servicing(Part):
             ended = Ended(True)
             try:
                 for motor in motors:
-                    await engine.session.perform(home(operation, robot, motor))
+                    await engine.session.perform(self._services.home(operation, robot, motor))
                     coordinator.tell(f"motor {motor} is homed")
             except Trouble as trouble:
                 ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
@@ -183,7 +177,7 @@ class Servicing(Part):
             Trouble: the robot is under way, or there is no connection.
         """
         coordinator = self._coordinator
-        text = await coordinator.plan(settings_text, coordinator.robot)
+        text = await coordinator.plan(proved_settings, coordinator.robot)
         found = await coordinator.engine.look_again()
         things = []
         for one in found.checked:
@@ -198,7 +192,9 @@ class Servicing(Part):
                     help=one.remedy,
                 )
             )
-        return replies.SettingsCompared(things=tuple(things), lines=len(lines_of(text)), sha256=_digest(text))
+        return replies.SettingsCompared(
+            things=tuple(things), lines=len(self._lines(text)), sha256=_digest(text)
+        )
 
     async def send(self, known: str) -> replies.SettingsSent:
         """Send the settings.
@@ -214,16 +210,16 @@ class Servicing(Part):
         coordinator.check_owner(self._name, "to send settings")
         engine, stops = coordinator.engine, coordinator.stops
         operation, robot = engine.operation, coordinator.robot
-        text = await coordinator.plan(settings_text, robot)
+        text = await coordinator.plan(proved_settings, robot)
         if _digest(text) != known:
             raise Trouble("the settings aren't those that were compared", "compare them again", "Y1613")
-        lines = lines_of(text)
+        lines = self._lines(text)
 
         async def work() -> tuple[Sent, Inspection]:
             if coordinator.stops != stops:
                 raise Trouble("stopped before it began; nothing was sent", "", "")
-            await engine.session.perform(check_open(operation, robot, robot.controller.ixx08))
-            sent = await engine.session.perform(send(operation, lines))
+            await engine.session.perform(self._services.check_open(operation, robot))
+            sent = await engine.session.perform(self._services.send(operation, lines))
             operation.orders.clear()
             return sent, await engine.look()
 
@@ -244,7 +240,7 @@ class Servicing(Part):
         engine = coordinator.engine
         await self._carried_out(
             SAVING,
-            lambda: engine.session.perform(save(engine.operation, coordinator.robot)),
+            lambda: engine.session.perform(self._services.save(engine.operation, coordinator.robot)),
             lambda _: "",
         )
         return replies.Done()

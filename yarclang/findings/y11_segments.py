@@ -32,4 +32,13 @@ FINDINGS = (
         "yarcc --tm 1",
         "yarcc --tm 5",
     ),
+    Finding(
+        "Y1104",
+        "not-for-this-controller",
+        "error",
+        "the robot's controller can't do this",
+        "Kinds of controllers differ in what a text can be for, and in what they can do between motions. yarcc writes nothing that the robot's own can't carry out.",
+        "yarcc --target tape",
+        "yarcc --target prog",
+    ),
 )

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
-from yarclang.commands.registry import commands
+from yarclang.commands.registry import actions, commands
 from yarclang.motion.profile import profile_names
 from yarclang.semantics.names import TARGETS
 from yarclang.syntax.words import (
@@ -17,11 +17,11 @@ from yarclang.syntax.words import (
     FUNCTIONS,
     OPERATORS,
     OPTIONS,
-    OTHER_COMMANDS,
     RATES,
     STATES,
 )
 from yarclang.units import UNITS
+from yarclang.words.registry import word_specs
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +43,12 @@ class Words:
 def words() -> Words:
     """All of them. A new command, profile or unit is among them by itself."""
     specs = commands().values()
-    names = {name for spec in specs for name in (spec.name, spec.old_name) if name}
+    names = {name for spec in specs for name in (spec.name, spec.old_name) if name} | actions().keys()
     blocks = BLOCK_HEADS | {"END", "ELSE"}
     return Words(
         blocks=_ordered(blocks),
         declarations=_ordered(DECLARATIONS - blocks),
-        commands=_ordered(names | OTHER_COMMANDS),
+        commands=_ordered(names | {name for name, word in word_specs().items() if word.is_command}),
         suffixes=_ordered({*TARGETS, *profile_names(), AVOID}),
         options=_ordered(OPTIONS | RATES),
         operators=_ordered(OPERATORS),

@@ -19,9 +19,7 @@ from yarclang.syntax.ast import (
 )
 from yarclang.syntax.expressions import Expression, Name, parts_of
 from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
-
-_FRAMES = ("FRAME", "FRAME_QUAT")
-_NAMED = ("LET", "JOINTS", "INPUT", "OUTPUT", "SUB", "USE")
+from yarclang.words.registry import word_specs
 
 
 @frozen
@@ -76,11 +74,14 @@ def names_of(module: Module) -> Names:
 
 def _read(statement: Statement, word: str, found: Names) -> None:
     own: object = None
-    if word in _FRAMES and statement.moving is not None:
+    declares = word_specs()[word].declares if word in word_specs() else ""
+    if declares == "frame" and statement.moving is not None:
         own = statement.moving
         found.declared.append(Declared("FRAME", statement.moving.name, statement, statement.span(own.place)))
     elif (
-        word in _NAMED and statement.waypoints and isinstance(first := statement.waypoints[0].values[0], Word)
+        declares == "name"
+        and statement.waypoints
+        and isinstance(first := statement.waypoints[0].values[0], Word)
     ):
         own = first
         found.declared.append(Declared(word, first.name, statement, statement.span(first.place)))

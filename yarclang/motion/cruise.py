@@ -36,9 +36,6 @@ _FINEST = 0.002
 _LEAST_SHARE = 0.02
 """A smaller share of a speed isn't looked for: where a way nearly turns back on the spot, its segments would be without number."""
 
-FOR_SHORT = "SCURVE"
-"""The law of a way that is too short to reach its speed."""
-
 
 @frozen
 class CruiseBroken:

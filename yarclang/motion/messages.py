@@ -10,7 +10,7 @@ from yarclang.motion.cruise import CruiseBroken
 from yarclang.motion.curve import FEWEST_SEGMENTS, Curve
 from yarclang.motion.fit import MOST_SEGMENTS, NotHeld, TooFast, TooLong
 from yarclang.motion.limits import Demand, Grid
-from yarclang.motion.profile import NoLaw
+from yarclang.motion.profile import NoLaw, profiles_with
 from yarclang.motion.singular import Nearest
 from yarclang.motion.timed import Broken, Refused, TooShort
 from yarclang.motion.wording import Message, MessageAbout, length_text, percent_text
@@ -176,7 +176,8 @@ def no_cruise(step: Motion) -> Message:
     """A speed with a law that keeps none."""
     origin = step.origin
     message = f"[V ..] is the speed of a cruise, and _{step.profile} has none"
-    return "Y0407", message, origin.time_span or origin.span, "take _LSPB, the default, or _SCURVE", None
+    help_ = f"take {profiles_with(lambda profile: profile.has_cruise)}"
+    return "Y0407", message, origin.time_span or origin.span, help_, None
 
 
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
@@ -206,7 +207,10 @@ def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = Non
     message = f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % of the way"
     if near is not None:
         message += f"; {_beside(robot, near)}"
-    help_ = "take _SCURVE, which needs no search; a way farther from singularities helps too: another pose, or a via"
+    help_ = (
+        f"take {profiles_with(lambda profile: not profile.needs_search)}, which need no search; "
+        "a way farther from singularities helps too: another pose, or a via"
+    )
     return "Y0614", message, step.origin.span, help_, None
 
 

@@ -106,9 +106,7 @@ class MotionPlan:
     def any_jerk(self) -> frozenset[int]:
         """The steps of the motions whose law has no limit of the jerk, or that have no law but a timetable."""
         return frozenset(
-            motion.step
-            for motion in self.motions
-            if not motion.profile or not load_profile(motion.profile).has_jerk_limit
+            motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
         )
 
     @property

@@ -9,7 +9,7 @@ from functools import partial
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.frozen import frozen
-from yarclang.hir import ArcMove, Gap, LineMove, Motion, PoseSplineMove, Program, Step, Stop, TimedMove
+from yarclang.hir import Gap, Motion, Program, Step, Stop, TimedMove
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
@@ -18,7 +18,7 @@ from yarclang.motion.chains.corners import chained, long_chains
 from yarclang.motion.chains.flowing.flow import Known, flowing
 from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.chains.messages import stops_at_corner, time_off_the_grid
-from yarclang.motion.cruise import FOR_SHORT, CruiseBroken, at_speed, full_time
+from yarclang.motion.cruise import CruiseBroken, at_speed, full_time
 from yarclang.motion.curve import Curve
 from yarclang.motion.fit import NotHeld, TooFast, TooLong, fit
 from yarclang.motion.leading.led import FrameWay
@@ -27,7 +27,7 @@ from yarclang.motion.path import Path
 from yarclang.motion.paths.joint import JointPath
 from yarclang.motion.paths.timed import TimedPath, along
 from yarclang.motion.plan import MotionPlan, PlannedMotion
-from yarclang.motion.profile import NoLaw, load_profile
+from yarclang.motion.profile import FOR_SHORT, NoLaw, load_profile
 from yarclang.motion.recalling import told_before
 from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
@@ -162,8 +162,7 @@ def _known_without_a_way(step: Motion) -> list[Diagnostic]:
     """What is wrong with a motion whose start or end isn't known: told now, and not once that is mended."""
     findings = Collector(step.origin.source)
     findings.place = step.origin.place
-    leads_frame = isinstance(step, LineMove | ArcMove | PoseSplineMove)
-    if leads_frame and step.timing.speed is not None and not load_profile(step.profile).has_cruise:
+    if step.leads_frame and step.timing.speed is not None and not load_profile(step.profile).has_cruise:
         findings.add(*messages.no_cruise(step))
     return findings.found
 
@@ -184,8 +183,7 @@ class _Planner:
         """Return the limits and the tolerance of a motion, but for slow zones."""
         timing, tolerance = step.timing, self.settings.tolerance
         if step.tolerance is not None:
-            leads_frame = isinstance(step, LineMove | ArcMove | PoseSplineMove)
-            tolerance = tolerance.of_motion(step.tolerance, leads_frame=leads_frame)
+            tolerance = tolerance.of_motion(step.tolerance, leads_frame=step.leads_frame)
         return self.bounds.reduced(timing.share, timing.ramp), tolerance
 
     def link(
@@ -285,9 +283,7 @@ class _Planner:
         fitted = fit_timed(path, step.within, bounds, grid)
         match fitted:
             case Curve():
-                # it has no law, and flows into nothing
-                profile = load_profile(_NO_JERK_LIMIT)
-                return Link(path, profile, None, None, bounds, tolerance, None, fitted)
+                return Link(path, load_profile(step.profile), None, None, bounds, tolerance, None, fitted)
             case Broken() | Missed() | TooShort():
 
                 def path_at(stretch: float) -> TimedPath:
@@ -404,9 +400,6 @@ ENOUGH_LINKED = 12
 """Motions without a stop between them that are planned of a program with errors. What is found there besides are stops at corners and times that
 aren't kept, and a long chain takes seconds.
 """
-
-_NO_JERK_LIMIT = "TOPP"
-"""A profile whose law has no limit of the jerk, as a timetable has none."""
 
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""

@@ -52,13 +52,18 @@ class NoLaw:
     s: float
 
 
+def _without_law(path: Path, bounds: Bounds) -> Law | NoLaw:  # noqa: ARG001
+    """Refuse to make a law: a timetable says itself where the joints are at which time."""
+    raise TypeError("a timetable has no law")
+
+
 @frozen
 class Profile:
     """A law of motion for every path.
 
     `law` makes the one for a path and the limits that it shall keep; NoLaw if none is found. `is_stretched` says that the shortest time decides the
     form, and a longer one stretches it. `has_jerk_limit` is False for a law whose acceleration may jump. `has_cruise` says
-    that most of the way goes at one speed, which can be asked for. `longest_segment` [s]
+    that most of the way goes at one speed, which can be asked for. `needs_search` is False for a law that is found along any path. `longest_segment` [s]
     is the longest segment that does the law justice where time is what counts.
     """
 
@@ -68,6 +73,7 @@ class Profile:
     is_stretched: bool = False
     has_jerk_limit: bool = True
     has_cruise: bool = False
+    needs_search: bool = False
     longest_segment: float = math.inf
 
 
@@ -81,13 +87,28 @@ def profile_names() -> tuple[str, ...]:
     return tuple(sorted(by_name("profile", names)))
 
 
+FOR_SHORT = "SCURVE"
+"""The profile of a way that is too short to reach its speed: its ramps are as long as the limits want."""
+
+TIMETABLE = Profile("", "as the timetable says", _without_law, has_jerk_limit=False)
+"""The profile of a motion along a timetable."""
+
+
+def profiles_with(fits: Callable[[Profile], bool]) -> str:
+    """Return the suffixes of all profiles that are fit for something, as messages list them."""
+    *first, last = [f"_{name}" for name in profile_names() if fits(load_profile(name))]
+    return f"{', '.join(first)} or {last}" if first else last
+
+
 @cache
 def load_profile(name: str) -> Profile:
-    """Return the profile of a name in upper case.
+    """Return the profile of a name in upper case; `TIMETABLE` for the empty name.
 
     Raises:
         ValueError: the profile calls itself otherwise than its file.
     """
+    if not name:
+        return TIMETABLE
     loaded: Profile = import_module(f"{profiles.__name__}.{name.lower()}").PROFILE
     if loaded.name != name:
         raise ValueError(f"the profile of {name.lower()}.py calls itself {loaded.name}")

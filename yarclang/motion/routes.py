@@ -25,11 +25,13 @@ from yarclang.hir import (
     Else,
     EndWhen,
     Gap,
+    Goal,
     JointDelta,
     JointGoal,
     JointMove,
     LineMove,
     Motion,
+    PoseDelta,
     PoseGoal,
     PoseSplineMove,
     SplineMove,
@@ -149,14 +151,9 @@ class Router:
         if not handling.is_needed:
             return self.cell
         touches = handling.touches(number, self._grasps.get)
-        goal = _joint_goal(step)
-        if goal is not None and before.q is not None:
+        if not step.leads_frame and before.q is not None:
             # of straight ways of a frame only the certificate looks at what they meet
-            flange = (
-                flange_at(goal)
-                if isinstance(goal, PoseGoal)
-                else flange_pose(self.robot, _end(goal, before.q))
-            )
+            flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
         return handling.around(before.parts.parts, touches)
 
@@ -176,12 +173,11 @@ class Router:
         """Try the other solutions of step `chosen`, the nearest first, until the steps from there to the last can be done."""
         tried = self.done[chosen:]
         last = len(self.done)
-        goal = _last_goal(self.steps[chosen])
-        near = self._near(chosen)
-        if goal is None or near is None:
-            return
         step = self.steps[chosen]
         assert isinstance(step, Motion)
+        goal, near = step.end, self._near(chosen)
+        if not isinstance(goal, PoseGoal) or near is None:
+            return
         for q in Solver(self.robot, self.done[chosen].cell).others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
@@ -287,10 +283,8 @@ class Router:
     ) -> _Done:
         """Route one motion from `q` (n,)."""
         choice, taken = before.choice, self._choices.get(number)
-        if isinstance(step, SplineMove):
-            choice = number if is_free(step.waypoints[-1]) else None
-        elif isinstance(step, JointMove | AvoidMove) and not isinstance(step.goal, JointDelta):
-            choice = number if is_free(step.goal) else None
+        if not step.leads_frame and not isinstance(step.end, JointDelta):
+            choice = number if is_free(step.end) else None
         key: Hashable = ()
         if not isinstance(self.memory, Forgetful):
             chosen = None if taken is None else taken.tobytes()
@@ -348,7 +342,7 @@ class Router:
         """Return where a motion from an unknown place leads: joint positions (n,) if they are written, the flange's pose (4, 4), and the way of its frame."""
         if isinstance(step, TimedMove):
             return step.table.positions[-1], None, None
-        goals = step.waypoints if isinstance(step, SplineMove | PoseSplineMove) else (step.goal,)
+        goals: tuple[Goal, ...] = step.goals
         way = None
         if before.flange is not None and isinstance(step, LineMove | ArcMove | PoseSplineMove):
             way, last = frame_way(step, before.flange, findings)
@@ -370,20 +364,14 @@ MOST_MEASURED = 20
 """Commands of a program for which is searched how far they are out of reach: each search takes about 0.1 s."""
 
 
-def _joint_goal(step: Motion) -> JointGoal | JointDelta | PoseGoal | None:
-    """Return where a motion of the joints leads; None for motions of a frame."""
-    if isinstance(step, JointMove | AvoidMove):
-        return step.goal
-    if isinstance(step, TimedMove):
-        return JointGoal(step.table.positions[-1])
-    return step.waypoints[-1] if isinstance(step, SplineMove) else None
-
-
-def _end(goal: JointGoal | JointDelta, stands: Array) -> Array:
-    """Return the joint position (n,) of a goal."""
-    return goal.q if isinstance(goal, JointGoal) else stands + goal.dq
-
-
-def _last_goal(step: Step) -> PoseGoal | None:
-    goal = step.waypoints[-1] if isinstance(step, SplineMove) else getattr(step, "goal", None)
-    return goal if isinstance(goal, PoseGoal) else None
+def _flange_at(robot: Robot, goal: Goal, stands: Array) -> Array:
+    """Return where the flange stands at the goal of a motion of the joints from `stands` (n,), base_from_flange (4, 4)."""
+    match goal:
+        case PoseGoal():
+            return flange_at(goal)
+        case JointGoal(q=q):
+            return flange_pose(robot, q)
+        case JointDelta(dq=dq):
+            return flange_pose(robot, stands + dq)
+        case PoseDelta():
+            raise AssertionError("only a motion of the moving frame has increments of a pose")

@@ -10,11 +10,11 @@ import numpy as np
 from yarclang.frozen import frozen
 from yarclang.hir import Motion
 from yarclang.motion.cartesian import CartesianPath
-from yarclang.motion.cruise import FOR_SHORT, full_time
+from yarclang.motion.cruise import full_time
 from yarclang.motion.fit import FEW_SEGMENTS, MOST_SEGMENTS, look_ahead
 from yarclang.motion.limits import Bounds, Grid
 from yarclang.motion.path import Path
-from yarclang.motion.profile import NoLaw, Profile, load_profile
+from yarclang.motion.profile import FOR_SHORT, NoLaw, Profile, load_profile
 from yarclang.motion.runs import Growing
 from yarclang.motion.singular import keep_away
 from yarclang.motion.trials import Trials, try_together

@@ -14,7 +14,7 @@ from yarclang.collision.zones.speed import fastest_inside, may_enter
 from yarclang.collision.zones.watched import Moving, tool_frame
 from yarclang.collision.zones.workspace import SLACK, Watch, watches_of
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, PoseSplineMove, SplineMove, TimedMove
+from yarclang.hir import Array, Motion
 from yarclang.robot.model import Robot
 from yarclang.transforms import constant
 
@@ -150,14 +150,8 @@ def moving_of(robot: Robot, motion: Motion) -> Moving:
     if link is None:
         return tool_frame(robot)
     name = link.name
-    goals: tuple[object, ...] = ()
-    if isinstance(motion, SplineMove | PoseSplineMove):
-        goals = motion.waypoints
-    elif not isinstance(motion, TimedMove):
-        goals = (motion.goal,)
-    for goal in goals:
-        if isinstance(goal, PoseGoal | PoseDelta):
-            return Moving(name, goal.flange_from_moving)
+    if (placed := motion.flange_from_moving) is not None:
+        return Moving(name, placed)
     placed = np.eye(4)
     while link is not None and link.parent is not None:
         placed = link.parent_from_frame @ placed

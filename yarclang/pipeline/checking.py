@@ -19,7 +19,7 @@ from yarclang.memory import Forgetful
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.callers import at_callers, uncalled_lines
 from yarclang.pipeline.cells import SUFFIX, check_description
-from yarclang.pipeline.controller_text import COMPILED, check_controller_text
+from yarclang.pipeline.controller_text import check_controller_text, is_compiled
 from yarclang.pipeline.followers import few_in_a_line, without_followers
 from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.inputs import Opened, Options, open_source
@@ -83,7 +83,7 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
             return Checked(in_order(check_description(path, options.robot)))
         except Exception as error:  # a bug of ours: other files are checked all the same
             return Checked((failure(error, SourceFile(path, "")),))
-    if path.lower().endswith(COMPILED):
+    if is_compiled(path):
         try:
             return Checked(in_order(check_controller_text(path, options)))
         except Exception as error:  # a bug of ours

@@ -8,12 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
+from yarclang.backend import backend_called
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.header import header_of
 from yarclang.certify.judge import certify, certify_text
 from yarclang.certify.text import Unreadable
 from yarclang.diagnostics import Diagnostic, Result, has_errors
+from yarclang.emitted.header import Header
+from yarclang.emitted.seal import is_sealed
 from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.hir import Program
@@ -32,14 +35,10 @@ from yarclang.pipeline.origins import start_values
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import LARGEST_DATA, name_of, read_content
 from yarclang.pipeline.stages import check_program, claims_of, plan_checked, plan_module
-from yarclang.pmac.header import Header
-from yarclang.pmac.seal import is_sealed
+from yarclang.robot.kinds import kind_names
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import GivenCell
 from yarclang.source import SourceFile, Span
-
-COMPILED = ".pmc"
-"""How files with controller text are called."""
 
 FIRST_WORDS = "; yarcc "
 """A controller text begins with these."""
@@ -68,6 +67,11 @@ class JudgedText:
     missing: str
     cell: Cell | None
     plan: MotionPlan | None = None
+
+
+def is_compiled(file: str) -> bool:
+    """Return True if a file is called as what yarcc writes for some kind of controller."""
+    return file.lower().endswith(tuple(backend_called(name).suffix for name in kind_names()))
 
 
 def read_controller_text(path: str) -> Result[SourceFile]:

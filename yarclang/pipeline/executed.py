@@ -11,12 +11,12 @@ from typing import Literal
 
 import numpy as np
 
-from yarclang.certify.read import read
+from yarclang.certify.reader import reader_of
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
-from yarclang.certify.unsourced import start_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import NO_TIME, Lasting
+from yarclang.memory import NO_MEMORY
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
 from yarclang.progress import tell
@@ -83,12 +83,13 @@ def executed(
         None, with a finding, where it isn't what yarcc writes for this robot's controller.
     """
     tell("reading the controller's text", 0)
-    content = read(text, robot.controller)
+    reader = reader_of(robot.controller)
+    content = reader.read(text, robot.controller, NO_MEMORY)
     if isinstance(content, Unreadable):
         message = f"line {content.line} {content.reason}"
         help_ = "it isn't as yarcc wrote it: compile the program again"
         return Result(None, (Diagnostic(content.code, message, SourceFile(name, text), help=help_),))
-    start = start_of(content, robot)
+    start = reader.start(content, robot).q
     acts = tuple(_acts(content, map_lines(text), robot, start))
     if carried is not None:
         acts = tuple(

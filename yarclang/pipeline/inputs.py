@@ -19,7 +19,6 @@ from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import NO_TEXTS, STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import CellNow, Request
 from yarclang.pipeline.trajectories import TrajectoryLoader
-from yarclang.pmac.program import Target
 from yarclang.robot.description import load_robot, read_robot
 from yarclang.robot.library import find_robot, list_robots
 from yarclang.robot.model import Robot, Tolerance
@@ -43,7 +42,7 @@ class Options:
     start: tuple[float, ...] | None = None
     tm: float | None = None
     tolerance: tuple[float, float | None] | None = None
-    target: Target = "rotary"
+    target: str = ""
     texts: Mapping[Path, SourceFile] = field(default_factory=lambda: NO_TEXTS)
     memory: Memory = NO_MEMORY
     enough: int | None = None

@@ -1,37 +1,26 @@
-"""Certified controller text to a job that the runtime streams."""
+"""A certificate to a job that the runtime carries out."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from yarclang.certify.assignments import assignments_of
+from yarclang.backend import backend_of
 from yarclang.certify.certificate import Certificate
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, assignments_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.lasting import Schedule
 from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import START_SHARE, Robot
-from yarclang.runtime.job import Barrier, Job, JobCommand, Leg
+from yarclang.runtime.job import NO_PAPERS, Barrier, Job, JobCommand, Leg, Papers
 from yarclang.source import SourceFile
 from yarclang.units import MS
-
-
-@frozen
-class Papers:
-    """What goes with a job into its log: the program's text and the certificate as JSON."""
-
-    source: str = ""
-    certificate: str = ""
-
-
-NO_PAPERS = Papers()
 
 
 def job_of(
@@ -55,20 +44,18 @@ def job_of(
         clock: the latest known time at which it begins there [s].
 
     Returns:
-        None, with a finding, if the text isn't for a rotary buffer.
+        None, with a finding, if the text isn't for being streamed.
     """
     content = certificate.text
-    if content.marks is None or content.start.rapid is None:
-        message = "this text is for a program buffer, which isn't streamed"
-        help_ = "compile it without --target prog; a program buffer is downloaded and run by hand"
-        return Result(None, (Diagnostic("Y1162", message, SourceFile(name, text), help=help_),))
-    loaded = [numbered for sent in content.loaded for numbered in sent.numbered()]
-    schedule = content.schedule
-    start = content.start.rapid
+    found = backend_of(robot).sendable(content, robot)
+    if isinstance(found, Diagnostic):
+        return Result(None, (replace(found, source=SourceFile(name, text)),))
+    schedule, loaded = content.schedule, found.lines
+    assert content.start.printed is not None
+    start = content.start.printed
     common = Job(
         name=name,
         robot=robot,
-        setup=content.setup,
         lines=(),
         times=np.empty(0),
         commands=(),
@@ -77,14 +64,13 @@ def job_of(
         slack=start,
         segment=robot.controller.largest_segment,
         duration=0.0,
-        words=content.marks.words,
-        low=content.marks.low,
-        full=content.marks.full,
+        capacity=found.capacity,
         guarded=False,
         text=text,
         source=papers.source,
         certificate=papers.certificate,
         outputs=content.outputs,
+        own=found.own,
     )
     dwells = {
         item.line: item.milliseconds * MS
@@ -92,8 +78,9 @@ def job_of(
         if isinstance(item, Dwelt) and item.milliseconds > 0.0
     }
     sets = {line: (variable, value) for line, variable, value in assignments_of(content) if line is not None}
-    arms = [one.line for one in content.arms if one.on]
-    made = _Making(common, _begins(content, schedule), _commands(content, schedule), arms, sets, dwells)
+    made = _Making(
+        common, _begins(content, schedule), _commands(content, schedule), found.guarded, sets, dwells
+    )
     whole = made.part(loaded, content.runs, start, 0.0, schedule.places[-1])
     legs = tuple(_legs(made, content, schedule, loaded, start)) if _has_barriers(content) else ()
     return Result(replace(whole, legs=legs, offset=offset, clock=clock, lasting=schedule.lasting))
@@ -140,13 +127,13 @@ class _Making:
     common: Job
     begins: dict[int, float]
     commands: tuple[JobCommand, ...]
-    arms: list[int]
+    arms: tuple[int, ...]
     sets: dict[int, tuple[str, float]]
     dwells: dict[int, float]
 
     def part(
         self,
-        loaded: list[tuple[int, str]],
+        loaded: Sequence[tuple[int, str]],
         runs: tuple[Run, ...],
         start: Array,
         begin: float,
@@ -192,7 +179,11 @@ class _Making:
 
 
 def _legs(
-    made: _Making, content: ControllerText, schedule: Schedule, loaded: list[tuple[int, str]], start: Array
+    made: _Making,
+    content: ControllerText,
+    schedule: Schedule,
+    loaded: Sequence[tuple[int, str]],
+    start: Array,
 ) -> Iterator[Leg]:
     """What is streamed between two barriers. STOP itself isn't: whoever streams stops by not going on."""
     entries = {entry.step: entry for entry in content.entries}

@@ -108,6 +108,10 @@ def map_lines(text: str) -> LineMap:
     return LineMap(said.source, said.robot, said.program_fingerprint, commands, (*header, *body))
 
 
+_AT_REST = "DWELL0"
+"""Before an output is set, or before a barrier; a dwell of the program has a time."""
+
+
 def _body(
     lines: list[str], begin: int, commands: tuple[Listed, ...], barriers: dict[int, int]
 ) -> Iterator[Stretch]:
@@ -117,7 +121,6 @@ def _body(
     still = [one for one in commands if one.first is None and one.name != "STOP"]
     opened = next((n for n in range(begin + 1, len(lines) + 1) if lines[n - 1] == _SPLINE), len(lines))
     yield from (Stretch(number, number, None, OPENING) for number in range(begin + 1, opened + 1))
-    barred = set(barriers.values())
     barrier: Listed | None = None
     for number in range(opened + 1, len(lines) + 1):
         line = lines[number - 1]
@@ -143,7 +146,7 @@ def _body(
                 barrier = None
         elif line.startswith("DWELL") and still:
             command, what = still[0], "the robot comes to rest before it"
-            if command.name == "WAIT" and command.step not in barred:
+            if line != _AT_REST:
                 what = "its dwell"
                 still.pop(0)
         elif _PUT.fullmatch(line) and still:

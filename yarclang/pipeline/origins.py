@@ -11,16 +11,16 @@ from pathlib import Path
 
 from yarclang.certify.header import header_of
 from yarclang.certify.text import Unreadable
+from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.line_map import Listed
 from yarclang.pipeline.stages import check_program
-from yarclang.pmac.header import Header
 from yarclang.robot.model import Robot
 
-_AXIS = re.compile(r"[A-Z](-?\d+(?:\.\d+)?)")
+_VALUE = r"(-?\d+(?:\.\d+)?)"
 
 
 @frozen(eq=False)
@@ -92,5 +92,6 @@ def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str
 
 def start_values(header: Header, robot: Robot) -> tuple[float, ...] | None:
     """Return where a header says that the robot stands at first [deg or mm]; None if that isn't a position of this robot."""
-    values = tuple(float(one) for one in _AXIS.findall(header.start))
-    return values if len(values) == robot.size else None
+    form = "".join(re.escape(axis) + _VALUE for axis in robot.controller.axes)
+    found = re.fullmatch(form, header.start)
+    return None if found is None else tuple(float(one) for one in found.groups())

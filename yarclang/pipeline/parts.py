@@ -40,10 +40,11 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.places import matching
 from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
 from yarclang.robot.model import Robot
+from yarclang.semantics.names import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
 
 _PEAK = 1.5
-"""Largest speed of an LSPB motion over its mean."""
+"""Largest speed of a motion with the default profile over its mean."""
 
 _SHORTEST = 0.5
 """No approach is quicker [s]."""
@@ -73,17 +74,17 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
     by_speed = _PEAK * far / (limits.velocity * share)
     by_acceleration = np.sqrt(4.5 * far / (limits.acceleration * share))
     duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
-    source, origin = _line(robot, "MOVEJ_LSPB", [there], f"{duration:g}")
-    move = JointMove(origin, JointGoal(there), "LSPB", Timing(duration))
+    source, origin = _line(robot, f"MOVEJ_{DEFAULT_PROFILE}", [there], f"{duration:g}")
+    move = JointMove(origin, JointGoal(there), DEFAULT_PROFILE, Timing(duration))
     return compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
 
 
 def _round(robot: Robot, here: Array, way: Way, cell: Cell | None) -> Result[Compiled]:
     share = robot.controller.rapid_share
     points = list(way.waypoints)
-    source, origin = _line(robot, "MOVEJ_SPLINE_LSPB", points, f"{100.0 * share:g}%")
+    source, origin = _line(robot, f"MOVEJ_SPLINE_{DEFAULT_PROFILE}", points, f"{100.0 * share:g}%")
     goals = tuple(JointGoal(q) for q in points)
-    move = SplineMove(origin, goals, "LSPB", Timing(None, share=share))
+    move = SplineMove(origin, goals, DEFAULT_PROFILE, Timing(None, share=share))
     made = compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
     # how it swings is worth a note only of what somebody has written
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))

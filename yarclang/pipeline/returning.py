@@ -24,6 +24,7 @@ from yarclang.hir import (
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.parts import approach, compiled_part, followed_plan, parts_before
 from yarclang.pipeline.stages import Compiled, Request
+from yarclang.semantics.names import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
 
 _ON_PATH = 2e-3
@@ -102,13 +103,15 @@ def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cel
     robot = plan.robot
     step = plan.program.steps[plan.motions[number].step]
     timing = Timing(None, share=robot.controller.rapid_share)
-    name = "MOVEL_LSPB" if isinstance(step, LineMove) else "MOVEJ_LSPB"
+    name = f"{'MOVEL' if isinstance(step, LineMove) else 'MOVEJ'}_{DEFAULT_PROFILE}"
     values = " ".join(f"{value:.6g}" for value in there / robot.axis_units)
     text = f"P0001 {name} {values} [{100.0 * robot.controller.rapid_share:g}%]"
     source = SourceFile("<approach>", text)
     origin = Origin("P0001", name, source, Span.on_line(1, 1, len(text) + 1))
     if not isinstance(step, LineMove):
-        return Program(source, here, (JointMove(origin, JointGoal(there), "LSPB", timing),), cell=cell)
+        return Program(
+            source, here, (JointMove(origin, JointGoal(there), DEFAULT_PROFILE, timing),), cell=cell
+        )
     flange_from_moving = step.goal.flange_from_moving
     goal = PoseGoal(flange_pose(robot, there) @ flange_from_moving, flange_from_moving)
-    return Program(source, here, (LineMove(origin, goal, "LSPB", timing),), cell=cell)
+    return Program(source, here, (LineMove(origin, goal, DEFAULT_PROFILE, timing),), cell=cell)

@@ -11,13 +11,14 @@ from pathlib import PurePath
 import numpy as np
 
 from yarclang import __version__
-from yarclang.backend_pmac.emit import emit, segment_time
-from yarclang.backend_pmac.lower import lower
+from yarclang.backend import Backend, Written, backend_of
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
-from yarclang.diagnostics import Result, grouped, has_errors, in_order
+from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
+from yarclang.emitted.header import Header
+from yarclang.emitted.seal import sealed
 from yarclang.frozen import frozen
 from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step
 from yarclang.identity import fingerprint
@@ -25,10 +26,6 @@ from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
-from yarclang.pipeline.segments import segment_grid
-from yarclang.pmac.header import Header
-from yarclang.pmac.program import PmacProgram, Target
-from yarclang.pmac.seal import sealed
 from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.arguments import name_arguments_of_times
@@ -37,7 +34,6 @@ from yarclang.semantics.context import Context, GivenCell
 from yarclang.semantics.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
-from yarclang.units import MS
 
 CellNow = Callable[[Cell, Array], Cell | None]
 """Gives a cell with its parts where they are now, for a program that starts at joint positions (n,); None: nobody knows better than the cell's file."""
@@ -48,7 +44,7 @@ class Request:
     """What a door asks for besides the program.
 
     `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
-    the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `load` finds
+    the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `target` is what the text is for (empty: the first that the robot's controller has). `load` finds
     the modules that the program uses, `load_cell` its cell, `load_table` its files of timetables; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
     keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough. `present` gives
     the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file).
@@ -59,7 +55,7 @@ class Request:
     fallback_start: Array | None = None
     tm: float | None = None
     tolerance: Tolerance | None = None
-    target: Target = "rotary"
+    target: str = ""
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
     load_table: Callable[[str, SourceFile | None], Result[TrajectoryFile]] | None = None
@@ -122,7 +118,7 @@ def shown_plan(program: Program, request: Request) -> MotionPlan | None:
 
 
 def _settings(request: Request) -> Result[Settings]:
-    grid = segment_grid(request.robot, request.tm)
+    grid = backend_of(request.robot).grid(request.robot, request.tm)
     if grid.value is None:
         return Result(None, grid.diagnostics)
     return Result(Settings(grid.value, request.tolerance or request.robot.tolerance, request.memory))
@@ -178,13 +174,17 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Motion plan to controller text, read back and proved."""
     tolerance = request.tolerance or request.robot.tolerance
     tell("writing the controller's text", 0)
-    lowered = lower(planned, request.target, tolerance)
-    emitted = emit(lowered, request.memory)
-    header = _header(lowered, planned, request)
+    backend = backend_of(planned.robot)
+    if request.target and request.target not in backend.targets:
+        return Result(None, (_no_target(backend, request.target),))
+    made = backend.write(planned, request.target or backend.targets[0], tolerance, request.memory)
+    if made.value is None:
+        return Result(None, made.diagnostics)
+    header = _header(made.value, planned, request)
     tell("certifying: reading the text", 0)
-    text = emitted.text(header.lines())
-    # of a long text they are as large as all that is proved of it
-    del lowered, emitted
+    text = made.value.text(header.lines())
+    # of a long text it is as large as all that is proved of it
+    del made
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
@@ -209,30 +209,29 @@ def _made_with(searches: bool) -> str:
     return f"{packages}, ompl {version('ompl')}" if searches else packages
 
 
-def _header(lowered: PmacProgram, planned: MotionPlan, request: Request) -> Header:
+def _no_target(backend: Backend, target: str) -> Diagnostic:
+    message = f"{backend.kind.title} has no target {target}"
+    return Diagnostic("Y1104", message, help=f"its targets are {', '.join(backend.targets)}")
+
+
+def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
     """What a person who finds the text wants to know; certificate and seal come later."""
     robot = planned.robot
-    times = {motion.curve.segment for motion in planned.motions}
-    ends = sorted({min(times), max(times)}) if times else ()
-    units = dict.fromkeys(robot.axis_unit_names)
-    start = "".join(
-        f"{axis}{value:.{lowered.decimals}f}" for axis, value in zip(lowered.axes, lowered.start, strict=True)
-    )
     searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
     return Header(
         version=__version__,
         source=_printable(PurePath(planned.program.source.name).name),
-        target=request.target,
-        system=lowered.coordinate_system,
+        target=written.target,
+        loading=written.loading,
         robot=robot.name,
         robot_fingerprint=robot.fingerprint,
         program_fingerprint=fingerprint(planned.program, request.memory),
         made_with=_made_with(searches),
-        start=start,
-        units=", ".join(units),
+        start=written.start,
+        units=", ".join(dict.fromkeys(robot.axis_unit_names)),
         lasting=planned.lasting,
-        segments=tuple(segment_time(time / MS) for time in ends),
-        longest="" if request.tm is None else segment_time(request.tm),
+        segments=written.segments,
+        longest="" if request.tm is None else written.time(request.tm),
     )
 
 

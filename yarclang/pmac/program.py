@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -10,6 +12,15 @@ from numpy.typing import NDArray
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
+
+
+LOADING: Mapping[Target, str] = MappingProxyType(
+    {
+        "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
+        "prog": "loading moves nothing; with all motors closed-loop, &{system}B1R runs it, from the start only",
+    }
+)
+"""What a person who loads the text by hand must know; `{system}` is the coordinate system."""
 
 
 @frozen

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Container
 
-from yarclang.frozen import frozen
+from yarclang.robot.controller import SignalVariable
 
 ARMED = "P8100"
 """1 while a rotary program wants its buffer guarded, 2 after the guard has held the motion, else 0."""
@@ -77,19 +77,6 @@ def rotary_full(system: int) -> tuple[str, str]:
 _VARIABLE = re.compile(r"([MPQ])([0-9]{1,4})")
 _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 """Variables that yarclang itself uses: the guard's, and the motors' positions."""
-
-
-@frozen
-class SignalVariable:
-    """The variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy.
-
-    `is_taken` is True for a variable that yarclang itself uses.
-    """
-
-    name: str | None
-    fault: str = ""
-    remedy: str = ""
-    is_taken: bool = False
 
 
 def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:

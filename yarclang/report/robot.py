@@ -29,7 +29,7 @@ def robot_text(robot: Robot) -> str:
         lines.append(f"joint position {name}: " + " ".join(f"{value:g}" for value in q / units))
     controller = robot.controller
     lines.append(
-        f"controller {controller.kind}, coordinate system {controller.coordinate_system}, segments of "
+        f"controller {controller.kind}, {controller.text}, segments of "
         f"{controller.smallest_segment / MS:.4g} to {controller.largest_segment / MS:g} ms"
     )
     return "\n".join(lines)

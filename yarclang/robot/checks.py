@@ -51,7 +51,7 @@ def _likely_size(draft: RobotDraft, tables: int) -> int:
     lists: list[Sequence[object] | None] = []
     lists += [actuation.K, actuation.J, actuation.a0] if actuation else []
     lists += [motors.numbers, motors.velocity] if motors else []
-    lists += [controller.axes, controller.feedback] if controller else []
+    lists += [value for _, value in controller if isinstance(value, list)] if controller else []
     sizes = [tables, *(len(values) for values in lists if values is not None)]
     return max(sizes, key=sizes.count)
 

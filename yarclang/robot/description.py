@@ -20,6 +20,8 @@ from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.robot.chain import check_bodies, check_chain, find_links, frozen, joints_between, screws
 from yarclang.robot.checks import check_narrower, check_table
 from yarclang.robot.contacts import allowed_pairs
+from yarclang.robot.controller import Kind
+from yarclang.robot.kinds import kind_of
 from yarclang.robot.library import RobotSummary, find_robot, list_robots, stdlib_folder
 from yarclang.robot.link_shapes import link_shapes
 from yarclang.robot.masses import dynamics_of
@@ -27,7 +29,6 @@ from yarclang.robot.model import (
     Actuation,
     Array,
     Chain,
-    Controller,
     Dynamics,
     JointKind,
     Limits,
@@ -241,20 +242,7 @@ def _assemble(
             offset=frozen(actuation.a0 if actuation.a0 is not None else np.zeros(size)),
             velocity=frozen(np.array(_given(motors.velocity)) / MS),
         ),
-        controller=Controller(
-            kind=controller.kind,
-            coordinate_system=controller.coordinate_system,
-            axes=tuple(_given(controller.axes)),
-            motors=tuple(_given(motors.numbers)),
-            feedback=tuple(_given(controller.feedback)),
-            largest_segment=controller.largest_tm * MS,
-            ixx08=controller.ixx08,
-            rotary_words=controller.rotary_words,
-            hold_time=controller.hold_time * MS,
-            rapid_share=controller.rapid_share,
-            i8=controller.i8,
-            i10=controller.i10,
-        ),
+        controller=_known(controller.kind).controller(controller, _given(motors.numbers)),
         tolerance=Tolerance(table.tolerance.position * MM, table.tolerance.angle * DEG),
         fingerprint="",
         jog_speed=table.jog.speed * MM,
@@ -317,6 +305,11 @@ def _kind(kind: str) -> JointKind:
     if kind == "revolute":
         return "revolute"
     return "prismatic" if kind == "prismatic" else "continuous"
+
+
+def _known(kind: str) -> Kind:
+    """The kind of controller of tables without mistakes."""
+    return _given(kind_of(kind))
 
 
 def _given(value: T | None) -> T:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from yarclang.robot.schema import RobotTable
+from yarclang.robot.kinds import DEFAULT
+from yarclang.robot.schema import RobotTable, robot_table
 from yarclang.toml.draft import Draft, missing_mistake
 from yarclang.toml.draft import read_draft as read_any
 
@@ -18,7 +19,9 @@ def read_draft(data: dict[str, Any]) -> RobotDraft:
     Args:
         data: what tomllib made of the file; bad keys are taken out of it.
     """
-    draft = read_any(data, RobotTable)
+    told = data.get("controller")
+    kind = told.get("kind", DEFAULT) if isinstance(told, dict) else DEFAULT
+    draft = read_any(data, robot_table(kind if isinstance(kind, str) else DEFAULT))
     positions, home = draft.table.positions, ("positions", "HOME")
     if positions is None or home in draft.dropped or "HOME" in (name.upper() for name in positions):
         return draft

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from yarclang.robot.kinds import kind_of
 from yarclang.robot.model import Array
 from yarclang.toml.file import TomlFile, right_length
 from yarclang.toml.places import Path
@@ -16,13 +16,6 @@ if TYPE_CHECKING:
     from yarclang.robot.draft import RobotDraft
 
 
-AXES = "XYZABCUVW"
-COUPLED = (frozenset("XYZ"), frozenset("UVW"))
-"""The controller adds axes up in a motor's definition only inside one of these groups (TSRM 269)."""
-FIRST_GUARD = 8100
-"""P8100 and above are the guard's, which the backend writes."""
-LONGEST_TM = 4096.0
-"""[ms], beyond it the controller clips the time of a spline segment (TSRM 476)."""
 WORST_CONDITION = 1e6
 
 
@@ -59,8 +52,9 @@ def _check_actuation(file: TomlFile, draft: RobotDraft, size: int) -> None:
 
 def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
     """Whether J can be inverted, and whether the controller can couple its axes."""
-    axes = draft.table.controller.axes if draft.table.controller else None
-    known = axes if axes is not None and len(axes) == len(coupling) and set(axes) <= set(AXES) else None
+    controller = draft.table.controller
+    axes = controller.axes if controller else None
+    kind = kind_of(controller.kind) if controller else None
     groups = _groups(coupling)
     uneven = [(motors, joints) for motors, joints in groups if len(motors) != len(joints)]
     for motors, joints in uneven[:1]:  # the others follow from it
@@ -77,15 +71,14 @@ def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
         message = f"J can't be inverted: its condition number is {condition:.3g}, and must be below 1e6."
         file.say("Y1320", ("actuation", "J"), message, "Make its rows independent of each other.")
     for motors, joints in groups:
-        if known is None or len(joints) < 2 or uneven:
+        if kind is None or axes is None or len(axes) != len(coupling) or len(joints) < 2 or uneven:
             continue
-        letters = [known[joint] for joint in joints]
-        if not any(set(letters) <= group for group in COUPLED):
+        letters = [axes[joint] for joint in joints]
+        if remedy := kind.not_coupled(letters):
             row = next(row for row in motors if np.count_nonzero(coupling[row]) > 1)
             message = (
                 f"Motors {_listed(motors)} couple the axes {', '.join(letters)}, which the controller can't."
             )
-            remedy = "Give the coupled joints letters of X Y Z or of U V W in axes; A B C can't be coupled."
             file.say("Y1324", ("actuation", "J", row), message, remedy)
 
 
@@ -119,44 +112,18 @@ def _check_controller(file: TomlFile, draft: RobotDraft, size: int) -> None:
         if motors.numbers is not None:
             path: Path = ("motors", "numbers")
             right_length(file, path, motors.numbers, size, "number", "joint")
-            _check_twice(file, "Y1323", path, "Motor", [str(number) for number in motors.numbers])
+            check_twice(file, "Y1323", path, "Motor", [str(number) for number in motors.numbers])
         if motors.velocity is not None:
             right_length(file, ("motors", "velocity"), motors.velocity, size, "value", "joint")
     if controller is None:
         return
-    if controller.axes is not None:
-        _check_letters(file, "axes", controller.axes, size)
-    if controller.feedback is not None:
-        _check_letters(file, "feedback", controller.feedback, size)
-    least = 3.0 * (controller.i8 + 1) * controller.i10 / 8_388_608.0
-    if not least < controller.largest_tm <= LONGEST_TM:
-        message = (
-            f"largest_tm is {controller.largest_tm:g} ms, but must be above {least:.2f} ms "
-            f"(three real-time interrupts) and at most {LONGEST_TM:g} ms."
-        )
-        file.say("Y1328", ("controller", "largest_tm"), message, "Write largest_tm = 50 (ms).")
+    known = kind_of(controller.kind)
+    if known is not None:
+        known.check(file, controller, size)
 
 
-def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) -> None:
-    """The axes, or the feedback variables: each one legal, and there once."""
-    path: Path = ("controller", key)
-    right_length(file, path, names, size, "name", "joint")
-    for at, name in enumerate(names):
-        if key == "axes" and (name not in AXES or len(name) != 1):
-            message = f'axes[{at + 1}] is "{name[:20]}", which is no axis of the controller.'
-            file.say("Y1321", (*path, at), message, f"Use the letters {' '.join(AXES)}, each once.")
-        if key == "feedback" and not (
-            re.fullmatch(r"P(0|[1-9][0-9]{0,3})", name) and int(name[1:]) < FIRST_GUARD
-        ):
-            message = (
-                f'feedback[{at + 1}] is "{name[:20]}", which isn\'t a variable from P0 to P{FIRST_GUARD - 1}.'
-            )
-            file.say("Y1326", (*path, at), message, "Use P1, P2 and so on; those above are the guard's.")
-    code, what = ("Y1322", "Axis") if key == "axes" else ("Y1327", "Variable")
-    _check_twice(file, code, path, what, names)
-
-
-def _check_twice(file: TomlFile, code: str, path: Path, what: str, names: Sequence[str]) -> None:
+def check_twice(file: TomlFile, code: str, path: Path, what: str, names: Sequence[str]) -> None:
+    """Say which names are there twice."""
     first: dict[str, int] = {}
     for at, name in enumerate(names):
         if name in first:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
+from yarclang.robot.controller import Controller
 from yarclang.shapes import Shape
 from yarclang.units import DEG, MM
 
@@ -77,41 +78,6 @@ class Actuation:
     coupling: Array
     offset: Array
     velocity: Array
-
-
-@frozen
-class Controller:
-    """How the robot hangs on its controller, and the controller's own settings.
-
-    `axes`, `motors` and `feedback` have one entry a joint (motor k is row k of the
-    actuation matrix). Times are in s, `ixx08` is the position scale factor, `rotary_words`
-    the least size of the rotary buffer, `i8` and `i10` the controller's I-variables.
-    """
-
-    kind: Literal["turbo-pmac"]
-    coordinate_system: int
-    axes: tuple[str, ...]
-    motors: tuple[int, ...]
-    feedback: tuple[str, ...]
-    largest_segment: float
-    ixx08: int
-    rotary_words: int
-    hold_time: float
-    rapid_share: float
-    i8: int
-    i10: int
-
-    @property
-    def servo_period(self) -> float:
-        """The time between two servo interrupts [s]: I10 is in 1/8,388,608 ms (TSRM 43)."""
-        return self.i10 / 8_388_608.0 * 1e-3
-
-    @property
-    def smallest_segment(self) -> float:
-        """The shortest segment that the controller calculates in time [s]: three real-time
-        interrupts, one each I8 + 1 servo periods.
-        """
-        return 3.0 * (self.i8 + 1) * self.servo_period
 
 
 @frozen

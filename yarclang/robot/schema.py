@@ -5,10 +5,12 @@ This module imports pydantic; import it late.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from functools import cache
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, create_model
 
+from yarclang.robot.kinds import DEFAULT, kind_names, kind_of
 from yarclang.toml.tables import LARGEST, LEAST, Document, Number, Positive, Table
 
 NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
@@ -52,20 +54,14 @@ class MotorsTable(Table):
 
 
 class ControllerTable(Table):
-    """`[controller]`: times in ms."""
+    """`[controller]`, as far as all kinds have it: times in ms. Each kind has a form of its own (`Kind.table`)."""
 
-    required = ("axes", "feedback")
-    kind: Literal["turbo-pmac"] = "turbo-pmac"
-    coordinate_system: Annotated[int, Field(ge=1, le=16)] = 1
+    required: ClassVar[tuple[str, ...]] = ("axes",)
+    kind: str = DEFAULT
     axes: list[str] | None = None
-    feedback: list[str] | None = None
     largest_tm: Number = 50.0
-    ixx08: Annotated[int, Field(ge=1, le=8_388_607)] = 96
-    rotary_words: Annotated[int, Field(ge=48, le=1_000_000)] = 480
     hold_time: Annotated[float, Field(ge=1.0, le=8_388_607.0)] = 250.0
     rapid_share: Annotated[float, Field(ge=0.001, le=1.0)] = 0.1
-    i8: Annotated[int, Field(ge=0, le=255)] = 2
-    i10: Annotated[int, Field(ge=1, le=8_388_607)] = 3_713_707
 
 
 class ToleranceTable(Table):
@@ -188,3 +184,18 @@ class RobotTable(Document):
         "mass": "for example mass = 1.8, in kg.",
         "J": "J = [[...], ...], a row a motor and a column a joint; the unit matrix without coupling.",
     }
+
+
+@cache
+def robot_table(kind: str) -> type[RobotTable]:
+    """Return the form of a robot.toml whose controller is of a kind; of no kind that there is: a form that refuses it."""
+    found = kind_of(kind) or kind_of(DEFAULT)
+    assert found is not None
+    controller = found.table()
+    if found.name != kind:
+        allowed: Any = Literal[kind_names()]
+        controller = create_model("AnyController", __base__=controller, kind=(allowed, DEFAULT))
+    optional: Any = controller | None
+    made: type[RobotTable] = create_model("RobotTable", __base__=RobotTable, controller=(optional, None))
+    made.tables = {**RobotTable.tables, "controller": controller}
+    return made

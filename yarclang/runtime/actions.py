@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import TypeAlias, TypeVar
-
-from yarclang.runtime import messages
-from yarclang.runtime.messages import Request
+from typing import Any, TypeAlias, TypeVar
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +31,32 @@ class Unreachable:
     reason: str
 
 
-Action: TypeAlias = Request | Wait | Connect
-Outcome: TypeAlias = messages.Event | Connected | Unreachable | None
+@dataclass(frozen=True, slots=True)
+class Late:
+    """No whole reply in time. The connection is lost."""
+
+    request: object
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """What came can't be a reply to `request` (None: nothing was asked). The connection is lost."""
+
+    request: object
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """The other end closed the connection; `request` had no whole reply and may have been executed."""
+
+    request: object
+
+
+Action: TypeAlias = Any
+"""`Wait`, `Connect`, or a request that the kind of controller has (`yarclang.runtime.scripts.Exchange`)."""
+Outcome: TypeAlias = Any
+"""`Connected`, `Unreachable`, None behind a wait, or what came of a request."""
 
 T = TypeVar("T")
 Script: TypeAlias = Generator[Action, Outcome, T]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -81,8 +82,7 @@ class Job:
     Attributes:
         name: of the program, for people.
         robot: whom it is for.
-        setup: the lines before the rotary is opened, one command each.
-        lines: what goes into the rotary.
+        lines: what the controller is sent of the motion, in order.
         times: (len(lines),) the program time [s] at which the motion towards each line's point begins, or the dwell of a line; of a line
             that takes no time, that of the next that does. Motions and dwells count, with the ways of a WHEN one after the other.
         commands: the motions, in order.
@@ -91,9 +91,8 @@ class Job:
         slack: (n,) how far off the start a joint may be [rad or m].
         segment: the shortest segment time [s].
         duration: the last of these times [s]. `lasting` is how long the program takes.
-        words: size of the rotary.
-        low: I16, the lines below which the guard PLC holds; `full`: I17.
-        guarded: whether the program arms the guard.
+        capacity: how many lines surely fit into the controller's buffer.
+        guarded: whether the controller holds by itself when it hears no more of this computer in the middle.
         text: the whole controller text.
         source: the program's own text, or empty.
         certificate: what was proved, as plain JSON text.
@@ -105,11 +104,11 @@ class Job:
         dwells: which lines stand still: the row in `lines`, how long [s].
         legs: of a program with barriers, what is streamed one after the other; else empty.
         part: of a leg that is carried out; else None.
+        own: what else the rooms of its kind of controller need.
     """
 
     name: str
     robot: Robot
-    setup: tuple[str, ...]
     lines: tuple[str, ...]
     times: Array
     commands: tuple[JobCommand, ...]
@@ -118,9 +117,7 @@ class Job:
     slack: Array
     segment: float
     duration: float
-    words: int
-    low: int
-    full: int
+    capacity: int
     guarded: bool
     text: str
     source: str
@@ -134,11 +131,7 @@ class Job:
     behind: float = 0.0
     lasting: Lasting = NO_TIME
     part: Part | None = None
-
-    @property
-    def capacity(self) -> int:
-        """How many lines surely fit into the rotary: a word an axis, and two for what stands between lines."""
-        return self.words // (len(self.robot.controller.axes) + 2)
+    own: Any = None
 
     @property
     def lines_per_second(self) -> float:
@@ -167,3 +160,14 @@ class Job:
             return None
         ends = np.array([command.ends for command in self.commands])
         return self.commands[min(int(np.searchsorted(ends, time, side="right")), len(self.commands) - 1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Papers:
+    """What goes with a job into its log: the program's text and the certificate as JSON."""
+
+    source: str = ""
+    certificate: str = ""
+
+
+NO_PAPERS = Papers()

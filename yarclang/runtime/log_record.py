@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from mcap.writer import Writer
 
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Progress, Remark
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
 
 FORMAT = "1"
@@ -250,7 +250,7 @@ def _described(job: Job) -> dict[str, Any]:
                 robot.joint_names, robot.axis_unit_names, limits.tolist(), strict=True
             )
         ],
-        "controller": asdict(robot.controller),
+        "controller": asdict(cast("Any", robot.controller)),
     }
 
 

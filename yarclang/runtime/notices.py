@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from yarclang.runtime.feedback import Sample
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import Signal
 from yarclang.runtime.state import State
 

@@ -9,13 +9,12 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Awaitable, Callable
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
-from yarclang.runtime.actions import Connect, Connected, Outcome, Script, Unreachable, Wait
-from yarclang.runtime.messages import Event, Late, Request, Violation
+from yarclang.runtime.actions import Connect, Connected, Late, Outcome, Script, Unreachable, Violation, Wait
 from yarclang.runtime.notices import Abort, Fail, Notice, Order, Stop
-from yarclang.runtime.operation import ABORT_ALL, HOLD_ALL, LONGEST_SLEEP, Operation
-from yarclang.runtime.protocol import Connection
+from yarclang.runtime.operation import LONGEST_SLEEP
+from yarclang.runtime.scripts import Scripts, scripts_of
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.tcp import Wire, connect
 
@@ -63,6 +62,7 @@ class Session:
         pace: how fast the controller's time passes: 1, but for a simulator.
         connector: makes connections; TCP, but where a controller lives in this very process.
         leash: the time of a simulator that waits for this session, which is the session's as well; None: the controller waits for nobody.
+        scripts: those of the controller's kind; None: of the kind that a robot.toml means that says none.
     """
 
     def __init__(
@@ -74,11 +74,13 @@ class Session:
         pace: float = 1.0,
         connector: Connector = connect,
         leash: Leash | None = None,
+        scripts: Scripts | None = None,
     ) -> None:
         self.host = host
         self.port = port
         self.pace = pace
-        self.operation = Operation()
+        self.scripts = scripts or scripts_of()
+        self.operation = self.scripts.operation()
         self.operation.longest_sleep = max(LONGEST_SLEEP, reply_time + 1.0) * pace
         self._leash = leash
         self._reply_time = reply_time
@@ -86,7 +88,7 @@ class Session:
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()
         self._wire: Wire | None = None
-        self._connection = Connection()
+        self._connection = self.scripts.exchange()
 
     def listen(self, listener: Listener) -> None:
         """Call a function with each notice from now on. It must not wait."""
@@ -210,7 +212,7 @@ class Session:
 
     async def _connect(self) -> Outcome:
         self.close()
-        self._connection = Connection()
+        self._connection = self.scripts.exchange()
         try:
             self._wire = await self.connector(self.host, self.port, CONNECT_TIME)
         except OSError as error:
@@ -218,7 +220,7 @@ class Session:
             return Unreachable(f"{self.host}:{self.port} can't be reached: {reason.lower()}")
         return Connected()
 
-    async def _exchange(self, request: Request) -> Event:
+    async def _exchange(self, request: Any) -> Outcome:
         """A request, and the event that ends it."""
         wire, connection = self._wire, self._connection
         if wire is None or connection.lost:
@@ -254,4 +256,4 @@ class Session:
         if self._wire is None or not (operation.searches or operation.state in (State.MOVE, State.HOLD)):
             return
         aborts = operation.searches or Abort() in operation.orders
-        self._wire.send(Connection().last_words(ABORT_ALL if aborts else HOLD_ALL))
+        self._wire.send(self.scripts.last_words(aborts))

@@ -1,47 +1,59 @@
-"""Commands that move nothing: WAIT, SET, HOLD, and the heads of WHEN."""
+"""Commands that move nothing, as their files say, and the heads of WHEN."""
 
 from __future__ import annotations
 
+from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.diagnostics import Collector
-from yarclang.hir import Dwell, Hold, Origin, SetOutput, Step, WaitInput, When
+from yarclang.hir import Action, Signal, When
 from yarclang.semantics.amounts import AmountError, missing_unit
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.files import values_of
 from yarclang.semantics.naming import state_value
-from yarclang.semantics.parts import refuse_parts
+from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.semantics.scope import Scope
 from yarclang.semantics.signal_names import input_named, output_named
 from yarclang.semantics.to_hir import origin_of
 from yarclang.semantics.units import amount, resolve_units
 from yarclang.subjects import LeftOut
-from yarclang.syntax.ast import Computed, Number, Statement, Text
+from yarclang.syntax.ast import Computed, Number, Statement, Text, Value
+from yarclang.words.registry import word_specs
+from yarclang.words.spec import Slot
 
 LONGEST_WAIT = 3600.0
 """The controller's timer counts no further by far [s]."""
 
 
-def read_action(statement: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> Step | None:
-    """WAIT, SET or HOLD; None with findings where it can't be understood."""
-    origin = origin_of(statement, statement.name.name, findings)
+def read_action(
+    statement: Statement, spec: ActionSpec, scope: Scope, defaults: Defaults, findings: Collector
+) -> tuple[Action, ...] | None:
+    """Return the steps of an action; None with findings if it can't be understood."""
     before = len(findings.found)
-    step: Step | None
-    match statement.name.name:
-        case "WAIT":
-            step = _wait(statement, origin, scope, defaults, findings)
-        case "SET":
-            step = _set(statement, origin, scope, findings)
-        case _:
-            step = _hold(statement, origin, findings)
-    return None if any(found.is_error for found in findings.found[before:]) else step
+    origin = origin_of(statement, spec.name, findings)
+    refused = ("a moving frame", "a base frame", "options")
+    refuse_parts(statement, refused if spec.takes_time else NOT_FOR_BLOCKS, findings)
+    given = values_of(statement)
+    form = spec.form_of(len(given))
+    if form is None or not all(_may_be(slot, value) for slot, value in zip(form.slots, given, strict=True)):
+        _tell_wanted(statement, spec.name, spec.wants, spec.examples, findings)
+        return None
+    seconds = _seconds(statement, form, scope, defaults, findings)
+    values = [_value(*one, scope, statement, findings) for one in zip(form.slots, given, strict=True)]
+
+    def report(code: str, message: str, help_: str) -> None:
+        findings.add(code, message, statement.head_span, help_)
+
+    if any(found.is_error for found in findings.found[before:]):
+        return None
+    known = tuple(value for value in values if value is not None)
+    return spec.build(ActionArguments(origin, known, seconds, report))
 
 
 def read_when(statement: Statement, scope: Scope, findings: Collector) -> When | None:
     """The head of a WHEN."""
-    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = values_of(statement)
-    if len(values) != 2:
-        message = "WHEN wants an input and what it is"
-        findings.add("Y0401", message, statement.whole_span, "for example WHEN DOOR OFF")
+    refuse_parts(statement, NOT_FOR_BLOCKS, findings)
+    values, spec = values_of(statement), word_specs()["WHEN"]
+    if len(values) != len(spec.slots):
+        _tell_wanted(statement, spec.name, spec.wants, (spec.example,), findings)
         return None
     signal = input_named(values[0], scope, statement, findings)
     value = state_value(values[1], scope, statement, findings)
@@ -50,47 +62,50 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
     return When(origin_of(statement, "WHEN", findings), signal, value)
 
 
-def _wait(
-    statement: Statement, origin: Origin, scope: Scope, defaults: Defaults, findings: Collector
-) -> Step | None:
-    refuse_parts(statement, ("a moving frame", "a base frame", "options"), findings)
-    values = values_of(statement)
-    if values and len(values) != 2:
-        message = "WAIT wants a time, or an input and what it shall be"
-        findings.add(
-            "Y0401", message, statement.whole_span, "for example WAIT [2] (s), or WAIT DOOR ON [5] (s)"
-        )
-        return None
-    seconds = _seconds(statement, scope, defaults, findings)
-    if not values:
-        if statement.time is None:
-            findings.add(
-                "Y0406",
-                "WAIT doesn't say how long",
-                statement.head_span,
-                "for example WAIT [2] (s)",
-                subject=LeftOut("how long it waits"),
-            )
-        return None if seconds is None else Dwell(origin, seconds)
-    signal = input_named(values[0], scope, statement, findings)
-    value = state_value(values[1], scope, statement, findings)
-    if statement.time is None:
-        message = "this waits for ever if the input never gets there"
-        findings.add("Y1003", message, statement.head_span, "give a time: WAIT DOOR ON [5] (s)")
-    if signal is None or value is None:
-        return None
-    return WaitInput(origin, signal, value, seconds)
+def _tell_wanted(
+    statement: Statement, word: str, wants: str, examples: tuple[str, ...], findings: Collector
+) -> None:
+    help_ = f"for example {', or '.join(examples)}"
+    findings.add("Y0401", f"{word} wants {wants}", statement.whole_span, help_)
 
 
-def _seconds(statement: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> float | None:
-    """What stands in square brackets [s]."""
+def _may_be(slot: Slot, value: Value) -> bool:
+    return slot is not Slot.TEXT or isinstance(value, Text)
+
+
+def _value(
+    slot: Slot, value: Value, scope: Scope, statement: Statement, findings: Collector
+) -> Signal | float | str | None:
+    match slot:
+        case Slot.INPUT:
+            return input_named(value, scope, statement, findings)
+        case Slot.OUTPUT:
+            return output_named(value, scope, statement, findings)
+        case Slot.STATE:
+            return state_value(value, scope, statement, findings)
+        case Slot.TEXT:
+            return value.text.strip('"')
+
+
+def _seconds(
+    statement: Statement, form: ActionForm, scope: Scope, defaults: Defaults, findings: Collector
+) -> float | None:
+    """Return what stands in square brackets [s]; None if nothing does, and with a finding if it has to or can't be read."""
     units = resolve_units(statement, statement.units, findings)
-    time = statement.time
+    time, word = statement.time, statement.name.name
+    if time is None and form.time == "must":
+        findings.add(
+            "Y0406",
+            f"{word} doesn't say how long",
+            statement.head_span,
+            f"for example {word} [2] (s)",
+            subject=LeftOut("how long it waits"),
+        )
     if time is None or units is None:
         return None
     span = statement.span(time.place)
     if len(time.items) != 1 or not isinstance(item := time.items[0], Number | Computed):
-        findings.add("Y0407", "WAIT takes a time", span, "for example [2]")
+        findings.add("Y0407", f"{word} takes a time", span, "for example [2]")
         return None
     found = amount(item, scope, statement, findings)
     if found is None:
@@ -111,26 +126,3 @@ def _seconds(statement: Statement, scope: Scope, defaults: Defaults, findings: C
         findings.add("Y0407", message, span)
         return None
     return seconds
-
-
-def _set(statement: Statement, origin: Origin, scope: Scope, findings: Collector) -> Step | None:
-    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = values_of(statement)
-    if len(values) != 2:
-        message = "SET wants an output and its value"
-        findings.add("Y0401", message, statement.whole_span, "for example SET GRIP ON")
-        return None
-    output = output_named(values[0], scope, statement, findings)
-    value = state_value(values[1], scope, statement, findings)
-    return None if output is None or value is None else SetOutput(origin, output, value)
-
-
-def _hold(statement: Statement, origin: Origin, findings: Collector) -> Step:
-    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = values_of(statement)
-    if len(values) > 1 or (values and not isinstance(values[0], Text)):
-        findings.add(
-            "Y0401", "HOLD takes a text in quotes, or nothing", statement.whole_span, 'HOLD "shut the door"'
-        )
-    text = values[0].text.strip('"') if values and isinstance(values[0], Text) else ""
-    return Hold(origin, text)

@@ -28,11 +28,7 @@ from yarclang.source import Span
 from yarclang.syntax.ast import Block, Module, Node, Parameter, Statement, Word
 from yarclang.syntax.blocks import arrange
 from yarclang.syntax.words import DECLARATIONS
-
-_AT_THE_TOP = ("ROBOT", "CELL", "USE", "DEFAULT", "START")
-"""Declarations that stand before the first command."""
-
-_ONCE = ("ROBOT", "CELL", "DEFAULT", "START")
+from yarclang.words.registry import word_specs
 
 
 class Declaring:
@@ -82,17 +78,17 @@ class Declaring:
     def declare(self, statement: Statement, file: File, scope: Scope) -> None:
         """Carry out a declaration."""
         word, findings = statement.name.name, file.findings
-        span = statement.span(statement.name.place)
-        if word in _ONCE and word in file.seen:
+        spec, span = word_specs()[word], statement.span(statement.name.place)
+        if spec.once and word in file.seen:
             findings.add(
                 "Y0206", f"{word} stands in line {file.seen[word]} already", span, "leave one of them"
             )
             return
-        if word in _AT_THE_TOP and file.command_seen:
+        if spec.at_the_top and file.command_seen:
             findings.add("Y0208", f"{word} stands behind a command", span, "move it above the first command")
             return
         file.seen.setdefault(word, statement.line)
-        if not file.is_program and word in ("ROBOT", "START"):
+        if not file.is_program and spec.of_programs:
             findings.add("Y0208", f"{word} belongs into the program, not into a module", span, "take it away")
             return
         match word:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 
-from yarclang.commands.registry import commands
+from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix
 from yarclang.frozen import frozen
@@ -16,10 +16,6 @@ from yarclang.syntax.words import AVOID, DECLARATIONS
 
 DEFAULT_PROFILE = "LSPB"
 TARGETS = ("RPY", "QUAT")
-ACTIONS = ("WAIT", "SET", "HOLD")
-"""Commands that move nothing and have one name each (actions.py)."""
-
-_NOT_TAKEN_APART = frozenset([*ACTIONS, "CALL"])
 
 
 @frozen
@@ -65,7 +61,8 @@ class CommandNames:
                 self.look_up((*node.body, *(node.otherwise or ())), findings)
             elif node.name.text not in self._sound:
                 word = node.name.name
-                if (node.index is not None or word not in DECLARATIONS) and word not in _NOT_TAKEN_APART:
+                is_command = node.index is not None or word not in DECLARATIONS
+                if is_command and word != "CALL" and word not in actions():
                     self.resolved(node, findings)
 
 
@@ -104,9 +101,14 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
 
 @lru_cache(maxsize=4)
 def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of commands, alone and with each suffix."""
+    """Return the names of commands, alone and with each suffix that one may have."""
     suffixes = (*TARGETS, AVOID, *profiles)
-    return (*commands(), *(f"{one}_{suffix}" for one in commands() for suffix in suffixes))
+    return (
+        *commands(),
+        *actions(),
+        "CALL",
+        *(f"{one}_{suffix}" for one in commands() for suffix in suffixes),
+    )
 
 
 @lru_cache(maxsize=1024)

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from yarclang.commands.registry import commands
+from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import Values
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, FrameLink, Output, Signal
-from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
 from yarclang.semantics.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.context import Defaults
@@ -38,7 +37,7 @@ _INDEX = re.compile(r"P[0-9]+")
 
 def is_word(name: str) -> bool:
     """Whether a name in upper case has its meaning in the language already."""
-    return name in RESERVED or name in commands() or _INDEX.fullmatch(name) is not None
+    return name in RESERVED or name in commands() or name in actions() or _INDEX.fullmatch(name) is not None
 
 
 def may_be_declared(
@@ -210,7 +209,7 @@ def declare_signal(
     if not may_be_declared(statement, word, scope, robot, findings):
         return None
     span = statement.span(variable.place)
-    found = signal_variable(variable.name, robot.controller.feedback)
+    found = robot.controller.signal(variable.name)
     if found.name is None:
         findings.add("Y0413", f"{variable.text} {found.fault}", span, found.remedy)
         return None

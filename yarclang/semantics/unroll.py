@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
+from yarclang.commands.registry import actions
 from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
@@ -22,7 +23,7 @@ from yarclang.semantics.declaring import Declaring
 from yarclang.semantics.evaluate import EvaluationError, evaluate
 from yarclang.semantics.extent import ENOUGH_WITH_ERRORS, Extent
 from yarclang.semantics.files import File, Sub
-from yarclang.semantics.names import ACTIONS, CommandNames, ResolvedName
+from yarclang.semantics.names import CommandNames, ResolvedName
 from yarclang.semantics.naming import may_be_declared
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.semantics.places import Place, at, index_of, looped, shown
@@ -294,24 +295,31 @@ class _Unroller:
             return
         file.findings.place = shown(at(place, statement)) if place else ""
         given, before = self._calls.given, len(file.findings.found)
-        step: Step | None
-        if word in ACTIONS:
-            step = read_action(statement, scope, file.defaults, file.findings)
+        if (action := actions().get(word)) is not None:
+            steps: tuple[Step, ...] = (
+                read_action(statement, action, scope, file.defaults, file.findings) or ()
+            )
         else:
             name = self._names.resolved(statement, file.findings)
             step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)
-        if isinstance(step, Stop) and self._whens:
+            steps = () if step is None else (step,)
+        if any(isinstance(step, Stop) for step in steps) and self._whens:
             message = "STOP in a WHEN is not carried out by this version"
             file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
-            step = None
+            steps = ()
         if given:
             name_arguments(statement, file.findings, before, given)
-            told = said_of_time(statement.time, given)
-            if told and step is not None and not isinstance(step, Gap):
-                step = replace(step, origin=replace(step.origin, time_given=told))
-        self._steps.append(step or Gap())
-        if isinstance(step, Stop):
-            self._ended = step.origin.label or "STOP"
+            if told := said_of_time(statement.time, given):
+                steps = tuple(
+                    step
+                    if isinstance(step, Gap)
+                    else replace(step, origin=replace(step.origin, time_given=told))
+                    for step in steps
+                )
+        for step in steps or (Gap(),):
+            self._steps.append(step)
+            if isinstance(step, Stop):
+                self._ended = step.origin.label or "STOP"
 
     def _read(
         self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool

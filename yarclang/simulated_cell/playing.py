@@ -14,8 +14,8 @@ from yarclang.simulated_cell.script import Change, Known, known_in
 if TYPE_CHECKING:
     from yarclang.cell.model import Cell, Parts
     from yarclang.robot.model import Array, Robot
+    from yarclang.simulated_cell.controller import SimulatedController
     from yarclang.simulated_cell.sensing import Sensing
-    from yarclang.simulator.machine import Machine
 
 
 LOOKS_EACH = 0.02
@@ -54,7 +54,7 @@ class SimulatedCell:
         self._listener: Callable[[Set], object] | None = None
         self._known_values: dict[str, float] = {}
         self._said: deque[Callable[[float], None]] = deque()
-        self._machine: Machine | None = None
+        self._machine: SimulatedController | None = None
         self._robot = robot
         self._sensing: Sensing | None = None
         self._since = 0.0
@@ -64,17 +64,17 @@ class SimulatedCell:
 
             self._sensing = Sensing(robot, cell)
 
-    def attach(self, machine: Machine) -> None:
+    def attach(self, machine: SimulatedController) -> None:
         """Become the cell of a machine, whose time isn't passing yet."""
         self._machine = machine
         for driven in self._inputs.driven:
-            self._define(driven)
+            machine.define(driven)
         self._since = machine.now
         moving = self._sensing.watched if self._sensing is not None else frozenset()
         for variable in sorted(self._inputs.watched | moving):
-            self._define(variable)
-            machine.variables.watch(variable[0], int(variable[1:]), self._heard(variable))
-        machine.companions.append(self)
+            machine.define(variable)
+            machine.watch(variable, self._heard(variable))
+        machine.join(self)
         self._look()
         for one in self._settings:
             self._inputs.set(one.variable, one.value, machine.now)
@@ -93,7 +93,7 @@ class SimulatedCell:
         if program is not None:
             more, known = known_in(program, program.cell), self.known
             self.known = Known(
-                {**known.inputs, **more.inputs}, {**known.outputs, **more.outputs}, feedback=known.feedback
+                {**known.inputs, **more.inputs}, {**known.outputs, **more.outputs}, signal=known.signal
             )
 
     def reached(self, place: str) -> None:
@@ -111,7 +111,7 @@ class SimulatedCell:
     def value(self, variable: str) -> float | None:
         """Return the value of an input or output; None before a machine has this cell. Both are plain memory, which may be read in any thread."""
         machine = self._machine
-        return None if machine is None else machine.variables.read(variable[0], int(variable[1:]), 1)
+        return None if machine is None else machine.read(variable)
 
     def place(self, parts: Parts, cell: Cell) -> None:
         """Let parts be where somebody says, for the sensors: `cell` is the reading of its file that they belong to."""
@@ -143,8 +143,8 @@ class SimulatedCell:
         if self._sensing is not None and machine.now >= self._next_look:
             self._look()
         for one in self._inputs.advance(machine.now):
-            self._define(one.variable)
-            machine.variables.write(one.variable[0], int(one.variable[1:]), one.value, 1)
+            machine.define(one.variable)
+            machine.write(one.variable, one.value)
             if self._known_values.get(one.variable, 0.0) != one.value and self._listener is not None:
                 self._listener(one)
             self._known_values[one.variable] = one.value
@@ -164,7 +164,7 @@ class SimulatedCell:
         machine, robot = self._machine, self._robot
         assert machine is not None
         assert robot is not None
-        return from_counts(robot, machine.positions(motors=robot.controller.motors))
+        return from_counts(robot, machine.positions(robot.controller.motors))
 
     def _start(self, now: float) -> None:
         if not self._begun:
@@ -183,14 +183,3 @@ class SimulatedCell:
             self._inputs.output_changed(variable, value, machine.now)
 
         return heard
-
-    def _define(self, variable: str) -> None:
-        """Let an M-variable that points nowhere be a variable of its own."""
-        machine = self._machine
-        assert machine is not None
-        if variable[0] == "M" and int(variable[1:]) not in machine.variables.m:
-            machine.command(f"{variable}->*", _PORT)
-
-
-_PORT = 9
-"""A port of the machine that no client has."""

@@ -6,7 +6,7 @@ pydantic is imported where it is first used.
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,8 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
 from yarclang.hir import Gap, Program, SetOutput, WaitInput, When
-from yarclang.pmac.variables import signal_variable
+from yarclang.robot.controller import SignalVariable
+from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
 from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import Path, find_places
@@ -63,17 +64,19 @@ class Known:
         outputs: likewise of outputs.
         places: the places of the program's commands; None if the program isn't known yet.
         has_places: False if no program is ever known, so that a script can't name a place.
-        feedback: the variables in which the robot tells its positions.
+        signal: tells what a text in upper case names as the variable of an input or output.
     """
 
     inputs: Mapping[str, str]
     outputs: Mapping[str, str]
     places: frozenset[str] | None = None
     has_places: bool = True
-    feedback: Container[str] = ()
+    signal: Callable[[str], SignalVariable] = known_signal
 
 
-def known_in(program: Program | None, cell: Cell | None, feedback: Container[str] = ()) -> Known:
+def known_in(
+    program: Program | None, cell: Cell | None, signal: Callable[[str], SignalVariable] = known_signal
+) -> Known:
     """Return the names of a program and of a cell, those of the program first."""
     inputs: dict[str, str] = {}
     outputs: dict[str, str] = {}
@@ -82,7 +85,7 @@ def known_in(program: Program | None, cell: Cell | None, feedback: Container[str
         inputs.update(cell.inputs)
         outputs.update({name: one.variable for name, one in cell.outputs.items()})
     if program is None:
-        return Known(inputs, outputs, None, feedback=feedback)
+        return Known(inputs, outputs, None, signal=signal)
     for declared in program.outputs:
         outputs[declared.signal.name.upper()] = declared.signal.variable
     for step in program.steps:
@@ -94,7 +97,7 @@ def known_in(program: Program | None, cell: Cell | None, feedback: Container[str
             inputs[step.input.name.upper()] = step.input.variable
         elif isinstance(step, SetOutput):
             outputs[step.output.name.upper()] = step.output.variable
-    return Known(inputs, outputs, frozenset(places), feedback=feedback)
+    return Known(inputs, outputs, frozenset(places), signal=signal)
 
 
 def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
@@ -196,7 +199,7 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
         return known.inputs[name]
     if name in known.outputs:
         return Diagnostic("Y1618", f"{shown} is an output, which the program sets.", help="Name an input.")
-    variable = signal_variable(name, known.feedback)
+    variable = known.signal(name)
     if variable.name is None:
         if variable.is_taken:
             remedy = f"{variable.remedy.capitalize()}."
@@ -263,7 +266,7 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
         message = f'output is "{text[:40]}", but must be a name and a value.'
         file.say("Y1308", path, message, 'Write it as output = "CLAMP=ON".')
         return None
-    variable = known.outputs.get(name) or signal_variable(name, known.feedback).name
+    variable = known.outputs.get(name) or known.signal(name).name
     if variable is None:
         file.say("Y1617", path, f"No output is named {name[:40]}.", *did_you_mean(name, known.outputs))
         return None

@@ -11,12 +11,12 @@ from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Block, Module, Node, Statement
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS, DECLARATIONS_IN_BLOCKS
+from yarclang.words.registry import word_specs
 
 DEEPEST_BLOCK = 100
 """Blocks inside each other."""
 
 _WORD = re.compile(r"\s*(?:[Pp][0-9]+\s+)?([A-Za-z]+)(?![^\s;\[\](){}!,\"])")
-_WITH_ELSE = {"IF", "WHEN"}
 _TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - {"END", "ELSE"} | {"SUB"}
 
 
@@ -78,7 +78,7 @@ class _Open:
     @property
     def takes_else(self) -> bool:
         """Whether an ELSE may follow."""
-        return self.word in _WITH_ELSE and self.otherwise is None
+        return word_specs()[self.word].takes_else and self.otherwise is None
 
     def closed(self, end: Statement | None) -> tuple[Block, ...]:
         """The finished block, if there is one."""
@@ -166,7 +166,7 @@ class _Arrangement:
             self._refuse("Y0114", "this ELSE belongs to nothing: no block is open", statement, help_)
             return
         block = self.open[-1]
-        if block.word in _WITH_ELSE:
+        if word_specs()[block.word].takes_else:
             first = f" in line {block.otherwise_head.line}" if block.otherwise_head else ""
             message = f"the {block.word} of line {block.line} has an ELSE already{first}"
             help_ = "for a third way write an IF behind the first ELSE, with an END of its own"

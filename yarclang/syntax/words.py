@@ -1,35 +1,20 @@
-"""The words of the language that no command's file knows."""
+"""The words of the language: sets of those that files describe, and those of options and expressions."""
 
 from types import MappingProxyType
+
+from yarclang.words.registry import word_specs
 
 LONGEST_INDEX = 9
 """Digits of an index."""
 
-BLOCK_HEADS = frozenset(["SUB", "REPEAT", "IF", "WHEN"])
+BLOCK_HEADS = frozenset(name for name, word in word_specs().items() if word.opens_block)
 """Words that begin a block, which END ends."""
 
-DECLARATIONS = BLOCK_HEADS | {
-    "ROBOT",
-    "CELL",
-    "USE",
-    "DEFAULT",
-    "FRAME",
-    "FRAME_QUAT",
-    "JOINTS",
-    "START",
-    "INPUT",
-    "OUTPUT",
-    "LET",
-    "END",
-    "ELSE",
-}
+DECLARATIONS = frozenset(name for name, word in word_specs().items() if not word.is_command)
 """Words that begin a line without an index."""
 
-DECLARATIONS_IN_BLOCKS = frozenset(["FRAME", "FRAME_QUAT", "JOINTS", "LET"])
+DECLARATIONS_IN_BLOCKS = frozenset(name for name, word in word_specs().items() if word.in_blocks)
 """Declarations that a block may hold, besides commands and blocks."""
-
-OTHER_COMMANDS = frozenset(["WAIT", "SET", "HOLD", "CALL"])
-"""Commands of the language that no file of commands/builtin carries out."""
 
 AVOID = "AVOID"
 """The suffix of a name, between target and profile, of a motion that goes round obstacles."""
@@ -65,6 +50,6 @@ CONSTANTS = frozenset(["PI"])
 STATES = frozenset(["ON", "OFF"])
 """What an input or an output is."""
 
-RESERVED = DECLARATIONS | OTHER_COMMANDS | OPTIONS | OPERATORS | FUNCTIONS.keys() | CONSTANTS | STATES
+RESERVED = word_specs().keys() | OPTIONS | OPERATORS | FUNCTIONS.keys() | CONSTANTS | STATES
 """Words that can't be declared as names, besides those of the commands. Units are none of them: they stand in
 round brackets, where no name stands. Nor is the V of `[V 250]`, since a name has a `$` before it there."""

@@ -9,22 +9,16 @@ import numpy as np
 
 from yarclang.diagnostics import has_errors
 from yarclang.hir import (
-    ArcMove,
     Array,
-    AvoidMove,
     Else,
     EndWhen,
     Gap,
     JointDelta,
     JointGoal,
-    JointMove,
-    LineMove,
+    MotionHead,
     PoseDelta,
     PoseGoal,
-    PoseSplineMove,
-    SplineMove,
     Step,
-    TimedMove,
     When,
 )
 from yarclang.pipeline.stages import check_program
@@ -140,10 +134,8 @@ class _Walk:
                     "correct that line first",
                     "before",
                 )
-            case SplineMove() | PoseSplineMove() | TimedMove():
-                self._to(step.waypoints[-1])
-            case JointMove() | AvoidMove() | LineMove() | ArcMove():
-                self._to(step.goal)
+            case MotionHead():
+                self._to(step.end)
             case _:
                 pass
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Literal
 
 from yarclang.assist.sketch import Sketch
 from yarclang.assist.vocabulary import command_of
+from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.frozen import frozen
 from yarclang.syntax.ast import FrameName, Option, Statement, Text, Value, Word
 from yarclang.syntax.leaves import Place
 from yarclang.teaching.points import meanings, own_values
 from yarclang.units import UNITS, Kind
+from yarclang.words.registry import word_specs
+from yarclang.words.spec import Slot
 
 FieldKind = Literal["number", "percent", "choice", "frame", "joints", "signal", "text"]
 
@@ -177,31 +181,25 @@ class Reader:
 
     def _of_other(self, statement: Statement, word: str) -> Iterator[Placed]:
         values = [value for point in statement.waypoints for value in point.values]
-        if word == "SET" and len(values) == 2:
-            yield _value("signal", "Output", "signal", values[0])
-            yield _value("value", "Value", "choice", values[1], ("ON", "OFF"))
-        elif word == "WAIT":
-            if len(values) == 2:
-                yield _value("signal", "Input", "signal", values[0])
-                yield _value("value", "Value", "choice", values[1], ("ON", "OFF"))
-            place = statement.time.place if statement.time else None
-            field = Field(
-                "time", "At most" if values else "Time", "number", _inner(statement), self._unit("time")
-            )
-            yield Placed(field, "time", place, "[@]")
-            yield _units_field(statement)
-        elif word == "HOLD" and len(values) == 1:
-            text = values[0]
-            yield Placed(Field("text", "Text", "text", text.text.strip('"')), "value", text.place, '"@"')
+        if (spec := actions().get(word)) is not None:
+            form = spec.form_of(len(values))
+            if form is not None:
+                yield from slot_fields(form.slots, values)
+            if spec.takes_time:
+                place = statement.time.place if statement.time else None
+                field = Field(
+                    "time", "At most" if values else "Time", "number", _inner(statement), self._unit("time")
+                )
+                yield Placed(field, "time", place, "[@]")
+                yield _units_field(statement)
         elif word == "CALL" and values:
             yield _value("sub", "SUB", "choice", values[0])
             for number, value in enumerate(values[1:], 1):
                 yield _value(str(number), f"Argument {number}", "text", value)
         elif word == "REPEAT" and values:
             yield _value("count", "Times", "number", values[-1])
-        elif word == "WHEN" and len(values) == 2:
-            yield _value("signal", "Input", "signal", values[0])
-            yield _value("value", "Value", "choice", values[1], ("ON", "OFF"))
+        elif word in word_specs() and values and len(values) == len(word_specs()[word].slots):
+            yield from slot_fields(word_specs()[word].slots, values)
         elif word in ("LET", "IF") and statement.expression is not None:
             yield self._expression(statement, word)
 
@@ -211,6 +209,34 @@ class Reader:
         text = self._sketch.source.line(statement.line + place.row)[place.start - 1 : place.end - 1]
         name, label = ("value", "Value") if word == "LET" else ("condition", "Condition")
         return Placed(Field(name, label, "text", text), "value", place)
+
+
+def slot_fields(slots: Sequence[Slot], values: Sequence[Value]) -> Iterator[Placed]:
+    """Yield the fields of an action's values."""
+    for one, value in zip(fields_of(slots), values, strict=True):
+        text = value.text.strip('"') if one.kind == "text" else value.text
+        yield Placed(replace(one, value=text), "value", value.place, '"@"' if one.kind == "text" else "@")
+
+
+def fields_of(slots: Sequence[Slot]) -> tuple[Field, ...]:
+    """Return an empty field for each value of an action; where there are several of a kind, their names are numbered."""
+    found: list[Field] = []
+    for slot in slots:
+        name, label, kind = _SLOTS[slot]
+        count = sum(one.name.rpartition(".")[2] == name for one in found) + 1
+        choices = STATES_OF_SIGNALS if slot is Slot.STATE else ()
+        found.append(Field(f"{count}.{name}" if count > 1 else name, label, kind, "", choices=choices))
+    return tuple(found)
+
+
+STATES_OF_SIGNALS = ("ON", "OFF")
+_SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
+    Slot.INPUT: ("signal", "Input", "signal"),
+    Slot.OUTPUT: ("signal", "Output", "signal"),
+    Slot.STATE: ("value", "Value", "choice"),
+    Slot.TEXT: ("text", "Text", "text"),
+}
+"""Name, label and kind of the field of each kind of value."""
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from yarclang.assist.vocabulary import ACTIONS
-from yarclang.commands.registry import commands
-from yarclang.commands.spec import CommandSpec, Values
+from yarclang.commands.registry import actions, commands
+from yarclang.commands.spec import ActionSpec, CommandSpec, Values
 from yarclang.hir import Output
 from yarclang.pipeline.modules import library_folder, modules_in
 from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
@@ -17,14 +16,14 @@ from yarclang.semantics.scope import Input, JointPosition
 from yarclang.syntax.ast import Module
 from yarclang.teaching.declaring import check_name, place_of_declarations, units_part
 from yarclang.teaching.edits import Draft, Edited
-from yarclang.teaching.fields import Field
-from yarclang.teaching.holding import Around, holding
+from yarclang.teaching.fields import STATES_OF_SIGNALS, Field, fields_of
+from yarclang.teaching.holding import Around, Holding, holding
 from yarclang.teaching.lines import insert
 from yarclang.teaching.wording import checked
 from yarclang.units import Kind
+from yarclang.words.spec import Slot
 
 COMMENT = "!"
-_STATES = ("ON", "OFF")
 _MOST_MODULES = 200
 
 
@@ -97,30 +96,34 @@ def forms(names: Known, robot: Robot | None = None) -> tuple[Form, ...]:
     """
     joints = robot.joint_names if robot is not None else tuple(f"J{number}" for number in range(1, 7))
     return (
-        *_of_actions(names),
+        *(_of_action(spec, names) for spec in actions().values()),
+        *_of_others(),
         *(_of_motion(spec, names, joints) for spec in commands().values()),
         *_of_calls(names),
     )
 
 
-def _of_actions(names: Known) -> Iterator[Form]:
-    def summary(word: str) -> str:
-        return ACTIONS[word].summary
+def _of_action(spec: ActionSpec, names: Known) -> Form:
+    slots, is_optional = spec.fullest.slots, _may_be_empty(spec)
+    fields = []
+    for slot, field in zip(slots, fields_of(slots), strict=True):
+        choices = {Slot.INPUT: names.inputs, Slot.OUTPUT: names.outputs}.get(slot, field.choices)
+        proposed = "look, then resume" if slot is Slot.TEXT else "" if is_optional else _first(choices)
+        fields.append(replace(field, value=proposed, choices=choices))
+    if spec.takes_time:
+        fields.append(Field("time", "Time", "number", "1", "s"))
+    return Form(spec.name, spec.title, spec.summary, tuple(fields))
 
-    output = Field("signal", "Output", "signal", _first(names.outputs), choices=names.outputs)
-    state = Field("value", "Value", "choice", "ON", choices=_STATES)
-    yield Form("SET", "Set an output", summary("SET"), (output, state))
-    fields = (
-        Field("signal", "Input", "signal", "", choices=names.inputs),
-        replace(state, value=""),
-        Field("time", "Time", "number", "1", "s"),
-    )
-    yield Form("WAIT", "Wait", summary("WAIT"), fields)
-    yield Form("HOLD", "Hold", summary("HOLD"), (Field("text", "Text", "text", "look, then resume"),))
+
+def _may_be_empty(spec: ActionSpec) -> bool:
+    return spec.form_of(0) is not None
+
+
+def _of_others() -> Iterator[Form]:
     yield Form(COMMENT, "Comment", "a line for people", (Field("comment", "Comment", "text"),))
     name = Field("name", "Name", "signal")
     variable = Field("variable", "Variable of the controller, such as M1", "signal")
-    safe = Field("safe", "Value at a stop (none: it stays)", "choice", "", choices=("", *_STATES))
+    safe = Field("safe", "Value at a stop (none: it stays)", "choice", "", choices=("", *STATES_OF_SIGNALS))
     yield Form("OUTPUT", "New output", "names an output of the controller", (name, variable, safe))
     yield Form("INPUT", "New input", "names an input of the controller", (name, variable))
 
@@ -265,22 +268,9 @@ def _call(around: Around, after: int, form: Form, given: Mapping[str, str]) -> E
 def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> str:
     """Return the line of a command that isn't a CALL, without its index."""
     word = form.command
-    if word == "HOLD":
-        return f'HOLD "{given["text"]}"'
-    if word == "SET":
-        _need(form, given, "signal", "value")
-        return f"SET {given['signal']} {given['value']}"
     holds = holding(around.program, after + 1)
-    if word == "WAIT":
-        if not given["signal"]:
-            _need(form, given, "time")
-        elif not given["value"]:
-            given = {**given, "value": "ON"}
-        unit = () if not given["time"] else units_part({"time": holds.unit("time")}, holds)
-        time = f"[{given['time']}]" if given["time"] else ""
-        return " ".join(
-            filter(None, ("WAIT", given["signal"], given["value"] if given["signal"] else "", time, *unit))
-        )
+    if (action := actions().get(word)) is not None:
+        return _line_of_action(action, form, given, holds)
     spec = commands()[word]
     if not spec.targets:
         return word
@@ -308,6 +298,29 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
     base = given.get("base") or ("" if holds.base or of_joints else "B")
     frames = [f"{{{name}}}" if name else "" for name in (moving, base)]
     return " ".join(filter(None, (word, frames[0], values, time, *units, frames[1])))
+
+
+def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], holds: Holding) -> str:
+    """Return the line of an action; of those with optional values, the one without them if no signal and no text is given."""
+    slots = spec.fullest.slots
+    names = [one.name for one in fields_of(slots)]
+    told = [given[name] for slot, name in zip(slots, names, strict=True) if slot is not Slot.STATE]
+    if not any(told) and _may_be_empty(spec):
+        slots, names = (), []
+    values: list[str] = []
+    for slot, name in zip(slots, names, strict=True):
+        if slot is Slot.STATE and _may_be_empty(spec):
+            values.append(given[name] or "ON")
+        else:
+            _need(form, given, name)
+            values.append(f'"{given[name]}"' if slot is Slot.TEXT else given[name])
+    chosen = spec.form_of(len(slots))
+    assert chosen is not None
+    if chosen.time == "must":
+        _need(form, given, "time")
+    if chosen.time and given["time"]:
+        values += [f"[{given['time']}]", *units_part({"time": holds.unit("time")}, holds)]
+    return " ".join((spec.name, *values))
 
 
 def _waypoints(form: Form, spec: CommandSpec, given: Mapping[str, str], robot: Robot) -> tuple[str, bool]:

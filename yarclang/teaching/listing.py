@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import Literal
 
 from yarclang.assist.vocabulary import command_of
+from yarclang.commands.registry import actions
+from yarclang.commands.spec import ActionSpec
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Block, Node, Statement
@@ -15,11 +17,11 @@ from yarclang.teaching.edits import Program
 from yarclang.teaching.fields import Field, Reader
 from yarclang.teaching.indices import index_of, shown_index
 from yarclang.teaching.points import meanings, point_of
+from yarclang.words.spec import Slot
 
 ListedKind = Literal["motion", "set", "wait", "hold", "call", "declaration", "block", "end", "other"]
 
 _LONGEST = 200
-_KINDS: dict[str, ListedKind] = {"SET": "set", "WAIT": "wait", "HOLD": "hold", "CALL": "call"}
 
 
 @frozen
@@ -194,12 +196,20 @@ def kind_of(one: Statement) -> ListedKind:
         return "block"
     if word in ("END", "ELSE"):
         return "end"
-    if word in _KINDS:
-        return _KINDS[word]
+    if word == "CALL":
+        return "call"
+    if (action := actions().get(word)) is not None:
+        return _kind_of_action(action)
     if word in DECLARATIONS:
         return "declaration"
     found = command_of(word)
     return "motion" if found is not None and found[0].is_motion else "other"
+
+
+def _kind_of_action(spec: ActionSpec) -> ListedKind:
+    if Slot.OUTPUT in spec.fullest.slots:
+        return "set"
+    return "wait" if spec.takes_time or Slot.INPUT in spec.fullest.slots else "hold"
 
 
 def _cut(text: str) -> str:

@@ -119,6 +119,13 @@ def test_the_limit_agrees_with_the_certificate():
         assert shares[kind] == pytest.approx(getattr(found.certificate, kind).share, abs=0.02)
 
 
+def test_what_a_profile_has_no_limit_of_limits_nothing():
+    found = inspected("P0010 MOVEJ_TOPP 60 0 0 0 0 0\n", "P0010")
+    assert found.certificate.jerk.share > 1.0
+    assert {one.kind for one in found.pace.limits} == {"velocity", "acceleration", "motor speed"}
+    assert "limited by the jerk" not in words(found)
+
+
 # errors elsewhere
 
 

@@ -14,12 +14,12 @@ import yarclang
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.jobs import Papers, job_of
 from yarclang.robot.actuation import from_counts, to_counts
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.job import Job
 from yarclang.runtime.log import RunLog
 from yarclang.runtime.log_record import Anchor
 from yarclang.runtime.notices import Changed, Notice, Progress
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.state import State
 
 ANCHOR = Anchor(5000.0, 1_790_000_000_000_000_000)

@@ -20,9 +20,9 @@ from yarclang.report.runs.text import (
     progress_text,
     time_text,
 )
-from yarclang.runtime.feedback import Sample
 from yarclang.runtime.notices import Changed, Progress, Remark
 from yarclang.runtime.outcome import Ended
+from yarclang.runtime.sample import Sample
 from yarclang.runtime.state import State
 
 T = ANCHOR.clock

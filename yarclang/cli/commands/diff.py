@@ -122,11 +122,10 @@ def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
 
 def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
     """A program as it is executed, and what is wrong with it."""
-    from yarclang.cli.loading import is_compiled
     from yarclang.cli.work import options_from
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.checking import check_program_file
-    from yarclang.pipeline.controller_text import read_controller_text, robot_of_text
+    from yarclang.pipeline.controller_text import is_compiled, read_controller_text, robot_of_text
     from yarclang.pipeline.executed import executed
     from yarclang.pipeline.line_map import is_compiled_text
 

@@ -14,10 +14,7 @@ from yarclang.cli.options import format_option
 if TYPE_CHECKING:
     from yarclang.robot.model import Robot
     from yarclang.runtime.inspection import Inspection
-    from yarclang.runtime.link import Link
-
-_SHARE = 0.7
-"""Of what the link carries, that a program may need."""
+    from yarclang.runtime.scripts import Measured
 
 
 @click.command("doctor")
@@ -60,26 +57,27 @@ def command(robot: str, to: Address | None, format_: str) -> None:
     raise SystemExit(1 if inspection.errors else 0)
 
 
-async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Link | None]:
+async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Measured | None]:
     """What was found, and the link; that isn't measured while a program runs, which may need all of it."""
     from yarclang.pipeline.settings import items_of
-    from yarclang.runtime.performance import connect, look, measured
+    from yarclang.runtime.scripts import scripts_of
     from yarclang.runtime.session import Session
 
     items = items_of(robot)
-    session = Session(address.host, address.port)
+    scripts = scripts_of(robot.controller.kind)
+    session = Session(address.host, address.port, scripts=scripts)
     try:
-        await session.perform(connect(session.operation))
-        inspection = await session.perform(look(session.operation, robot, items))
-        if any(one.subject.startswith("coordinate system") for one in inspection.errors):
+        await session.perform(scripts.connect(session.operation))
+        inspection = await session.perform(scripts.look(session.operation, robot, items))
+        if not inspection.idle:
             return inspection, None
-        return inspection, await session.perform(measured(session.operation, robot))
+        return inspection, await session.perform(scripts.measured(session.operation, robot))
     finally:
         session.close()
 
 
 def _show(
-    robot: Robot, given: str, address: Address, inspection: Inspection, link: Link | None, format_: str
+    robot: Robot, given: str, address: Address, inspection: Inspection, link: Measured | None, format_: str
 ) -> None:
     if format_ == "json":
         import json
@@ -88,7 +86,7 @@ def _show(
         return
     from yarclang.cli.controllers import robot_argument
     from yarclang.cli.table import checked_table
-    from yarclang.runtime.rest import described
+    from yarclang.runtime.standing import described
 
     where = f"--to {address} --robot {robot_argument(robot, given)}"
     # what is wrong comes last: nobody looks at the beginning of a hundred lines
@@ -98,7 +96,7 @@ def _show(
     if inspection.joints is not None:
         click.echo(f"\n{robot.name} is commanded to {described(robot, inspection.joints)}")
     if link is not None:
-        for line in _link_lines(link):
+        for line in link.lines:
             click.echo(line)
     wrong, count = len(inspection.errors), len(inspection.checked)
     click.echo(
@@ -108,25 +106,7 @@ def _show(
     )
 
 
-def _link_lines(link: Link) -> list[str]:
-    segment = 1e3 / (link.lines_per_second * _SHARE)
-    lines = [
-        (
-            f"link: a question takes {link.median * 1e3:.2f} ms (median), {link.worst * 1e3:.2f} ms at worst; "
-            f"{link.lines_per_second:.0f} program lines/s, enough for segments of {segment:.2g} ms and more"
-        )
-    ]
-    first = "it doesn't say" if link.first_line is None else f"from {link.first_line}"
-    behind = (
-        "aren't executed" if link.stops_at_error else "ARE executed: a refused line is a fault of the run"
-    )
-    lines.append(
-        f"link: the controller counts the lines of a packet {first}; lines behind a refused one {behind}"
-    )
-    return lines
-
-
-def _json(robot: Robot, address: Address, inspection: Inspection, link: Link | None) -> dict[str, Any]:
+def _json(robot: Robot, address: Address, inspection: Inspection, link: Measured | None) -> dict[str, Any]:
     joints = inspection.joints
     places = [None] * robot.size if joints is None else (joints / robot.axis_units).round(6).tolist()
     return {
@@ -146,13 +126,5 @@ def _json(robot: Robot, address: Address, inspection: Inspection, link: Link | N
             {"name": name, "commanded": place, "unit": unit}
             for name, place, unit in zip(robot.joint_names, places, robot.axis_unit_names, strict=True)
         ],
-        "link": None
-        if link is None
-        else {
-            "round_trip_median_ms": link.median * 1e3,
-            "round_trip_worst_ms": link.worst * 1e3,
-            "lines_per_s": link.lines_per_second,
-            "first_line": link.first_line,
-            "stops_at_error": link.stops_at_error,
-        },
+        "link": None if link is None else dict(link.values),
     }

@@ -36,8 +36,9 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     """
     check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, not_repeated, refused_line
-    from yarclang.cli.loading import is_compiled, load, source_of
+    from yarclang.cli.loading import load, source_of
     from yarclang.coordinator.describing import program_described
+    from yarclang.pipeline.controller_text import is_compiled
     from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
 
@@ -65,7 +66,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
         from yarclang.simulated_cell.script import known_in
 
         job = loaded.rest
-        known = known_in(loaded.origins().program, loaded.around, job.robot.controller.feedback)
+        known = known_in(loaded.origins().program, loaded.around, job.robot.controller.signal)
         around = surroundings_of(options, known, job.robot, loaded.around, waits=True)
         if around.value is None:
             lines.say(findings_line(around.diagnostics))

@@ -50,7 +50,7 @@ def command(
     The command is told by its index, by its place among loops and calls ("P0020(I=2)>P0010"), or by --line. A line of a .pmc leads
     back to its command.
     """
-    from yarclang.cli.loading import is_compiled
+    from yarclang.pipeline.controller_text import is_compiled
 
     if (place is None) == (line is None):
         raise click.UsageError("say which command: its index, such as P0010, or --line N")
@@ -139,6 +139,7 @@ def _show(
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import grouped
     from yarclang.findings import YARCLANG
+    from yarclang.hir import Gap
     from yarclang.pipeline.places import labels_of
     from yarclang.report.finding import count_text, finding_json
     from yarclang.report.inspection.inspected import inspect_step
@@ -166,17 +167,22 @@ def _show(
     show_findings((*inspected.findings, *ours))
     if elsewhere := count_text(others):
         click.echo(f"elsewhere: {elsewhere}; `yarc check` shows them", err=True)
-    if len(numbers) > 1:
+    if len(different := list(dict.fromkeys(places))) > 1:
         click.echo(
-            f"{wanted} stands at {len(numbers):,} places; this is the first, say another one:", err=True
+            f"{wanted} stands at {len(different):,} places; this is the first, say another one:", err=True
         )
-        for one in places[:_MOST_PLACES]:
+        for one in different[:_MOST_PLACES]:
             click.echo(f"  {one}", err=True)
-        if len(places) > _MOST_PLACES:
-            click.echo(f"  ... to {places[-1]}", err=True)
+        if len(different) > _MOST_PLACES:
+            click.echo(f"  ... to {different[-1]}", err=True)
     from yarclang.report.inspection.text import sections_of
 
     _print_sections(sections_of(inspected, all_lines=all_lines))
+    for number in numbers[1:]:
+        step = studied.program.steps[number]
+        if not isinstance(step, Gap) and step.origin == inspected.origin:  # one command of several steps
+            click.echo()
+            _print_sections(sections_of(inspect_step(studied, number), all_lines=all_lines))
 
 
 def _print_sections(sections: Any) -> None:
@@ -232,9 +238,11 @@ def _of_text(
             message = f"no command stands at {place}"
             show_findings((Diagnostic("Y1164", message, read.value, help=f"there are {listed}"),))
             return 1
-        stretches = mapped.of(steps[0])
-        if len(steps) > 1 and format_ == "text":
-            click.echo(f"{place} stands at {len(steps):,} places; this is the first", err=True)
+        first = labels[steps[0]]
+        stretches = tuple(one for step in steps if labels[step] == first for one in mapped.of(step))
+        different = len({labels[step] for step in steps})
+        if different > 1 and format_ == "text":
+            click.echo(f"{place} stands at {different:,} places; this is the first", err=True)
     origins = _origins(file, read.value, source, planning.get("robot"), planning.get("cell"))
     if format_ == "json":
         _print_text_json(mapped, stretches, line, origins, text)

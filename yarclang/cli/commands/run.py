@@ -30,8 +30,9 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
 
     Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
     """
-    from yarclang.cli.loading import is_compiled, load, source_of
+    from yarclang.cli.loading import load, source_of
     from yarclang.cli.show import show_findings, show_without_notes
+    from yarclang.pipeline.controller_text import is_compiled
     from yarclang.report.cell import cell_text
 
     _check_usage(to, options)
@@ -56,7 +57,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.simulated_cell.script import known_in
 
     job = loaded.rest
-    known = known_in(loaded.origins().program, loaded.around, job.robot.controller.feedback)
+    known = known_in(loaded.origins().program, loaded.around, job.robot.controller.signal)
     around = surroundings_of(options, known, job.robot, loaded.around, waits=True)
     show_findings(around.diagnostics)
     if around.value is None:

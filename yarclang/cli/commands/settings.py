@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,6 @@ import click
 from yarclang.cli.options import robot_argument
 
 if TYPE_CHECKING:
-    from yarclang.certify.settings import ProvedSettings
     from yarclang.robot.model import Robot
 
 
@@ -45,7 +43,7 @@ def command(robot: str, file: str | None) -> None:
     show_findings(judged.diagnostics)
     if judged.value is None:
         raise SystemExit(1)
-    click.echo(judged.value.text, nl=False)
+    click.echo(judged.value, nl=False)
 
 
 def _check(file: str, robot: Robot) -> None:
@@ -64,16 +62,4 @@ def _check(file: str, robot: Robot) -> None:
     show_findings(judged.diagnostics)
     if judged.value is None:
         raise SystemExit(1)
-    click.echo(f"{name_of(file)}: proved for {robot.name}; {_bounds(judged.value, robot)}")
-
-
-def _bounds(proved: ProvedSettings, robot: Robot) -> str:
-    """Say how far axis definitions and PLC 0 are off at most, rounded up, in each unit of the robot's axes."""
-    parts = []
-    for what, bounds in (("axis definitions", proved.commanded), ("PLC 0", proved.feedback)):
-        largest: dict[str, float] = {}
-        for bound, unit in zip(bounds, robot.axis_unit_names, strict=True):
-            largest[unit] = max(float(bound), largest.get(unit, 0.0))
-        told = (f"{math.ceil(bound * 1e6) / 1e6:.6f} {unit}" for unit, bound in largest.items())
-        parts.append(f"{what} within {', '.join(told)}")
-    return ", ".join(parts)
+    click.echo(f"{name_of(file)}: proved for {robot.name}; {', '.join(judged.value)}")

@@ -14,9 +14,9 @@ from yarclang.cli.options import cell_option
 from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:
-    from yarclang.simulator.faults import Fault
-    from yarclang.simulator.machine import Machine
-    from yarclang.simulator.server import SimulatorServer
+    from yarclang.backend import Bench, Server
+    from yarclang.robot.model import Robot
+    from yarclang.simulated_cell.playing import SimulatedCell
 
 
 _LOOK = 0.2
@@ -43,22 +43,6 @@ class _Rate(ParamType[float | None]):
         if not 0.0 < rate < math.inf:
             self.fail(f"{value!r} is neither real nor max nor a positive number", param, ctx)
         return rate
-
-
-class _Fault(ParamType["Fault"]):
-    """A fault in the syntax of yarclang.simulator.faults."""
-
-    name = "FAULT"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Fault:
-        from yarclang.simulator.faults import Fault, parse_fault
-
-        if isinstance(value, Fault):
-            return value
-        try:
-            return parse_fault(value)
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
 
 
 class _Address(ParamType[str]):
@@ -122,7 +106,7 @@ on and amplifiers stay bad until $$$.
 @click.option(
     "--fault",
     "faults",
-    type=_Fault(),
+    metavar="FAULT",
     multiple=True,
     help="What goes wrong, and when: see below. May be given several times.",
 )
@@ -134,7 +118,7 @@ def command(
     port: int,
     host: str,
     rate: float | None,
-    faults: tuple[Fault, ...],
+    faults: tuple[str, ...],
     seed: int,
     cell: str | None,
     inputs: str | None,
@@ -145,35 +129,36 @@ def command(
     """
     import asyncio
 
-    from yarclang.simulator.server import SimulatorServer
-
     if cell is not None and robot is None:
         raise click.UsageError("--cell needs --robot: a cell is read for a robot")
-    machine, what = _machine(robot)
-    if inputs is not None or cell is not None:
-        _add_inputs(machine, robot, inputs, cell)
-
-    def tell(text: str) -> None:
-        click.echo(f"{machine.now:.3f} s: {text}", err=True)
-
-    server = SimulatorServer(machine, host=host, port=port, rate=rate, faults=faults, seed=seed, tell=tell)
+    bench, whose = _bench(robot)
+    try:
+        wrong = tuple(bench.fault(one) for one in faults)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="'--fault'") from None
+    around = None if inputs is None and cell is None else _around(robot, inputs, cell)
+    server = bench.server(whose, around, host=host, port=port, rate=rate, faults=wrong, seed=seed, tell=_tell)
+    what = bench.title if whose is None else f"{whose.name} at HOME"
     try:
         asyncio.run(_serve(server, what))
     except KeyboardInterrupt:
         click.echo("stopped", err=True)
 
 
-def _machine(robot: str | None) -> tuple[Machine, str]:
-    """The machine to serve, and what it is."""
-    from yarclang.simulator.machine import Machine
+def _tell(now: float, text: str) -> None:
+    click.echo(f"{now:.3f} s: {text}", err=True)
 
-    if robot is None:
-        return Machine(), "a bare Turbo PMAC"
+
+def _bench(robot: str | None) -> tuple[Bench, Robot | None]:
+    """The simulator to serve, and the robot that it is commissioned for."""
+    from yarclang.backend import backend_called, backend_of
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import named_robot
     from yarclang.pipeline.settings import settings_of
-    from yarclang.simulator.commissioning import commissioned
+    from yarclang.robot.kinds import DEFAULT
 
+    if robot is None:
+        return backend_called(DEFAULT).bench(), None
     loaded = named_robot(Path(), robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
@@ -182,11 +167,11 @@ def _machine(robot: str | None) -> tuple[Machine, str]:
     show_findings(settings.diagnostics)
     if settings.value is None:
         raise SystemExit(1)
-    return commissioned(loaded.value, settings.value.text), f"{loaded.value.name} at HOME"
+    return backend_of(loaded.value).bench(), loaded.value
 
 
-def _add_inputs(machine: Machine, robot: str | None, inputs: str | None, cell: str | None) -> None:
-    """Add the machines that a script describes, and the sensors of a cell; the script's names are the cell's."""
+def _around(robot: str | None, inputs: str | None, cell: str | None) -> SimulatedCell:
+    """Return the machines that a script describes, and the sensors of a cell; the script's names are the cell's."""
     from dataclasses import replace
 
     from yarclang.cli.show import show_findings
@@ -206,16 +191,16 @@ def _add_inputs(machine: Machine, robot: str | None, inputs: str | None, cell: s
         if has_errors(around.diagnostics):
             raise SystemExit(1)
         what = around.value.loaded.value if around.value is not None else None
-        known = known_in(None, what, whose.controller.feedback)
+        known = known_in(None, what, whose.controller.signal)
     known = replace(known, has_places=False)
     made = surroundings_of({"set": (), "inputs": inputs}, known, whose, what, waits=False)
     show_findings(made.diagnostics)
     if made.value is None:
         raise SystemExit(1)
-    made.value.attach(machine)
+    return made.value
 
 
-async def _serve(server: SimulatorServer, what: str) -> None:
+async def _serve(server: Server, what: str) -> None:
     import asyncio
 
     from yarclang.hosts import is_loopback
@@ -242,20 +227,19 @@ async def _serve(server: SimulatorServer, what: str) -> None:
         await server.close()
 
 
-async def _watch(server: SimulatorServer) -> None:
+async def _watch(server: Server) -> None:
     """Tell once of each word of a program that does something else here than on a controller, or nothing."""
     import asyncio
 
     told: set[str] = set()
     while True:
-        for word in [word for word in server.machine.unknown_words if word not in told]:
-            told.add(word)
-            does = "runs as LINEAR" if word.startswith("CIRCLE") else "does nothing"
-            server.tell(f"{word} {'runs as SPLINE1' if word == 'SPLINE2' else does} here")
+        for text in [text for text in server.differences() if text not in told]:
+            told.add(text)
+            server.tell(text)
         await asyncio.sleep(_LOOK)
 
 
-def _place(server: SimulatorServer) -> str:
+def _place(server: Server) -> str:
     """Address and port, as they are written together."""
     host = f"[{server.host}]" if ":" in server.host else server.host
     return f"{host}:{server.port}"

@@ -63,7 +63,7 @@ def _stop_controller(to: Address, name: str, what: str) -> None:
 
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import named_robot
-    from yarclang.runtime.rest import described
+    from yarclang.runtime.standing import described
 
     loaded = named_robot(Path(), name)
     show_findings(loaded.diagnostics)
@@ -99,12 +99,13 @@ def _tell_run(to: Address, what: str) -> None:
 
 
 async def _end(to: Address, robot: Robot, what: str) -> Array | None:
-    from yarclang.runtime.performance import connect, end_what_runs
+    from yarclang.runtime.scripts import scripts_of
     from yarclang.runtime.session import Session
 
-    session = Session(to.host, to.port)
+    scripts = scripts_of(robot.controller.kind)
+    session = Session(to.host, to.port, scripts=scripts)
     try:
-        await session.perform(connect(session.operation))
-        return await session.perform(end_what_runs(session.operation, robot, abort=what == "abort"))
+        await session.perform(scripts.connect(session.operation))
+        return await session.perform(scripts.end_what_runs(session.operation, robot, abort=what == "abort"))
     finally:
         session.close()

@@ -110,10 +110,9 @@ def _check_usage(
 
 def _stage(file: str, planning: dict[str, Any]) -> Stage:
     """What a file shows; without anything to show the exit status is 1."""
-    from yarclang.cli.loading import is_compiled
     from yarclang.cli.show import show_findings, show_without_notes
     from yarclang.cli.work import Progress, options_from
-    from yarclang.pipeline.controller_text import robot_of_text
+    from yarclang.pipeline.controller_text import is_compiled, robot_of_text
     from yarclang.report.cell import cell_text
     from yarclang.report.runs.kind import is_log
     from yarclang.view.opening import opened

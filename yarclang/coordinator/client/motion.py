@@ -27,7 +27,7 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Hold, Override, Resume
 from yarclang.runtime.outcome import Ended
-from yarclang.runtime.rest import off_the_start
+from yarclang.runtime.standing import off_the_start
 from yarclang.runtime.state import State
 
 

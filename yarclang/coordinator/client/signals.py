@@ -9,7 +9,7 @@ from functools import partial
 
 from yarclang.coordinator.client.part import Part
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.runtime.actions import Script, Trouble
+from yarclang.runtime.actions import Trouble
 from yarclang.simulated_cell.script import input_variable
 
 _STATES = {"ON": 1.0, "OFF": 0.0}
@@ -55,7 +55,7 @@ class Signals(Part):
         cell = None if made is None else made.cell
         moves = cell is not None and bool(cell.parts) and variable in (*cell.grips, *cell.removals)
         here = await coordinator.stands() if moves else None
-        await coordinator.engine.ask(lambda: operation.ask(f"{variable}={number:.9g}"))
+        await coordinator.engine.ask(lambda: coordinator.engine.scripts.write(operation, variable, number))
         value = await self._ask_number(variable)
         if here is not None:
             coordinator.carrying.kept.set(cell, variable, value, here)
@@ -101,23 +101,17 @@ class Signals(Part):
         surroundings = self._coordinator.surroundings
         if surroundings is not None:
             return found | {one: surroundings.value(one) for one in wanted}
-        operation = self._coordinator.engine.operation
+        engine = self._coordinator.engine
         for first in range(0, len(wanted), _AT_ONCE):
             some = wanted[first : first + _AT_ONCE]
             with contextlib.suppress(Trouble):
-                values = await self._coordinator.engine.ask(
-                    partial(operation.numbers, "".join(some), len(some))
-                )
+                values = await engine.ask(partial(engine.scripts.read, engine.operation, some))
                 found.update(zip(some, values, strict=True))
         return found
 
     async def _ask_number(self, variable: str) -> float:
-        operation = self._coordinator.engine.operation
-
-        def asked() -> Script[tuple[float, ...]]:
-            return operation.numbers(variable, 1)
-
-        (value,) = await self._coordinator.engine.ask(asked)
+        engine = self._coordinator.engine
+        (value,) = await engine.ask(lambda: engine.scripts.read(engine.operation, (variable,)))
         return value
 
 

@@ -6,6 +6,8 @@ comes to rest in front of a limit, an obstacle or a zone, and goes away from it 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from yarclang.coordinator.live.grid import Rates, State, advance, to_rest
@@ -49,7 +51,7 @@ class Generator:
     Args:
         robot: that moves.
         start: (n,) where it is commanded to stand [rad or m].
-        decimals: of the printed positions.
+        printed: prints positions (k, n) [rad or m] as lines.
         segment: TM [s].
         steering: makes velocities of what is wanted.
         judge: admits the text.
@@ -65,7 +67,7 @@ class Generator:
         self,
         robot: Robot,
         start: Array,
-        decimals: int,
+        printed: Callable[[Array], tuple[str, ...]],
         segment: float,
         steering: Steering,
         judge: Judge,
@@ -75,7 +77,7 @@ class Generator:
         self.why = ""
         self.stopped_by: tuple[str, ...] = ()
         self._robot = robot
-        self._decimals = decimals
+        self._lines = printed
         self._segment = segment
         self._steering = steering
         self._judge = judge
@@ -169,9 +171,7 @@ class Generator:
         return self._printed([*rest, last, last])
 
     def _printed(self, states: list[State]) -> tuple[str, ...]:
-        units, axes = self._robot.axis_units, self._robot.controller.axes
-        row = "".join(f"{axis}%.{self._decimals}f" for axis in axes)
-        return tuple(row % tuple((one.c / units + 0.0).tolist()) for one in states)
+        return self._lines(np.array([one.c for one in states]).reshape(-1, self._robot.size))
 
 
 def _along(one: Array, other: Array) -> bool:

@@ -1,14 +1,10 @@
-"""What stands in front of a live motion's lines: the rotary, its guard, the segment time; and who makes its lines."""
+"""A live motion before it begins: how it is made, who judges it, and who makes its lines."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from yarclang.backend_pmac.decimals import decimals_for
-from yarclang.backend_pmac.emit import emit
-from yarclang.backend_pmac.guard import watermarks
+from yarclang.backend import backend_of
 from yarclang.cell.model import Cell
 from yarclang.collision.scene import scene_of
 from yarclang.collision.zones.watched import Moving
@@ -17,19 +13,12 @@ from yarclang.coordinator.live.proof import Judge, surroundings_of
 from yarclang.coordinator.live.steering import Steering
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.handling.present import around_start
-from yarclang.pmac.program import Assignment, PmacProgram, SegmentTime
-from yarclang.pmac.variables import ARMED
-from yarclang.robot.actuation import to_counts
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.job import Job
-from yarclang.runtime.live import MADE_ON_THE_WAY, Live
+from yarclang.runtime.live import Live
 from yarclang.units import MS
 
 SEGMENT = 10.0 * MS
 """TM of live motions [s]."""
-
-_LEAD = 12
-"""Lines ahead beyond I16: what the host may be late by."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,65 +49,26 @@ def live_motion(
     around = surroundings_of(robot, around_start(cell), moving)
     if around.value is None:
         return Result(None, around.diagnostics)
+    writing = backend_of(robot).live()
+    if writing is None:
+        message = "this kind of controller has no live motions"
+        return Result(None, (Diagnostic("Y1616", message, help="move the robot by commands"),))
     speed = robot.jog_speed if settings.speed is None else settings.speed
     segment = max(settings.segment, robot.controller.smallest_segment)
-    decimals = decimals_for(robot, segment, robot.tolerance)
+    decimals = writing.decimals(robot, segment)
     tool = moving.flange_from_moving
     leaves = cell is not None and cell.present is not None and bool(cell.present.leaving)
     strict = scene_of(robot, around_start(cell, touching=False)).value if leaves else None
-    judge = Judge(robot, here, segment, speed, tool, *around.value, strict=strict)
-    start = np.round(here / robot.axis_units, decimals) + 0.0
-    stands = "".join(
-        f"{axis}{value:.{decimals}f}" for axis, value in zip(robot.controller.axes, start, strict=True)
-    )
+    judge = Judge(robot, here, segment, speed, tool, *around.value, strict=strict, points=writing.points)
+    (stands,) = writing.lines(robot, here[None], decimals)
     # the way to rest behind nothing: to the nearest place that can be printed
     if objection := judge.objection((stands,) * 3, ()):
         message = f"where the robot stands, no live motion can begin: {objection}"
         return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))
     rates = rates_of(robot, settings.share)
     steering = Steering(robot, tool, rates, speed)
-    generator = Generator(robot, here, decimals, segment, steering, judge, rates)
-    marks = watermarks(robot, segment)
-    program = PmacProgram(
-        target="rotary",
-        coordinate_system=robot.controller.coordinate_system,
-        motors=robot.controller.motors,
-        axes=robot.controller.axes,
-        joint_names=robot.joint_names,
-        decimals=decimals,
-        start=start,
-        start_counts=to_counts(robot, start * robot.axis_units),
-        start_slack=np.zeros(robot.size),
-        rotary_words=marks.words,
-        full_lines=marks.low + 5,
-        low_lines=marks.low,
-        body=(SegmentTime(segment / MS), Assignment(ARMED, 1.0)),
-        commands=(),
-        rapid=False,
+    generator = Generator(
+        robot, here, lambda points: writing.lines(robot, points, decimals), segment, steering, judge, rates
     )
-    emitted = emit(program)
-    text = [*emitted.opening, *emitted.body.split("\n")[:-2]]  # without CLOSE
-    at = text.index("OPEN ROT")
-    shown = emitted.text((MADE_ON_THE_WAY, f"robot {robot.name} {robot.fingerprint}"))
-    job = Job(
-        name=name,
-        robot=robot,
-        setup=tuple(text[:at]),
-        lines=(),
-        times=np.empty(0),
-        commands=(),
-        start=here,
-        end=here,
-        slack=judge.slack,
-        segment=segment,
-        duration=0.0,
-        words=marks.words,
-        low=marks.low,
-        full=marks.low + 5,
-        guarded=True,
-        text=shown,
-        source="",
-        certificate="",
-    )
-    opening = tuple(text[at + 2 :])
-    return Result((Live(job, opening, marks.low + _LEAD, generator), generator), around.diagnostics)
+    live = writing.motion(robot, here, judge.slack, segment, decimals, name, generator)
+    return Result((live, generator), around.diagnostics)

@@ -11,7 +11,7 @@ velocities are off by d / h at most, accelerations by d / h^2, jerks by 2 d / h^
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable
 
 import numpy as np
 
@@ -32,8 +32,6 @@ from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import START_SHARE, Array, Robot
 from yarclang.units import MM
-
-_WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d*)?)")
 
 _BEYOND = 1.0
 """Bodies of a tool are at most so far beyond its origin [m], where it is told how far they move beside what was proved."""
@@ -60,6 +58,7 @@ class Judge:
         scene: bodies that must stay apart; None where there are none.
         watches: zones.
         strict: the bodies that must stay apart once the robot has left a part beside which it stands; None: it stands beside none.
+        points: reads the lines of a text (k, n) [rad or m], or says what is wrong with them.
 
     Attributes:
         slack: (n,) how far from there each joint may stand when the motion begins [rad or m]: a fraction of a count. No point of the arm is
@@ -78,7 +77,9 @@ class Judge:
         watches: tuple[Watch, ...] = (),
         *,
         strict: Scene | None = None,
+        points: Callable[[Robot, tuple[str, ...]], Array | str],
     ) -> None:
+        self._points = points
         self._robot = robot
         self._segment = segment
         self._speed = speed
@@ -111,7 +112,7 @@ class Judge:
             tail: that would bring the robot to rest behind them.
         """
         self.stopped_by = ()
-        points = self._read((*lines, *tail))
+        points = self._points(self._robot, (*lines, *tail))
         if isinstance(points, str):
             return points
         last = points[-3:] if len(points) >= 3 else np.concatenate([self._behind, points])[-3:]
@@ -133,7 +134,7 @@ class Judge:
 
     def admit(self, lines: tuple[str, ...]) -> None:
         """These are streamed; `objection` had none."""
-        points = self._read(lines)
+        points = self._points(self._robot, lines)
         assert not isinstance(points, str)
         self._behind = np.concatenate([self._behind, points])[-3:]
         if self._strict is not None and len(points):
@@ -143,16 +144,6 @@ class Judge:
             if is_free(self._strict, around):
                 self._scene, self._strict, self._room, self._crowded = self._strict, None, None, 0
         self._starts = max(0, self._starts - len(points))
-
-    def _read(self, lines: tuple[str, ...]) -> Array | str:
-        axes = self._robot.controller.axes
-        rows = []
-        for line in lines:
-            words = _WORD.findall(line)
-            if tuple(axis for axis, _ in words) != axes or "".join(map("".join, words)) != line:
-                return f"{line!r} isn't a move of all axes"
-            rows.append([float(value) for _, value in words])
-        return np.array(rows).reshape(-1, len(axes)) * self._robot.axis_units
 
     def _limits(self, cubics: Cubics, off: Array) -> str:
         """Of joints and motors; the control points of each segment may be off by `off` (N, n)."""

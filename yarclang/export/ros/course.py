@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.certify.reader import reader_of
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Put, Run, Stood
-from yarclang.certify.unsourced import start_of
 from yarclang.frozen import frozen
 from yarclang.pipeline.line_map import LineMap
 from yarclang.progress import go_on
@@ -98,7 +98,11 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
         names: the program's names of the controller's variables, such as M1.
     """
     made = _Making(
-        mapped, robot, names, start_of(content, robot), {entry.step: entry for entry in content.entries}
+        mapped,
+        robot,
+        names,
+        reader_of(robot.controller).start(content, robot).q,
+        {entry.step: entry for entry in content.entries},
     )
     for item, place in zip(content.course, content.schedule.places, strict=False):
         go_on()

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Array, AvoidMove, JointGoal, JointMove, Program, SplineMove, TimedMove
+from yarclang.hir import Array, JointGoal, Motion, Program, TimedMove
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.units import DEG
 
 _STEP = np.pi / 12.0
 """People turn by multiples of 15 degrees [rad]."""
-
-_TO_ONE = (JointMove, AvoidMove)
 
 _EXACT = 6e-5
 """So near [rad] is a multiple that was written with four digits."""
@@ -23,14 +21,9 @@ _EXACT = 6e-5
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
     turning = ~around.robot.chain.is_prismatic
     for step in program.steps:
-        goals: tuple[object, ...] = ()
-        if isinstance(step, _TO_ONE):
-            goals = (step.goal,)
-        elif isinstance(step, SplineMove | TimedMove):
-            goals = step.waypoints
-        else:
+        if not isinstance(step, Motion):
             continue
-        for goal in goals:
+        for goal in step.waypoints if isinstance(step, TimedMove) else step.goals:
             if isinstance(goal, JointGoal) and (value := _radian(goal.q[turning] / DEG)) is not None:
                 turn = round(value / _STEP) * 15
                 message = (

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.findings import Finding
-from yarclang.hir import Array, Motion, PoseGoal, PoseSplineMove, Program, Reading, SplineMove, TimedMove
+from yarclang.hir import Array, Motion, PoseGoal, Program, Reading
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.units import DEG, MM
@@ -67,13 +67,7 @@ def _placed(away: float, arm: float) -> tuple[str, str]:
 
 def _points(step: Motion) -> list[Array]:
     """The positions of its poses."""
-    if isinstance(step, TimedMove):
-        return []
-    goals = step.waypoints if isinstance(step, _THROUGH_MANY) else (step.goal,)
-    return [one.base_from_moving[:3, 3] for one in goals if isinstance(one, PoseGoal)]
-
-
-_THROUGH_MANY = (SplineMove, PoseSplineMove)
+    return [one.base_from_moving[:3, 3] for one in step.goals if isinstance(one, PoseGoal)]
 
 
 def _speed(speed: Reading) -> tuple[str, str] | None:

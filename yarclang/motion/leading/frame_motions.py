@@ -59,13 +59,12 @@ def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[
 
 def moving_frame(step: CartesianMove) -> Array:
     """The frame that a motion moves, flange_from_moving (4, 4)."""
-    goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
-    return goal.flange_from_moving
+    return step.goals[-1].flange_from_moving
 
 
 def _goal(step: CartesianMove, start: Array) -> PoseGoal:
     """Where a motion of the moving frame leads from its pose at the start (4, 4)."""
-    goal = step.waypoints[-1] if isinstance(step, PoseSplineMove) else step.goal
+    goal = step.goals[-1]
     return _absolute(goal, start) if isinstance(goal, PoseDelta) else goal
 
 

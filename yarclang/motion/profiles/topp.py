@@ -258,5 +258,6 @@ PROFILE = Profile(
     law=_law,
     is_stretched=True,
     has_jerk_limit=False,
+    needs_search=True,
     longest_segment=0.005,
 )

@@ -9,19 +9,15 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
-    AvoidMove,
     FrameLink,
     Gap,
     JointGoal,
-    JointMove,
     Motion,
     Origin,
     PoseDelta,
     PoseGoal,
     Program,
-    SplineMove,
     Step,
-    TimedMove,
 )
 from yarclang.lasting import Lasting
 from yarclang.motion.plan import PlannedMotion
@@ -137,10 +133,8 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
     end = way.start if not isinstance(step, Motion) else None
     if motion is not None:
         end = motion.waypoints[-1]
-    elif isinstance(step, JointMove | AvoidMove) and isinstance(step.goal, JointGoal):
-        end = step.goal.q
-    elif isinstance(step, TimedMove):
-        end = step.table.positions[-1]
+    elif isinstance(step, Motion) and isinstance(step.end, JointGoal):
+        end = step.end.q
     carried = carried_in_plan(compiled.plan) if compiled is not None else None
     pace, flows = None, NO_FLOWS if compiled is None else flows_of(compiled.plan, number)
     if motion is not None and way.start is not None and isinstance(step, Motion):
@@ -197,8 +191,8 @@ def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
     """The poses of a motion, each with its solutions; of a Cartesian motion the last one."""
     step = studied.program.steps[number]
     robot = studied.request.robot
-    in_joints = isinstance(step, JointMove | AvoidMove | SplineMove | TimedMove)
-    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
+    assert isinstance(step, Motion)
+    in_joints, goals = not step.leads_frame, step.goals
     found: list[WayPoint] = []
     stands = way.start
     chosen_ones = way.motion.waypoints if way.motion is not None else None

@@ -12,6 +12,7 @@ from yarclang.hir import Motion, Program, TimedMove
 from yarclang.motion.curve import knot_values
 from yarclang.motion.limits import Demand, bounds_of
 from yarclang.motion.plan import PlannedMotion
+from yarclang.motion.profile import load_profile
 from yarclang.pipeline.stages import Request, plan_program
 from yarclang.report.inspection.way import alone
 from yarclang.robot.model import Array, Robot
@@ -61,14 +62,15 @@ def pace_of(
     """
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)
-    limits = [_limit(robot, motion, demand) for demand in bounds.demands(curve.points)]
-    if isinstance(step, TimedMove):
-        # the table decides the jerk, and the time
-        return Pace(
-            tuple(sorted((one for one in limits if one.kind != "jerk"), key=lambda one: -one.share)), None
-        )
+    has_jerk_limit = load_profile(motion.profile).has_jerk_limit
+    limits = [
+        _limit(robot, motion, demand)
+        for demand in bounds.demands(curve.points)
+        if has_jerk_limit or demand.kind != "jerk"
+    ]
     limits.sort(key=lambda one: -one.share)
-    return Pace(tuple(limits), None if flows else _shortest(program, step, start, request))
+    has_time_given = flows or isinstance(step, TimedMove)
+    return Pace(tuple(limits), None if has_time_given else _shortest(program, step, start, request))
 
 
 def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:

@@ -137,9 +137,8 @@ def _link(what: str, link: FrameLink) -> str:
 
 def _target(inspected: Inspected) -> Iterator[str]:
     origin, robot = inspected.origin, inspected.robot
-    goals = getattr(inspected.step, "waypoints", None) or (inspected.step.goal,)  # type: ignore[union-attr]
-    if isinstance(goals[-1], PoseDelta):
-        delta = goals[-1]
+    assert isinstance(inspected.step, Motion)
+    if isinstance(delta := inspected.step.end, PoseDelta):
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = delta.turn, delta.shift
         yield f"increment  {pose_text(pose)}"
@@ -153,7 +152,7 @@ def _target(inspected: Inspected) -> Iterator[str]:
     if not inspected.waypoints and inspected.end is not None:
         frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
         pose = tool_poses(robot.chain, inspected.end[None], robot.flange_from_frame[frame])[0]
-        if isinstance(goals[-1], JointGoal):
+        if isinstance(inspected.step.end, JointGoal):
             yield "joint values; they bring"
         yield f"{{{frame}}} to {pose_text(pose)} in {{B}}"
 

@@ -8,15 +8,12 @@ from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
-    AvoidMove,
     Else,
     EndWhen,
     Gap,
     JointGoal,
-    JointMove,
     Motion,
     Program,
-    SplineMove,
     Step,
     Stop,
     TimedMove,
@@ -79,11 +76,9 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
         return found
     for place in range(len(line) - 1, -1, -1):
         one = line[place]
-        if isinstance(one, JointMove | AvoidMove) and isinstance(one.goal, JointGoal):
+        if isinstance(one, Motion) and isinstance(one.end, JointGoal):
             # wherever it came from, there it stands
-            return _behind(program, one.goal.q, line[place + 1 :], request)
-        if isinstance(one, TimedMove):
-            return _behind(program, one.table.positions[-1], line[place + 1 :], request)
+            return _behind(program, one.end.q, line[place + 1 :], request)
     return None
 
 
@@ -100,12 +95,10 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
     """
     line: list[Motion] = []
     for step in program.steps[number + 1 :]:
-        if isinstance(
-            step, JointMove | AvoidMove | SplineMove | TimedMove | Gap | Stop | When | Else | EndWhen
-        ):
-            break
-        if isinstance(step, Motion):
+        if isinstance(step, Motion) and step.leads_frame:
             line.append(alone(step))
+        elif isinstance(step, Motion | Gap | Stop | When | Else | EndWhen):
+            break
     if not line:
         return ""
     planned = plan_program(replace(program, start=stands, steps=tuple(line)), request)

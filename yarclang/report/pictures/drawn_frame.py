@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Motion, PoseDelta, PoseGoal, Step
+from yarclang.hir import Array, Motion, Step
 from yarclang.motion.plan import MotionPlan
 from yarclang.robot.model import Robot
 
@@ -30,11 +30,7 @@ def drawn_frame(plan: MotionPlan) -> DrawnFrame:
 
 def moving_frame(step: Step) -> Array | None:
     """The frame on the flange, as flange_from_moving (4, 4), whose pose a motion leads somewhere; None where it leads none."""
-    if not isinstance(step, Motion):
-        return None
-    goals = getattr(step, "waypoints", None) or (step.goal,)  # type: ignore[union-attr]
-    poses = [goal for goal in goals if isinstance(goal, PoseGoal | PoseDelta)]
-    return poses[-1].flange_from_moving if poses else None
+    return step.flange_from_moving if isinstance(step, Motion) else None
 
 
 def led_by(step: Step) -> DrawnFrame | None:

@@ -9,7 +9,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.robot.model import Array, Controller
+from yarclang.robot.controller import Controller
+from yarclang.robot.kinds import DEFAULT, kind_of
+from yarclang.robot.model import Array
 from yarclang.runtime.notices import Changed, Progress, Remark
 from yarclang.runtime.outcome import Where
 from yarclang.runtime.signals import InputChanged, OutputSet, Signal, WaitBegan, WaitEnded
@@ -53,7 +55,7 @@ class Pass:
 
 @frozen(eq=False)
 class Outcome:
-    """How the run has ended, as `yarclang.runtime.performance.Ended` says it."""
+    """How the run has ended, as `yarclang.runtime.pmac.performance.Ended` says it."""
 
     time: float
     well: bool
@@ -197,8 +199,15 @@ def read_robot(facts: Mapping[str, str], job: Mapping[str, Any]) -> RecordedRobo
         axis_unit_names=units,
         lower=read_only(lower * scale),
         upper=read_only(upper * scale),
-        controller=Controller(**controller),
+        controller=_restored(controller),
     )
+
+
+def _restored(told: dict[str, Any]) -> Controller:
+    kind = kind_of(str(told.get("kind", DEFAULT)))
+    if kind is None:
+        raise ValueError(f"there is no kind of controller {told['kind']!r}")
+    return kind.restored(told)
 
 
 def read_only(values: Array) -> Array:

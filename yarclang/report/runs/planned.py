@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bounds import Cubics
-from yarclang.certify.read import read
+from yarclang.certify.reader import reader_of
 from yarclang.certify.text import Barred, ControllerText, Dwelt, Run, Stood, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting, Schedule
+from yarclang.memory import NO_MEMORY
 from yarclang.report.runs.log import RecordedRun
 from yarclang.robot.model import Array
 from yarclang.runtime.live import MADE_ON_THE_WAY
@@ -68,13 +69,14 @@ def planned_motion(run: RecordedRun) -> Result[Planned]:
             f"{run.file}: this was a jog, or a master that was followed: there was no plan to draw it beside"
         )
         return Result(None, (Diagnostic("Y1404", message, help="`yarc replay` shows what happened"),))
-    content = read(run.text, run.robot.controller)
+    controller = run.robot.controller
+    content = reader_of(controller).read(run.text, controller, NO_MEMORY)
     if isinstance(content, Unreadable):
         return _refused(run, f"line {content.line} {content.reason}")
-    if content.start.rapid is None:
+    if content.start.printed is None:
         return _refused(run, "it isn't for the rotary buffer, so that it was never streamed")
     return Result(
-        _planned(content, content.start.rapid, run.robot.axis_units, counts_dwells=run.counts_dwells)
+        _planned(content, content.start.printed, run.robot.axis_units, counts_dwells=run.counts_dwells)
     )
 
 

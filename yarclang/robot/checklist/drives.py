@@ -28,9 +28,9 @@ def drive_items(robot: Robot) -> Iterator[Item]:
     motors = ", ".join(
         f"#{motor} {axis}" for motor, axis in zip(controller.motors, controller.axes, strict=True)
     )
-    yield Item("axes", "ok", f"coordinate system {controller.coordinate_system}: {motors}")
+    yield Item("axes", "ok", f"{controller.text}: {motors}")
     low, high = controller.smallest_segment / MS, controller.largest_segment / MS
-    yield Item("segments", "ok", f"{low:.4g} to {high:g} ms, by I8={controller.i8} and I10={controller.i10}")
+    yield Item("segments", "ok", f"{low:.4g} to {high:g} ms, by {controller.timing}")
 
 
 def _invertible(robot: Robot) -> Item:

@@ -6,7 +6,9 @@ import json
 import re
 from collections.abc import Sequence
 
-from yarclang.robot.new.sketch import AXES, JointSketch, Said, Sketch
+from yarclang.robot.controller import Kind
+from yarclang.robot.kinds import DEFAULT, kind_of
+from yarclang.robot.new.sketch import JointSketch, Said, Sketch
 
 MARK = "guess:"
 """Begins the comment of a value that somebody has to check; whoever has, deletes the comment."""
@@ -77,18 +79,7 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         f"numbers = [{', '.join(f'{number:.0f}' for number in sketch.motors.value)}]{_tail(sketch.motors)}",
         f"velocity = {_list(sketch.motor_velocity.value)}  # counts/ms{_mark(sketch.motor_velocity)}",
         "",
-        "[controller]",
-        'kind = "turbo-pmac"',
-        "coordinate_system = 1",
-        f"axes = [{', '.join(_text(letter) for letter in AXES[:size])}]  # one a joint",
-        f"feedback = [{', '.join(_text(f'P{k + 1}') for k in range(size))}]  # where PLC 0 writes the joint positions",
-        "largest_tm = 50      # ms, the longest spline segment",
-        "ixx08 = 96           # position scale factor: M162 is in 1/(ixx08 * 32) count; the factory setting",
-        "rotary_words = 480   # least size of the rotary buffer",
-        "hold_time = 250      # ms",
-        "rapid_share = 0.1    # of the velocity limits, for the slow move to a program's start",
-        "i8 = 2               # real-time interrupt every i8 + 1 servo cycles; the factory setting",
-        "i10 = 3713707        # servo period, 1/8,388,608 ms; the factory setting",
+        *_kind().lines(size),
         "",
         "# How far the executed path may be from the programmed one.",
         "[tolerance]",
@@ -103,6 +94,12 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _kind() -> Kind:
+    kind = kind_of(DEFAULT)
+    assert kind is not None
+    return kind
 
 
 def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:

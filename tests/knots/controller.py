@@ -1,0 +1,243 @@
+"""A second kind of controller, as small as one can be: it executes a table of control points, a line each.
+
+It is the example of CONTRIBUTING.md. What it can't do (outputs, waits, jogs, settings) it says.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Literal
+
+import numpy as np
+from knots.simulator import Simulated as SimulatedTable
+
+from yarclang.backend import Backend, Sendable, Settings, Simulated, Written
+from yarclang.certify.header import read_preamble
+from yarclang.certify.lines import Lines, Refusal, check_characters, shown
+from yarclang.certify.reader import Fault, Reader, StartPlace
+from yarclang.certify.text import ControllerText, Dwelt, Run, Start, Unreadable
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
+from yarclang.hir import Dwell, Motion
+from yarclang.motion.limits import Grid
+from yarclang.robot.controller import Kind, SignalVariable
+from yarclang.units import MS
+
+STEP = 1e-6  # [s], of segment times
+DECIMALS = 6
+
+
+@frozen
+class Knots:
+    """How a robot hangs on it."""
+
+    axes: tuple[str, ...]
+    motors: tuple[int, ...]
+    largest_segment: float
+    hold_time: float
+    rapid_share: float
+    kind: str = "knots"
+    smallest_segment: float = 1.0 * MS
+    text: str = "a table of knots"
+    timing: str = "its clock"
+
+    def signal(self, text: str) -> SignalVariable:
+        return SignalVariable(None, "is no variable: a table of knots has none", "leave it out")
+
+
+def _table():
+    from yarclang.robot.schema import ControllerTable
+
+    class KnotsTable(ControllerTable):
+        kind: Literal["knots"] = "knots"
+
+    return KnotsTable
+
+
+def _made(table, motors):
+    return Knots(
+        tuple(table.axes),
+        tuple(motors),
+        table.largest_tm * MS,
+        table.hold_time * MS,
+        table.rapid_share,
+    )
+
+
+KIND = Kind(
+    name="knots",
+    title="a table of knots",
+    table=_table,
+    check=lambda file, table, size: None,
+    not_coupled=lambda axes: "",
+    controller=_made,
+    restored=lambda values: Knots(**values),
+    lines=lambda size: ("[controller]", 'kind = "knots"', f"axes = {[f'Q{k + 1}' for k in range(size)]}"),
+    signal=lambda text: SignalVariable(None, "is no variable", "leave it out"),
+)
+
+
+# writing
+
+
+def _grid(robot, tm):
+    largest = robot.controller.largest_segment if tm is None else tm * MS
+    return Result(Grid(robot.controller.smallest_segment, largest, STEP))
+
+
+def _row(values):
+    return ",".join(f"{value:.{DECIMALS}f}" for value in values)
+
+
+def _write(plan, target, tolerance, memory):
+    units = plan.robot.axis_units
+    motions = {motion.step: motion for motion in plan.motions}
+    lines, entries = [], []
+    for number, step in enumerate(plan.program.steps):
+        first = len(lines)
+        if isinstance(step, Motion):
+            curve = motions[number].curve
+            lines += [f"T,{curve.segment / MS:.6f}"]
+            # the last point stands thrice: at rest between all motions
+            lines += [_row(np.round(point / units, DECIMALS) + 0.0) for point in curve.points[3:-2]]
+        elif isinstance(step, Dwell):
+            lines.append(f"D,{step.duration / MS:.6f}")
+        else:
+            what = f"{plan.robot.name}'s controller, a table of knots, has no {step.origin.name}"
+            return Result(
+                None, (Diagnostic("Y1104", what, step.origin.source, step.origin.span, "leave it out"),)
+            )
+        moves = isinstance(step, Motion)
+        entries.append((number, step.origin, (first + 1, len(lines) - 1) if moves else None))
+
+    def text(header):
+        behind = len(header) + len(entries)
+        head = [f"; {line}" for line in header]
+        for number, origin, span in entries:
+            place = "- -" if span is None else f"{behind + span[0] + 1} {behind + span[1] + 1}"
+            head.append(f"; command {number} {origin.label or '-'} {origin.name} {origin.span.line} {place}")
+        return "\n".join([*head, *lines, "END"]) + "\n"
+
+    times = sorted({motion.curve.segment / MS for motion in plan.motions})
+    ends = tuple(dict.fromkeys(f"{time:.6f}" for time in (times[0], times[-1]))) if times else ()
+    start = _row(np.round(plan.program.start / units, DECIMALS) + 0.0)
+    start = "".join(
+        f"{axis}{value}" for axis, value in zip(plan.robot.controller.axes, start.split(","), strict=True)
+    )
+    written = Written("table", "loading moves nothing", start, ends, lambda time: f"{time:.6f}", text)
+    return Result(written)
+
+
+# reading: the judge's own, without a word of the writer
+
+
+def _read(text, controller, memory):
+    lines = Lines(text)
+    try:
+        check_characters(text)
+        preamble = read_preamble(lines)
+        return _read_body(lines, preamble, controller)
+    except Refusal as refusal:
+        return Unreadable(*refusal.args)
+
+
+_TIMES = re.compile(r"([TD]),([0-9]{1,7}\.[0-9]{6})")
+_KNOT = re.compile(r"-?[0-9]{1,7}\.[0-9]{6}(?:,-?[0-9]{1,7}\.[0-9]{6})*")
+
+
+def _read_body(lines, preamble, controller):
+    axes = "".join(rf"{axis}(-?[0-9]+\.[0-9]{{6}})" for axis in controller.axes)
+    found = re.fullmatch(axes, preamble.header.start)
+    if found is None:
+        lines.refuse("starts nowhere")
+    start = Start(6, np.array([float(value) for value in found.groups()]))
+    course, points, numbers, segment = [], [], [], None
+
+    def finish():
+        if segment is not None and points:
+            course.append(Run(segment[0], segment[1], np.array(points), np.array(numbers)))
+        points.clear()
+        numbers.clear()
+
+    while (line := lines.peek()) != "END":
+        if found := _TIMES.fullmatch(line):
+            finish()
+            value, segment = float(found[2]), (float(found[2]), lines.line) if found[1] == "T" else None
+            if found[1] == "D":
+                course.append(Dwelt(lines.line, value))
+        elif _KNOT.fullmatch(line) and segment is not None and line.count(",") == len(controller.axes) - 1:
+            points.append([float(one) for one in line.split(",")])
+            numbers.append(lines.line)
+        else:
+            lines.refuse(f"is {shown(line)}: no line of a table of knots")
+        lines.skip()
+    finish()
+    lines.skip()
+    if not lines.at_end:
+        lines.refuse("stands behind END")
+    return ControllerText(preamble.header, preamble.entries, start, tuple(course), (), DECIMALS, STEP)
+
+
+def _start(content, robot):
+    exact = 0.5 * 10.0**-DECIMALS * robot.axis_units
+    return StartPlace(content.start.printed * robot.axis_units, exact, is_printed=True)
+
+
+def _faults(content, robot, outputs):
+    smallest = robot.controller.smallest_segment
+    for run in content.runs:
+        if run.segment < smallest * (1.0 - 1e-9):
+            yield Fault("Y1152", f"T,{run.segment_ms:g} in line {run.tm_line} is below {smallest / MS:g} ms")
+
+
+def _sendable(content, robot):
+    lines = [
+        (item.tm_line, f"T,{item.segment_ms:.6f}")
+        if part == "T"
+        else (int(item.lines[part]), _row(item.points[part]))
+        for item in content.runs
+        for part in ("T", *range(len(item.lines)))
+    ]
+    dwells = [(item.line, f"D,{item.milliseconds:.6f}") for item in content.course if isinstance(item, Dwelt)]
+    return Sendable(tuple(sorted(lines + dwells)), (), len(lines) + len(dwells))
+
+
+@contextmanager
+def _simulated(robot, stands, rate, cell) -> Iterator[Simulated]:
+    with SimulatedTable(stands / robot.axis_units, rate) as simulator:
+        yield Simulated(simulator.port, None)
+
+
+def _no_bench():
+    raise NotImplementedError
+
+
+def _scripts():
+    from knots.scripts import SCRIPTS
+
+    return SCRIPTS
+
+
+BACKEND = Backend(
+    kind=KIND,
+    suffix=".knots",
+    targets=("table",),
+    port=5000,
+    grid=_grid,
+    write=_write,
+    reader=lambda: Reader(_read, _start, _faults),
+    sendable=_sendable,
+    scripts=_scripts,
+    settings=lambda: Settings(
+        lambda robot: "",
+        lambda source, robot: Result(()),
+        lambda source, robot: (),
+        lambda robot: (),
+        lambda text: (),
+    ),
+    live=lambda: None,
+    bench=_no_bench,
+    simulated=_simulated,
+)

@@ -1,0 +1,95 @@
+"""The Turbo PMAC: all that the neutral rooms ask of it. Each part is imported when it is asked for."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, cast
+
+from yarclang.backend import Backend, Bench, LiveWriting, Sendable, Settings, Simulated, Written
+from yarclang.backend_pmac.kind import KIND
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.memory import Memory
+from yarclang.motion.limits import Grid
+from yarclang.motion.plan import MotionPlan
+from yarclang.pmac.program import Target
+from yarclang.pmac.requests import PORT
+from yarclang.robot.model import Array, Robot, Tolerance
+
+if TYPE_CHECKING:
+    from yarclang.certify.reader import Reader
+    from yarclang.certify.text import ControllerText
+    from yarclang.runtime.scripts import Scripts
+    from yarclang.simulated_cell.playing import SimulatedCell
+
+
+def _grid(robot: Robot, tm: float | None) -> Result[Grid]:
+    from yarclang.backend_pmac.grid import segment_grid
+
+    return segment_grid(robot, tm)
+
+
+def _write(plan: MotionPlan, target: str, tolerance: Tolerance, memory: Memory) -> Result[Written]:
+    from yarclang.backend_pmac.writing import write
+
+    return Result(write(plan, cast("Target", target), tolerance, memory))
+
+
+def _reader() -> Reader:
+    from yarclang.certify.pmac.reader import READER
+
+    return READER
+
+
+def _sendable(content: ControllerText, robot: Robot) -> Sendable | Diagnostic:
+    from yarclang.backend_pmac.sendable import sendable
+
+    return sendable(content, robot)
+
+
+def _scripts() -> Scripts:
+    from yarclang.runtime.pmac.scripts import SCRIPTS
+
+    return SCRIPTS
+
+
+def _settings() -> Settings:
+    from yarclang.backend_pmac.settings_read import SETTINGS
+
+    return SETTINGS
+
+
+def _live() -> LiveWriting:
+    from yarclang.backend_pmac.live import LIVE
+
+    return LIVE
+
+
+def _bench() -> Bench:
+    from yarclang.backend_pmac.simulated import BENCH
+
+    return BENCH
+
+
+def _simulated(
+    robot: Robot, stands: Array, rate: float, cell: SimulatedCell | None
+) -> AbstractContextManager[Simulated]:
+    from yarclang.backend_pmac.simulated import simulated
+
+    return simulated(robot, stands, rate, cell)
+
+
+BACKEND = Backend(
+    kind=KIND,
+    suffix=".pmc",
+    targets=("rotary", "prog"),
+    port=PORT,
+    grid=_grid,
+    write=_write,
+    reader=_reader,
+    sendable=_sendable,
+    scripts=_scripts,
+    settings=_settings,
+    live=_live,
+    bench=_bench,
+    simulated=_simulated,
+)

@@ -1,0 +1,64 @@
+"""The segment times that may be used: what the robot says, and what was asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.motion.limits import Grid
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.segments import LARGEST, QUANTUM
+from yarclang.robot.model import Robot
+from yarclang.units import MS
+
+
+def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
+    """The segment times for a robot, none longer than `tm` [ms] where that is given.
+
+    Returns:
+        None and a finding where the controller would round or clip `tm`, or can't calculate such
+        segments in time.
+    """
+    smallest, largest = robot.controller.smallest_segment, robot.controller.largest_segment
+    if tm is None:
+        return Result(Grid(smallest, largest, QUANTUM))
+    asked = tm * MS
+    if asked > LARGEST + 1e-12:
+        return _refused(
+            "Y1102",
+            f"TM {tm:g} ms: the controller clips at {LARGEST / MS:g} ms",
+            f"ask for {largest / MS:g} or less",
+        )
+    if asked > largest + 1e-12:
+        message = f"TM {tm:g} ms is longer than the longest for {robot.name}, {largest / MS:g} ms"
+        return _refused(
+            "Y1102",
+            message,
+            f"ask for {largest / MS:g} or less, or raise controller.largest_tm in robot.toml",
+        )
+    if asked < smallest:
+        message = (
+            f"TM {tm:g} ms: the controller can't calculate segments shorter than {np.ceil(smallest / MS * 1e4) / 1e4:.6g} ms in time "
+            f"(three real-time interrupts at I8 = {turbo_pmac(robot).i8})"
+        )
+        least = _neat_above(smallest / MS)
+        return _refused(
+            "Y1103", message, f"ask for {least:g} or more, or lower I8 (controller.i8 in robot.toml)"
+        )
+    steps = asked / QUANTUM
+    if abs(steps - round(steps)) > 1e-6:
+        kept = round(steps) * QUANTUM / MS
+        message = (
+            f"TM {tm:.12g} ms lies between two steps of 1/4096 ms: the controller would keep {kept:.12g} ms"
+        )
+        return _refused("Y1101", message, f"ask for {kept:.12g}")
+    return Result(Grid(smallest, round(steps) * QUANTUM, QUANTUM))
+
+
+def _neat_above(milliseconds: float) -> float:
+    """The next multiple of half a millisecond: every controller keeps it exactly."""
+    return float(-(-milliseconds // 0.5)) * 0.5
+
+
+def _refused(code: str, message: str, help_: str) -> Result[Grid]:
+    return Result(None, (Diagnostic(code, message, help=help_),))

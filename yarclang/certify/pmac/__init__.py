@@ -1,0 +1,1 @@
+"""The judge's own reader of a text for a Turbo PMAC, and what only such a text must fulfil."""

@@ -1,0 +1,47 @@
+"""Which variables a text may assign: each has a reason, and any other is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Set
+
+from yarclang.certify.text import Barred, ControllerText, assignments_of
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import signal_variable
+from yarclang.robot.model import Robot
+
+
+def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | None) -> Iterator[str]:
+    """Compare what is assigned and what is waited for with what may be.
+
+    The marks of the buffer (I16, I17) and the guard's flag (P8100) are judged with the guard; the reader takes them nowhere else. A program
+    buffer assigns P8101, P8102 and a timer to itself, in lines that are fixed to the last character. All that is left are outputs.
+
+    Args:
+        text: what was read.
+        robot: the variables in which it reports its positions aren't outputs.
+        outputs: the variables of the program's outputs; None where the program isn't known: then any variable that an output could have.
+    """
+    seen: set[str] = set()
+    for line, variable, _ in assignments_of(text):
+        where = "the PLC of safe values" if line is None else f"line {line}"
+        if reason := _why_not(variable, robot):
+            yield f"{where} sets {variable}, which {reason}"
+        elif outputs is not None and variable not in outputs:
+            yield f"{where} sets {variable}, which is no output of the program"
+        elif line is None and variable in seen:
+            yield f"{where} sets {variable} twice"
+        if line is None:
+            seen.add(variable)
+    for item in text.course:
+        if isinstance(item, Barred) and item.condition != "-":
+            variable = item.condition.partition("=")[0]
+            if reason := _why_not(variable, robot):
+                yield f"line {item.line} waits for {variable}, which {reason}"
+
+
+def _why_not(variable: str, robot: Robot) -> str:
+    """Why a variable is no input or output; empty if it can be one."""
+    found = signal_variable(variable, turbo_pmac(robot).feedback)
+    if found.name is None:
+        return found.fault
+    return "" if found.name == variable else f"is written {found.name}"

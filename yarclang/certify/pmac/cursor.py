@@ -1,0 +1,106 @@
+"""The place in a text for a Turbo PMAC: its lines one by one, and blocks of move lines as numbers."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+
+import numpy as np
+
+from yarclang.certify.lines import Lines, shown
+from yarclang.certify.numbers import read_numbers
+from yarclang.certify.text import Sent
+from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
+from yarclang.pmac.controller import TurboPmac
+from yarclang.pmac.requests import MOST_LINE
+from yarclang.progress import go_on
+from yarclang.robot.model import Array
+
+_NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
+"""Possessive: a line that has matched is never tried again, so that the time is linear."""
+
+_PIECE, _MOST, _MARK = 1000, 50_000, "777"
+"""Move lines are remembered in pieces of so many characters at least and at most, up to a line in which these digits stand."""
+
+
+class Cursor(Lines):
+    """The place in the text: hands out lines, and blocks of move lines as numbers. `sent` collects what was taken, as it stands in the text."""
+
+    def __init__(self, text: str, controller: TurboPmac, memory: Memory = NO_MEMORY) -> None:
+        super().__init__(text)
+        self._axes = controller.axes
+        self._memory = memory
+        self.sent: list[Sent] = []
+        self.decimals = 0
+        move = "".join(letter + _NUMBER for letter in controller.axes) + "\n"
+        self._block = re.compile(f"(?:{move})++")
+
+    def take(self) -> str:
+        """The next line, which the controller is sent.
+
+        Raises:
+            Refusal: there is none, it is a comment, or it is longer than the controller takes.
+        """
+        content = self.peek()
+        if self.at_end:
+            self.refuse("is missing: the text ends too early")
+        if content.startswith(";"):
+            self.refuse(f"is a comment after the header: {shown(content)}")
+        if len(content) > MOST_LINE:
+            self.refuse(f"has {len(content)} characters: the controller takes {MOST_LINE}")
+        self.sent.append(Sent(self.line, content))
+        self.skip()
+        return content
+
+    def block(self) -> Array | None:
+        """The move lines from here on (k, n), or None where the next line is none."""
+        pieces: list[Array] = []
+        while self._text.startswith(self._axes[0], self._place):
+            if isinstance(self._memory, Forgetful):
+                text = self._text
+                points, length, decimals = self._moves(text, self._place)
+            else:
+                text = self._text[self._place : self._piece_end()]
+                key = ("move lines", self._axes, text)
+                points, length, decimals = recall(self._memory, key, partial(self._moves, text))
+            if not length:
+                break
+            go_on()
+            pieces.append(points)
+            self.sent.append(Sent(self.line, self._text[self._place : self._place + length - 1]))
+            self._place += length
+            self.line += len(points)
+            self.decimals = max(self.decimals, decimals)
+        if len(pieces) == 1:
+            return pieces[0]
+        return np.concatenate(pieces) if pieces else None
+
+    def _piece_end(self) -> int:
+        """Up to where lines are remembered together: to the end of a short sequence, else to a line with a mark that moves with the text when it is edited."""
+        begin, most = self._place + _PIECE, self._place + _MOST
+        end = self._text.find("\nT", self._place, begin)  # a TM, which is no move line
+        if end >= 0:
+            return end + 1
+        mark = self._text.find(_MARK, begin, most)
+        return self._text.find("\n", most if mark < 0 else mark) + 1 or len(self._text)
+
+    def _moves(self, text: str, place: int = 0) -> tuple[Array, int, int]:
+        """The move lines from a place in a text on (k, n), how long they are, and how many decimals they have at most."""
+        found = self._block.match(text, place)
+        if found is None:
+            return np.empty((0, len(self._axes))), 0, 0
+        points, decimals = read_numbers(found.group(), len(self._axes))
+        points.setflags(write=False)  # it is remembered
+        return points, found.end() - place, decimals
+
+    def move_follows(self) -> bool:
+        """Whether a move line comes next, other outputs and the guard's flag left out."""
+        rest = re.compile(r"(?:P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
+        found = rest.match(self._text, self._place)
+        return self._block.match(self._text, found.end() if found else self._place) is not None
+
+    def expect(self, *lines: str) -> None:
+        """The next lines are these."""
+        for line in lines:
+            if (found := self.take()) != line:
+                self.refuse(f"is {shown(found)} where {shown(line)} belongs", back=1)

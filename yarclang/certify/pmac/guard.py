@@ -1,0 +1,107 @@
+"""The guard of the rotary buffer: a text arms it before the first move, and disarms it only when its last lines are in the buffer.
+
+While it is armed, the controller's PLC 29 holds the motion on its path as soon as fewer than I16 lines lie ahead: whoever feeds the buffer has died.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.pmac.own import Armed, Marks, own_of
+from yarclang.certify.text import Barred, ControllerText
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.robot.model import Robot
+from yarclang.units import MS
+
+LATE = 0.1
+"""How late the guard's PLC may notice that the buffer runs low [s]."""
+
+AHEAD = 2
+"""Lines that the controller takes out of the buffer before it executes them (TUM 289: a spline needs the next two points)."""
+
+_ROUNDING = 1e-9
+
+Fault = str
+
+
+def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
+    """Compare the guard with what the motion needs to come to rest on its path.
+
+    A hold slows the program to a stop within the robot's hold time, and uses up half of that of the program; the PLC may notice
+    late by `LATE`. So many lines must be ahead at any time while there are more to come.
+
+    Args:
+        text: what was read.
+        robot: its hold time, and how many words a line takes in the buffer.
+    """
+    marks = own_of(text).marks
+    if marks is None:
+        if own_of(text).arms:
+            yield f"line {own_of(text).arms[0].line} arms or disarms the guard of the rotary, in a text for a program buffer"
+        return
+    moving = [run.segment_ms * MS for run in text.runs]
+    if moving:
+        yield from _check_marks(marks, min(moving), robot)
+    for moves, arms in _legs(text):
+        yield from _check_leg(moves, arms, marks)
+
+
+def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
+    """The marks, for segments of which the shortest lasts `segment` [s]."""
+    controller = turbo_pmac(robot)
+    needed = controller.hold_time / 2.0 + LATE
+    if marks.low * segment < needed * (1.0 - _ROUNDING):
+        yield (
+            f"I16={marks.low}: {marks.low} lines of {segment / MS:.6g} ms are {marks.low * segment:.3g} s of motion, "
+            f"and a hold that comes late needs {needed:.3g} s"
+        )
+    if marks.full <= marks.low:
+        yield f"I17={marks.full}: the buffer would count as full and as low at once, since I16={marks.low}"
+    capacity = marks.words // (len(controller.axes) + 2)
+    if marks.full + AHEAD > capacity:
+        yield f"I17={marks.full}: the buffer of {marks.words} words holds {capacity} lines, so that it would never count as full"
+    if marks.words < controller.rotary_words:
+        yield f"DEFINE ROT {marks.words}: the robot's controller is to have {controller.rotary_words} words"
+
+
+def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Iterator[Fault]:
+    """The guard between two barriers: armed over all of a leg that isn't loaded as a whole before it starts."""
+    count = len(moves)
+    if count <= marks.full + AHEAD:
+        if arms:
+            yield (
+                f"line {arms[0].line} arms or disarms the guard over {count} move lines, which are in the buffer as a whole before they start "
+                f"(I17={marks.full})"
+            )
+        return
+    first = int(moves[0])
+    if not arms or not arms[0].on or arms[0].line > first:
+        yield f"the guard isn't armed (P8100=1) before the move in line {first}, which {count - 1} more follow"
+        return
+    if len(arms) < 2:
+        yield f"the guard is armed in line {arms[0].line} and never disarmed: it would hold the motion at its end"
+        return
+    if len(arms) > 2 or arms[1].on:
+        extra = arms[1] if arms[1].on else arms[2]
+        yield f"line {extra.line} arms or disarms the guard once more"
+        return
+    ahead = count - int(np.searchsorted(moves, arms[1].line))
+    if not marks.low <= ahead <= marks.low + AHEAD:
+        yield (
+            f"line {arms[1].line} disarms the guard with {ahead} moves to come: it is to be between {marks.low} (I16) "
+            f"and {marks.low + AHEAD}"
+        )
+
+
+def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
+    """The move lines between two barriers, by their numbers, and where the guard is armed and disarmed among them."""
+    barriers = [item.line for item in text.course if isinstance(item, Barred)]
+    lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
+    for begin, end in pairwise((0, *barriers, sys.maxsize)):
+        first, last = np.searchsorted(lines, (begin, end))
+        yield lines[first:last], [one for one in own_of(text).arms if begin <= one.line < end]

@@ -1,0 +1,83 @@
+"""The judge's reader of texts for a Turbo PMAC, and what such a text must fulfil whatever its program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Set
+
+import numpy as np
+
+from yarclang.certify.pmac.assignments import check_assignments
+from yarclang.certify.pmac.guard import check_guard
+from yarclang.certify.pmac.own import Guard, own_of
+from yarclang.certify.pmac.read import read
+from yarclang.certify.reader import Fault, Reader, StartPlace
+from yarclang.certify.text import ControllerText, Unreadable
+from yarclang.memory import Memory
+from yarclang.pmac.controller import TurboPmac, turbo_pmac
+from yarclang.robot.actuation import from_counts, joints_per_count
+from yarclang.robot.controller import Controller
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MS
+
+GUARD_SHARE = 0.05
+"""A fixed program may start so far off that it adds this share of the acceleration limit."""
+
+
+def _read(text: str, controller: Controller, memory: Memory) -> ControllerText | Unreadable:
+    assert isinstance(controller, TurboPmac)
+    return read(text, controller, memory)
+
+
+def _start(content: ControllerText, robot: Robot) -> StartPlace:
+    if (printed := content.start.printed) is not None:
+        exact: Array = 0.5 * 10.0**-content.decimals * robot.axis_units
+        return StartPlace(printed * robot.axis_units, exact, is_printed=True)
+    guard = _guard_of(content)
+    q = from_counts(robot, guard.place / (32.0 * turbo_pmac(robot).ixx08))
+    return StartPlace(q, 0.5 * _per_step(robot) @ guard.step, is_printed=False)
+
+
+def _guard_of(content: ControllerText) -> Guard:
+    guard = own_of(content).guard
+    assert guard is not None  # the reader has found one of both
+    return guard
+
+
+def _per_step(robot: Robot) -> Array:
+    """How far each joint moves with a step of each motor's register (n, n) [rad or m per 1/(Ixx08 32) count]."""
+    steps: Array = np.abs(joints_per_count(robot)) / (32.0 * turbo_pmac(robot).ixx08)
+    return steps
+
+
+def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> Iterator[Fault]:
+    yield from _start_faults(content, robot)
+    yield from (Fault("Y1191", reason) for reason in check_assignments(content, robot, outputs))
+    yield from (Fault("Y1190", reason) for reason in check_guard(content, robot))
+    smallest = robot.controller.smallest_segment
+    for run in content.runs:
+        if run.segment_ms * MS < smallest * (1.0 - 1e-9):
+            yield Fault(
+                "Y1152",
+                f"TM{run.segment_ms:.12g} in line {run.tm_line} is below {smallest / MS:.4f} ms, three "
+                "real-time interrupts of the controller",
+            )
+
+
+def _start_faults(content: ControllerText, robot: Robot) -> Iterator[Fault]:
+    """The guard of a fixed program must be narrow: a start off by x adds x / TM^2 of acceleration."""
+    if not content.runs or content.start.printed is not None:
+        return
+    width = _guard_of(content).width
+    share = _per_step(robot) @ width / (content.runs[0].segment_ms * MS) ** 2 / robot.limits.acceleration
+    joint = int(np.argmax(share))
+    if share[joint] > GUARD_SHARE * (1.0 + 1e-9):
+        yield Fault(
+            "Y1154",
+            f"the program's guard lets {robot.joint_names[joint]} start so far off that it adds "
+            f"{share[joint]:.1%} of its acceleration limit, more than {GUARD_SHARE:.0%} "
+            f"(line {content.start.line})",
+            at_start=True,
+        )
+
+
+READER = Reader(_read, _start, _faults)

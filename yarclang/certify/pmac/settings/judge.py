@@ -1,0 +1,72 @@
+"""The judgement of a settings text: text and robot in; findings, and bounds of what was proved, out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.certify.pmac.settings.coupling import Row, coupling_of
+from yarclang.certify.pmac.settings.motors import check_motors
+from yarclang.certify.pmac.settings.positions import check_definitions, check_feedback
+from yarclang.certify.pmac.settings.rates import check_rates
+from yarclang.certify.pmac.settings.read import read_settings
+from yarclang.certify.pmac.settings.system import check_system
+from yarclang.certify.pmac.settings.text import SettingsText
+from yarclang.certify.text import Unreadable
+from yarclang.diagnostics import Collector, Result
+from yarclang.frozen import frozen
+from yarclang.robot.model import Array, Robot
+from yarclang.source import SourceFile, Span
+
+
+@frozen(eq=False)
+class ProvedSettings:
+    """Settings that are what certificates rest on: their text, and what it says.
+
+    `commanded` (n,) is how far each joint is from where the axis definitions send it, `feedback` (n,) how far PLC 0 is from its position, at most within
+    the joints' limits [axis units].
+    """
+
+    text: str
+    content: SettingsText
+    commanded: Array
+    feedback: Array
+
+
+def certify_settings(source: SourceFile, robot: Robot) -> Result[ProvedSettings]:
+    """Prove that a settings text makes a controller what the certificates of a robot's programs assume.
+
+    Args:
+        source: the text, under the name by which findings speak of it.
+        robot: whose controller it is for.
+
+    Returns:
+        What was proved; None, with findings, if the text can't be read or something in it is wrong.
+    """
+    findings = Collector(source)
+
+    def say(code: str, line: int, message: str) -> None:
+        span = Span.on_line(line, 1, max(2, len(source.line(line)) + 1))
+        findings.add(code, message, span, f"download what `yarc settings {robot.name}` prints")
+
+    content = read_settings(source.text, robot)
+    if isinstance(content, Unreadable):
+        say(content.code, content.line, f"line {content.line} {content.reason}")
+        return Result(None, tuple(findings.found))
+    coupling = coupling_of(robot)
+    if coupling is None:
+        say("Y1172", content.definitions[0].line, f"K J of {robot.name} can't be inverted")
+        return Result(None, tuple(findings.found))
+    commanded = check_definitions(content, robot, coupling, say)
+    feedback = check_feedback(content, robot, coupling, say, as_printed=commanded is not None)
+    check_motors(content, robot, coupling, say)
+    check_rates(content, robot, coupling, say)
+    check_system(content, robot, say)
+    if findings.has_errors or commanded is None or feedback is None:
+        return Result(None, tuple(findings.found))
+    return Result(ProvedSettings(source.text, content, _floats(commanded), _floats(feedback)))
+
+
+def _floats(values: Row) -> Array:
+    array = np.array([float(value) for value in values], dtype=np.float64)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,83 @@
+"""The motors' I-variables but for their rates: where they end, the scale of their positions, and how RAPID takes its speed."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from yarclang.certify.pmac.settings.coupling import Coupling
+from yarclang.certify.pmac.settings.positions import Say
+from yarclang.certify.pmac.settings.text import SettingsText
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import motor_variable
+from yarclang.robot.model import Robot
+
+_BEYOND = 3
+"""Counts by which a software limit may be beyond the reach of its motor."""
+_LARGEST_LIMIT = 2**35
+"""The largest constant that the controller takes for Ixx13 and Ixx14 [counts] (TSRM 96)."""
+_REGISTER = 2**42
+"""A position register holds this many counts, divided by Ixx08 (TSRM 96)."""
+_LONGEST_TIME = 2**23 - 1
+"""The largest value of Ixx20 and Ixx21 [ms] (TSRM 101)."""
+
+
+def check_motors(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> None:
+    """Check the I-variables of all motors that aren't rates."""
+    scale = turbo_pmac(robot).ixx08
+    wanted = {
+        8: (scale, scale, "the position scale is {}, as in robot.toml"),
+        # the acceleration of RAPID is Ixx19 at most, whatever its times, unless both are 0 (TSRM 101)
+        20: (0, _LONGEST_TIME, "the time of RAPID's ramps is an integer from {} to {} ms"),
+        21: (1, _LONGEST_TIME, "the S-curve time of RAPID's ramps is an integer from {} to {} ms"),
+        90: (0, 0, "{} belongs there: RAPID takes the jog speed"),
+    }
+    for row, motor in enumerate(robot.controller.motors):
+        for number, (least, most, what) in wanted.items():
+            setting = content.settings[motor_variable(motor, number)]
+            if setting.value.denominator != 1 or not least <= setting.value <= most:
+                message = f"{setting.name}={setting.printed}: {what.format(least, most)}"
+                say("Y1174", setting.line, message)
+        for number, sign in ((13, 1), (14, -1)):
+            setting = content.settings[motor_variable(motor, number)]
+            if problem := _wrong_limit(sign * setting.value, sign, row, robot, coupling):
+                say("Y1174", setting.line, f"{setting.name}={setting.printed}: motor {motor} {problem}")
+
+
+def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: Coupling) -> str:
+    """Say what is wrong with the software limit of a motor; empty if it is right.
+
+    Args:
+        limit: the limit, times `sign` [counts].
+        sign: 1 for the positive limit, -1 for the negative one.
+        row: of the motor.
+        robot: whose motor it is.
+        coupling: its K J, a0, and the joints' limits.
+    """
+    reach = _reach(sign, row, coupling)
+    if reach is None:
+        return "turns without an end, and 0 stands for no limit" if limit else ""
+    told = (
+        f"goes {'up' if sign > 0 else 'down'} to {float(sign * reach):.3f} counts within the joints' limits"
+    )
+    if not limit:
+        return f"{told}, and 0 stands for no limit"
+    if limit < reach:
+        return f"{told}, and would be stopped before"
+    if limit > reach + _BEYOND:
+        return f"{told}, and may be stopped at most {_BEYOND} counts beyond"
+    if abs(limit) > min(Fraction(_LARGEST_LIMIT), Fraction(_REGISTER, turbo_pmac(robot).ixx08)):
+        return f"{told}, farther than the controller counts"
+    return ""
+
+
+def _reach(sign: int, row: int, coupling: Coupling) -> Fraction | None:
+    """Return the largest position of a motor in one direction within the joints' limits, times `sign` [counts]; None without an end."""
+    total = sign * coupling.offset[row]
+    for share, lower, upper in zip(coupling.matrix[row], coupling.lower, coupling.upper, strict=True):
+        if not share:
+            continue
+        end = upper if sign * share > 0 else lower
+        if end is None:
+            return None
+        total += sign * share * end
+    return total

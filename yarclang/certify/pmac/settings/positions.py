@@ -1,0 +1,156 @@
+"""Joint positions to motor positions and back: the axis definitions are K J and a0, and PLC 0 is their inverse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from yarclang.certify.lines import shown
+from yarclang.certify.pmac.settings.coupling import Coupling, Row
+from yarclang.certify.pmac.settings.expression import Affine, NotAffineError, constant, evaluate, variable
+from yarclang.certify.pmac.settings.text import Definition, SettingsText
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import actual_position, motor_variable
+from yarclang.robot.model import Robot
+
+Say = Callable[[str, int, str], None]
+"""Function that adds a finding: its code, the line, the message."""
+
+_FLOAT = Fraction(1, 2**50)
+"""How far a product of two floating-point numbers may be off, as a share of it."""
+_UNITS_PER_COUNT = 32
+"""A position register counts in 1/(Ixx08 32) count (TSRM 281)."""
+
+
+def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> Row | None:
+    """Check that the axis definitions are K J and a0, to the printed digits.
+
+    Returns:
+        How far each joint is from where it is sent, at most within its limits [axis units]; None after a finding.
+    """
+    problems = False
+    for row, definition in enumerate(content.definitions):
+        if problem := _wrong_definition(definition, row, robot, coupling):
+            problems = True
+            say("Y1172", definition.line, f"motor {definition.motor} {problem}")
+    if problems:
+        return None
+    printed, offset = _printed(content, robot)
+    off = [_difference(one, true) for one, true in zip(printed, coupling.matrix, strict=True)]
+    off_offset = _difference(offset, coupling.offset)
+    errors = []
+    for inverse in coupling.inverse:
+        error = abs(_product(inverse, off_offset))
+        for joint, reach in enumerate(coupling.reach):
+            error += abs(_product(inverse, [motor[joint] for motor in off])) * reach
+        errors.append(error)
+    return errors
+
+
+def _wrong_definition(definition: Definition, row: int, robot: Robot, coupling: Coupling) -> str:
+    """Say what is wrong with a motor's definition; empty if it is right."""
+    error = Fraction(0)
+    for axis, unit, true, reach in zip(
+        robot.controller.axes, robot.axis_unit_names, coupling.matrix[row], coupling.reach, strict=True
+    ):
+        found = definition.counts.get(axis)
+        if found is None:
+            if true:
+                return f"doesn't follow {axis}; K J says {_told(true)} counts a {unit}"
+            continue
+        if not true:
+            return f"follows {axis}; K J says that it doesn't"
+        off = abs(found.value - true)
+        if off > found.step / 2 + _FLOAT * abs(true):
+            return f"follows {axis} with {_told(found.value)} counts a {unit}; K J says {_told(true)}"
+        error += off * reach
+    off = abs(definition.offset.value - coupling.offset[row])
+    if off > definition.offset.step / 2 + _FLOAT * abs(coupling.offset[row]):
+        return (
+            f"has the offset {_told(definition.offset.value)} counts; a0 says {_told(coupling.offset[row])}"
+        )
+    if (error := error + off) > coupling.slack[row]:
+        return (
+            f"is defined with too few digits: {float(error):.3g} counts are lost within the joints' limits, "
+            f"{float(coupling.slack[row]):.3g} are allowed"
+        )
+    return ""
+
+
+def check_feedback(
+    content: SettingsText, robot: Robot, coupling: Coupling, say: Say, *, as_printed: bool
+) -> Row | None:
+    """Check that PLC 0 gives back the joint positions of the axis definitions, each in its variable.
+
+    Args:
+        content: what was read.
+        robot: whose feedback variables they are.
+        coupling: its K J and a0.
+        say: adds findings.
+        as_printed: True to take the motors' positions from the printed definitions, False from K J and a0.
+
+    Returns:
+        How far each variable is from its joint's position, at most within its limits [axis units]; None after a finding.
+    """
+    matrix, offset = _printed(content, robot) if as_printed else (coupling.matrix, coupling.offset)
+    controller = turbo_pmac(robot)
+    meaning = {motor_variable(motor, 8): constant(Fraction(controller.ixx08)) for motor in controller.motors}
+    meaning |= {actual_position(motor)[0]: variable(actual_position(motor)[0]) for motor in controller.motors}
+    errors: Row = []
+    feedback = content.feedback
+    joints = list(zip(feedback.statements, feedback.places, strict=True))[: robot.size]
+    for joint, (statement, line) in enumerate(joints):
+        name, _, expression = statement.partition("=")
+        wanted, owner = controller.feedback[joint], robot.joint_names[joint]
+        unit = robot.axis_unit_names[joint]
+        if name != wanted:
+            say("Y1173", line, f"{name} stands where {wanted} belongs, the position of {owner}")
+            continue
+        try:
+            value = evaluate(expression, meaning.get)
+        except NotAffineError as problem:
+            say("Y1173", line, f"{shown(statement)} doesn't compute {owner}: {problem}")
+            continue
+        error = _feedback_error(value, joint, matrix, offset, robot, coupling)
+        allowed = coupling.joint_slack[joint]
+        if error > allowed:
+            message = f"{name} differs from {owner} by up to {float(error):.3g} {unit} within the joints' limits; {float(allowed):.2g} {unit} are allowed"
+            say("Y1173", line, message)
+        errors.append(error)
+    return errors if len(errors) == len(joints) else None
+
+
+def _feedback_error(
+    value: Affine, joint: int, matrix: list[Row], offset: Row, robot: Robot, coupling: Coupling
+) -> Fraction:
+    """Bound the difference between what is computed of the motors' positions and the joint's position."""
+    scale = turbo_pmac(robot).ixx08 * _UNITS_PER_COUNT
+    shares = [
+        value.factors.get(actual_position(motor)[0], Fraction(0)) * scale for motor in robot.controller.motors
+    ]
+    error = abs(value.constant + _product(shares, offset))
+    for other, reach in enumerate(coupling.reach):
+        follows = _product(shares, [row[other] for row in matrix])
+        error += abs(follows - (other == joint)) * reach
+    return error
+
+
+def _printed(content: SettingsText, robot: Robot) -> tuple[list[Row], Row]:
+    """Return the matrix and the offsets of the printed definitions."""
+    matrix = [
+        [one.counts[axis].value if axis in one.counts else Fraction(0) for axis in robot.controller.axes]
+        for one in content.definitions
+    ]
+    return matrix, [one.offset.value for one in content.definitions]
+
+
+def _difference(one: Row, other: Row) -> Row:
+    return [a - b for a, b in zip(one, other, strict=True)]
+
+
+def _product(one: Row, other: Row) -> Fraction:
+    return sum((a * b for a, b in zip(one, other, strict=True) if a and b), Fraction(0))
+
+
+def _told(value: Fraction) -> str:
+    return f"{float(value):.12g}"

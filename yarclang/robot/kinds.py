@@ -1,0 +1,95 @@
+"""All kinds of controllers: each package `yarclang/backend_*`, and those of other packages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+
+from yarclang.named import by_name
+from yarclang.robot.controller import Kind, SignalVariable
+
+DEFAULT = "turbo-pmac"
+"""The kind of a robot.toml that doesn't say any."""
+
+GROUP = "yarclang.backends"
+"""Entry points of other packages: the kind's name, and a module that has its `KIND` and its `BACKEND`."""
+
+_plugged: dict[str, str] = {}
+
+
+def kind_of(name: str) -> Kind | None:
+    """Return a kind by its name; None: there is none of that name."""
+    if name in _plugged:
+        return _loaded(_plugged[name])
+    if name in _own():
+        return _own()[name]
+    module = _elsewhere().get(name)
+    return None if module is None else _loaded(module)
+
+
+def known_signal(text: str) -> SignalVariable:
+    """Return what a text in upper case names as the variable of an input or output of any kind of controller, where the robot isn't known."""
+    found = [kind.signal(text) for name in kind_names() if (kind := kind_of(name)) is not None]
+    return next((one for one in found if one.name is not None), found[0])
+
+
+def kind_names() -> tuple[str, ...]:
+    """Return the names of all kinds, in alphabetic order."""
+    return tuple(sorted({*_own(), *_elsewhere(), *_plugged}))
+
+
+def module_of(name: str) -> str:
+    """Return the name of the module that has a kind's `BACKEND`.
+
+    Raises:
+        KeyError: there is no such kind.
+    """
+    if name in _plugged:
+        return _plugged[name]
+    for package in _packages():
+        if import_module(f"{package}.kind").KIND.name == name:
+            return f"{package}.backend"
+    return _elsewhere()[name]
+
+
+@contextmanager
+def plugged(name: str, module: str) -> Iterator[None]:
+    """Let there be another kind as long as the context lasts: `module` has its `KIND` and its `BACKEND`."""
+    _plugged[name] = module
+    try:
+        yield
+    finally:
+        del _plugged[name]
+
+
+@cache
+def _packages() -> tuple[str, ...]:
+    return tuple(
+        sorted(
+            f"yarclang.{one.name}"
+            for one in iter_modules([str(Path(__file__).parents[1])])
+            if one.ispkg and one.name.startswith("backend_")
+        )
+    )
+
+
+@cache
+def _own() -> dict[str, Kind]:
+    kinds = [(package, _loaded(f"{package}.kind")) for package in _packages()]
+    return by_name("kind of controller", [(kind.name, package, kind) for package, kind in kinds])
+
+
+@cache
+def _elsewhere() -> dict[str, str]:
+    from importlib.metadata import entry_points
+
+    return {one.name: one.value for one in entry_points(group=GROUP)}
+
+
+def _loaded(module: str) -> Kind:
+    kind: Kind = import_module(module).KIND
+    return kind

@@ -1,0 +1,170 @@
+"""What the controller reports while it moves: positions, following errors, status words, as values. No I/O."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.pmac.status import MOTOR_WORD_1, MOTOR_WORD_2, SYSTEM_WORD_1, SYSTEM_WORD_2
+from yarclang.robot.model import Array
+
+GROUP = 8
+"""Motors that one ^P, ^F or ^B reports: which eight, `##n` says (TSRM 259)."""
+
+_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)")
+_HEXADECIMAL = re.compile(r"[0-9A-Fa-f]+")
+
+
+class ReportError(ValueError):
+    """A report that isn't what the controller would say."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotorStatus:
+    """Both words of `#n?`."""
+
+    first: int
+    second: int
+
+    def has(self, name: str) -> bool:
+        """Whether a bit is set, by its name in `yarclang.pmac.status`."""
+        if name in MOTOR_WORD_1:
+            return bool(self.first >> MOTOR_WORD_1[name] & 1)
+        return bool(self.second >> MOTOR_WORD_2[name] & 1)
+
+    @property
+    def at_rest(self) -> bool:
+        """No desired velocity, no move of its own. An open loop has no desired velocity: it isn't moved."""
+        still = self.has("desired velocity zero") or self.has("open loop")
+        return still and not self.has("abort deceleration") and not self.has("home search in progress")
+
+    @property
+    def closed_loop(self) -> bool:
+        """Whether its loop is closed."""
+        return not self.has("open loop")
+
+    @property
+    def homed(self) -> bool:
+        """Whether its home was found since the controller was reset."""
+        return self.has("home complete")
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """The names of all bits that are set."""
+        return tuple(name for name in (*MOTOR_WORD_1, *MOTOR_WORD_2) if self.has(name))
+
+    @property
+    def faulted(self) -> bool:
+        """Whether the motor itself has failed, or met a limit."""
+        return any(
+            self.has(name) for name in ("amplifier fault", "fatal following error", "stopped on limit")
+        )
+
+    @property
+    def trouble(self) -> str:
+        """What keeps it from moving, in words; empty where nothing does."""
+        if self.has("amplifier fault"):
+            return "its amplifier reports a fault"
+        if self.has("fatal following error"):
+            return "its following error is beyond Ixx11"
+        if self.has("stopped on limit"):
+            side = (
+                "positive"
+                if self.has("positive limit set")
+                else "negative"
+                if self.has("negative limit set")
+                else "a"
+            )
+            return f"it was stopped at {side if side == 'a' else 'the ' + side} limit"
+        if not self.has("activated"):
+            return "it isn't activated (Ixx00)"
+        if self.has("open loop"):
+            return "it is open-loop"
+        return ""
+
+
+@dataclass(frozen=True, slots=True)
+class SystemStatus:
+    """The first two words of `&n??`."""
+
+    first: int
+    second: int
+
+    @property
+    def running(self) -> bool:
+        """A program runs; a starved rotary does, too: running isn't moving."""
+        return bool(self.first >> SYSTEM_WORD_1["running"] & 1)
+
+    @property
+    def run_time_error(self) -> bool:
+        """A line couldn't be calculated, or not in time."""
+        return bool(self.second >> SYSTEM_WORD_2["run-time error"] & 1)
+
+
+def groups_of(motors: Sequence[int]) -> tuple[int, ...]:
+    """The first motor of each group of eight that has one of these."""
+    return tuple(sorted({(motor - 1) // GROUP * GROUP + 1 for motor in motors}))
+
+
+def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
+    """The numbers of ^P or ^F for those of the motors that are in the group that begins with motor `group`.
+
+    Raises:
+        ReportError: it isn't eight numbers (a controller with fewer motors: as many as there are).
+    """
+    values = _items(text, group, motors)
+    if not all(_DECIMAL.fullmatch(value) for value in values):
+        raise ReportError(f"{text!r} isn't a list of positions")
+    return {motor: float(values[motor - group]) for motor in motors if group <= motor < group + GROUP}
+
+
+def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, MotorStatus]:
+    """The status words of ^B, likewise.
+
+    Raises:
+        ReportError: they aren't 12 hexadecimal digits each.
+    """
+    words = _items(text, group, motors)
+    return {motor: motor_status(words[motor - group]) for motor in motors if group <= motor < group + GROUP}
+
+
+def motor_status(text: str) -> MotorStatus:
+    """The reply to `#n?`.
+
+    Raises:
+        ReportError: it isn't 12 hexadecimal digits.
+    """
+    value = _hexadecimal(text, 12)
+    return MotorStatus(value >> 24, value & 0xFFFFFF)
+
+
+def system_status(text: str) -> SystemStatus:
+    """The reply to `&n??`.
+
+    Raises:
+        ReportError: it isn't 18 hexadecimal digits.
+    """
+    value = _hexadecimal(text, 18)
+    return SystemStatus(value >> 48, value >> 24 & 0xFFFFFF)
+
+
+def _items(text: str, group: int, motors: Sequence[int]) -> list[str]:
+    items = text.split()
+    wanted = max((motor - group + 1 for motor in motors if group <= motor < group + GROUP), default=0)
+    if len(items) < wanted:
+        raise ReportError(f"{text!r} tells of {len(items)} motors, not of motor {group + wanted - 1}")
+    return items
+
+
+def _hexadecimal(text: str, digits: int) -> int:
+    if len(text) != digits or not _HEXADECIMAL.fullmatch(text):
+        raise ReportError(f"{text!r} isn't a status of {digits} digits")
+    return int(text, 16)
+
+
+def in_order(values: dict[int, float], motors: Sequence[int]) -> Array:
+    """The values of the motors as an array (n,)."""
+    return np.array([values[motor] for motor in motors], dtype=np.float64)

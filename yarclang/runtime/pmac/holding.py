@@ -1,0 +1,203 @@
+"""Holds of one job: who has held it, what is said of it, and how it goes on. No I/O."""
+
+from __future__ import annotations
+
+import math
+
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.runtime.actions import Script, Trouble
+from yarclang.runtime.job import Job
+from yarclang.runtime.notices import Hold, Resume
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.outputs import Outputs
+from yarclang.runtime.pmac.rest import come_to_rest
+from yarclang.runtime.pmac.rotary import Rotary
+from yarclang.runtime.pmac.supervision import HELD, Flow
+from yarclang.runtime.pmac.watching import raise_trouble
+from yarclang.runtime.state import Event, State
+
+_PAUSED = "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more"
+
+_STILL = 0.5
+"""How long after a hold nothing may move [s], besides what the hold itself takes."""
+
+
+class Holding:
+    """The holds of one job.
+
+    Attributes:
+        refilling: whether the job is held only until its rotary is full again.
+    """
+
+    def __init__(self, operation: Operation, job: Job, rotary: Rotary) -> None:
+        self.operation = operation
+        self.refilling = False
+        self._again = False
+        self._job = job
+        self._rotary = rotary
+        self._supervision = rotary.supervision
+        self._outputs = Outputs(job)
+        self._told: set[str] = set()
+
+    def hold(self, why: str) -> Script[None]:
+        """Hold on the path, with outputs safe."""
+        robot = self._job.robot
+        yield from self.operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
+        self.operation.go(Event.HOLD, why)
+        if self._job.outputs:
+            yield from self._outputs.secure(self.operation)
+
+    def remember_outputs(self) -> Script[None]:
+        """Ask what the outputs are before the job."""
+        yield from self._outputs.remember(self.operation)
+
+    def for_person(self) -> Script[None]:
+        """Hold until a person wants it otherwise; what was ordered before the hold is overtaken by it."""
+        orders = self.operation.orders
+        last = max(place for place, order in enumerate(orders) if order == Hold())
+        kept = [
+            order
+            for place, order in enumerate(orders)
+            if not (isinstance(order, Hold) or (isinstance(order, Resume) and place < last))
+        ]
+        orders.clear()
+        orders.extend(kept)
+        if self.operation.state is State.MOVE or self.refilling:
+            self.refilling = False
+            yield from self.hold("a hold was asked for")
+
+    def for_low_water(self) -> Script[None]:
+        """Hold; refill and go on as the next step. If the guard PLC was faster, the same."""
+        operation, feed = self.operation, self._rotary.feed
+        ahead = feed.at_least(operation.now)
+        yield from self.hold(f"low water: {ahead} lines ahead or few more, at least {feed.low} are wanted")
+        operation.remark("the buffer ran low: holding to refill it", warning=True)
+        self.refilling = True
+
+    def look_at(self, rests: bool) -> Script[None]:
+        """In a hold, long after it: whoever moves the robot now isn't this run.
+
+        Args:
+            rests: whether no motor has a desired velocity.
+
+        Raises:
+            Trouble: it moves on though it was held again, as a jog does: it was aborted.
+        """
+        operation = self.operation
+        if rests:
+            self._again = False
+        if rests or self.refilling or operation.now < operation.settled + _STILL:
+            return
+        if self._again:
+            yield from operation.abort()
+            raise Trouble(
+                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all motors are stopped",
+                "find out who uses this controller",
+                "Y1605",
+            )
+        self._again = True
+        controller = turbo_pmac(self._job.robot)
+        yield from operation.hold(controller.coordinate_system, controller.hold_time)
+        operation.remark(
+            "somebody else uses this controller: the robot moves, though it is held; it is held again",
+            warning=True,
+        )
+
+    def for_others(self, told: str) -> Script[None]:
+        """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on.
+
+        Raises:
+            Trouble: nobody is there who could say so.
+        """
+        if told in self._told:
+            return
+        slew = self._supervision.hold_again(told)
+        if slew:
+            yield from self.operation.ask(slew)
+            told += f" (put back: {slew})"
+        if self.operation.state is State.MOVE or slew:
+            yield from self.hold(told)
+            also = yield from self._supervision.compare(all_=True)
+            self._told |= {told, also}
+            told = ", ".join(dict.fromkeys(one for one in (told, also) if one))
+        self._told.add(told)
+        self._check_attended(f"somebody else uses this controller: {told}")
+        self.operation.remark(
+            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
+            warning=True,
+        )
+
+    def by_guard(self, flow: Flow) -> Script[None]:
+        """The controller's own guard has held, on the path: refill and go on."""
+        operation, controller = self.operation, turbo_pmac(self._job.robot)
+        # whoever has set the flag, this holds
+        yield from operation.hold(controller.coordinate_system, controller.hold_time)
+        if flow.watched == HELD:
+            silence = (
+                f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"
+            )
+            operation.go(Event.HOLD, silence, remedy=_PAUSED)
+            operation.remark(_PAUSED, warning=True)
+        else:
+            what = "the guard PLC has held the motion: too few lines lay ahead"
+            operation.go(Event.HOLD, what, remedy=_PAUSED)
+        yield from come_to_rest(operation, self._job.robot)
+        self.refilling = True
+
+    def by_nobody(self) -> None:
+        """Nothing moves though lines are ahead, and nobody knows why: somebody must say.
+
+        Raises:
+            Trouble: nobody is there.
+        """
+        operation = self.operation
+        operation.go(Event.HOLD, "the motion is held, and not by this run")
+        self._check_attended("somebody else holds the motion")
+        operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
+
+    def _check_attended(self, why: str) -> None:
+        """Check that somebody may resume a hold.
+
+        Raises:
+            Trouble: nobody is there.
+        """
+        if self.operation.unattended:
+            raise Trouble(why, "nobody is here to resume it: run the program again", "Y1605")
+
+    def go_on(self) -> Script[None]:
+        """At rest: look whether all is as it was, refill, look after the guard, R."""
+        operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
+        motors = yield from come_to_rest(operation, self._job.robot)
+        raise_trouble(self._job.robot, motors)
+        if told := (yield from supervision.compare(all_=True)):
+            yield from self._stay_held(told)
+            return
+        yield from self._rotary.ask()
+        yield from self._rotary.check_full()
+        while feed.packet():
+            yield from self._rotary.write()
+        flow = yield from self._rotary.ask()
+        if told := supervision.stands_still(flow):
+            yield from self._stay_held(told)
+            return
+        if flow.armed == HELD and not self.refilling:
+            operation.remark("the guard PLC has held the motion as well", warning=True)
+        if wanted := supervision.rearmed(flow, feed.left == 0):
+            yield from operation.ask(wanted)
+        yield from self._outputs.restore(operation, feed.sent - feed.at_most)
+        if operation.slept:
+            return  # on the way here
+        if self._told:
+            yield from operation.ask(f"%{100.0 * operation.override:g}")
+        yield from supervision.begin()
+        yield from operation.ask("R")
+        operation.settled = -math.inf
+        self.refilling = False
+        self._told.clear()
+        operation.go(Event.RESUME)
+
+    def _stay_held(self, told: str) -> Script[None]:
+        """It isn't as it was: whoever wants to go on is told again."""
+        self.refilling = False
+        self._told.clear()
+        yield from self.for_others(told)

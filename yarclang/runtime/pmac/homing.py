@@ -1,0 +1,233 @@
+"""The controller's own home search (HM) of one motor, watched from here and from inside the controller. No I/O.
+
+Nothing of it is proved. The search goes on in the controller whatever becomes of this computer, and no hold stops it: a PLC of its own does, when it has heard
+nothing for as long as the watchdog of a run waits. It is tried before each search.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import HOMING, HOMING_PLC, motor_variable, watchdog
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Script, Trouble, Wait
+from yarclang.runtime.notices import Abort
+from yarclang.runtime.pmac.operation import Operation, Refused
+from yarclang.runtime.pmac.rest import come_to_rest, motor_statuses
+from yarclang.runtime.pmac.servicing import check_rest, is_ended
+from yarclang.runtime.pmac.supervision import wound_up
+from yarclang.runtime.pmac.watching import sample
+from yarclang.runtime.scripts import HomeSearch
+from yarclang.runtime.state import Event
+
+LONGEST = 300.0
+"""The longest search [s]."""
+
+_UNBOUNDED = 120.0
+"""The longest search of a joint without limits [s]."""
+
+_RESERVE, _MORE = 1.5, 5.0
+_TRIAL, _BITES = 0.06, 0.5
+_EACH = 0.02
+_BEGINS = 0.1
+"""From then on a motor that doesn't search has ended its search [s]."""
+
+_RESTS = 5.0
+
+
+def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...]]:
+    """Ask what home searches of a robot's motors would do. Nothing moves."""
+    motors = robot.controller.motors
+    rates = yield from operation.numbers("".join(motor_variable(one, 23) for one in motors), len(motors))
+    words = yield from motor_statuses(operation, robot)
+    return tuple(
+        _search(robot, row, rate, closed=not words[row].has("open loop")) for row, rate in enumerate(rates)
+    )
+
+
+def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
+    """Return what a search at Ixx23 = `rate` [counts/ms] would do."""
+    motor, actuation = robot.controller.motors[row], robot.actuation
+    coupling = actuation.coupling
+    moved = np.abs(np.linalg.inv(coupling)[:, row]) > 1e-9
+    follows = np.abs(coupling[row]) > 1e-9
+    column = row if follows[row] else int(np.argmax(follows))
+    speed = rate * 1e3 / float(actuation.gear[row] * coupling[row, column])
+    unit = float(robot.axis_units[column])
+    way = float(robot.limits.upper[column] - robot.limits.lower[column]) / unit
+    bound = _RESERVE * way / abs(speed) + _MORE if speed and math.isfinite(way) else _UNBOUNDED
+    fastest = float(robot.limits.velocity[column]) / unit
+    name = motor_variable(motor, 23)
+    refused = ""
+    if moved.sum() > 1 or follows.sum() > 1:
+        among = moved | follows
+        names = ", ".join(joint for joint, one in zip(robot.joint_names, among, strict=True) if one)
+        refused = (
+            f"motor {motor} is coupled: {names} belong together, and a search of one motor moves the arm otherwise than a joint does. "
+            "Home it with the tools of the machine's maker"
+        )
+    elif not speed:
+        refused = f"{name}, the speed of the search, is 0: it wouldn't move"
+    elif abs(speed) > fastest:
+        refused = (
+            f"{name} asks for {abs(speed):.3g} {robot.axis_unit_names[column]}/s, more than the joint's limit of {fastest:.3g}: "
+            "set a slower one"
+        )
+    return HomeSearch(
+        motor,
+        robot.joint_names[column],
+        robot.axis_unit_names[column],
+        speed,
+        min(bound, LONGEST),
+        refused,
+        closed,
+    )
+
+
+def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
+    """Let a motor search its home, until it is found or somebody wants the end.
+
+    Raises:
+        Trouble: it isn't begun, or it has ended without the home; the motor rests then.
+        Lost: the connection is of no use any more; the controller's PLC ends the search.
+    """
+    yield from check_rest(operation, robot)
+    found = {one.motor: one for one in (yield from searches(operation, robot))}
+    if motor not in found:
+        raise Trouble(f"the robot has no motor {motor}", "name one of its motors", "Y1601")
+    search = found[motor]
+    if search.refused:
+        raise Trouble(search.refused, "", "Y1612")
+    # an abort, the last resort, closes the loops of all motors
+    if opened := [str(number) for number, one in found.items() if not one.closed]:
+        raise Trouble(f"motor {', '.join(opened)} is open-loop", "enable all motors first", "Y1612")
+    yield from _check_free(operation)
+    operation.go(Event.FAULT, f"motor {motor} isn't homed")
+    trouble: Trouble | None = None
+    try:
+        yield from _load(operation, robot, motor)
+        yield from _searched(operation, robot, search)
+    except Trouble as caught:
+        trouble = caught
+        if operation.searches:
+            yield from _stop(operation, robot, motor)
+    yield from _unload(operation)
+    if trouble is not None:
+        raise trouble
+
+
+def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
+    """Return the statements of the PLC that stops a search when this computer falls silent."""
+    timer = watchdog(turbo_pmac(robot).coordinate_system)
+    return (f"IF({HOMING}=1)", f"IF({timer}<0)", f"{HOMING}=2", f'CMD"#{motor}J/"', "ENDIF", "ENDIF")
+
+
+def _check_free(operation: Operation) -> Script[None]:
+    """Check that the place of that PLC is free, or has one that was left there when this computer failed."""
+    try:
+        listing = yield from operation.ask(f"LIST PLC {HOMING_PLC}")
+    except Refused:
+        listing = ()
+    text = "".join(listing).upper().removesuffix("RETURN").removesuffix("RET").strip()
+    if text and HOMING not in text:
+        what = f"PLC {HOMING_PLC}, which would stop the search when this computer fails, is somebody else's"
+        raise Trouble(what, "keep it elsewhere on the controller: it would be overwritten", "Y1612")
+
+
+def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
+    """Load that PLC, and try it: it must act when the timer has run down. The motor rests, so that nothing is stopped."""
+    for line in (
+        f"{HOMING}=0",
+        f"OPEN PLC {HOMING_PLC} CLEAR",
+        *_guard(robot, motor),
+        "CLOSE",
+        f"ENABLE PLC {HOMING_PLC}",
+    ):
+        yield from operation.ask(line)
+    yield from operation.ask(f"{wound_up(turbo_pmac(robot), _TRIAL)} {HOMING}=1")
+    since, flag = operation.now, 1.0
+    while flag == 1.0 and operation.now - since < _BITES:
+        yield Wait(operation.now + _EACH)
+        (flag,) = yield from operation.numbers(HOMING, 1)
+    if flag != 2.0 or operation.now - since < 0.9 * _TRIAL:
+        raise Trouble(
+            "the controller wouldn't stop the search if this computer failed: its PLCs don't run as they must",
+            "`yarc settings` has I5=3; look what else the controller is busy with",
+            "Y1612",
+        )
+    yield from operation.ask(f"{HOMING}=0")
+
+
+def _unload(operation: Operation) -> Script[None]:
+    for line in (
+        f"{HOMING}=0",
+        "CLOSE",
+        f"DISABLE PLC {HOMING_PLC}",
+        f"OPEN PLC {HOMING_PLC} CLEAR",
+        "CLOSE",
+    ):
+        yield from operation.ask(line)
+
+
+def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[None]:
+    motor, row = search.motor, robot.controller.motors.index(search.motor)
+    wound = wound_up(turbo_pmac(robot), operation.silence)
+    if is_ended(operation):
+        raise Trouble("it was let go before it began; nothing moved", "", "")
+    yield from operation.ask(f"{wound} {HOMING}=1")
+    if is_ended(operation):
+        raise Trouble("it was let go before it began; nothing moved", "", "")
+    since = heard = operation.now
+    operation.searches = True
+    yield from operation.ask(f"#{motor}HM")
+    while True:
+        if is_ended(operation):
+            raise Trouble(f"motor {motor} was stopped in its search: it isn't homed", "home it again", "")
+        (flag,) = yield from operation.numbers(f"{wound} {HOMING}", 1)
+        if flag != 1.0:
+            what = f"the controller has stopped motor {motor} in its search: it had heard nothing for {operation.silence:.2g} s"
+            raise Trouble(what, "find out what slows the link or this computer, then home it again", "Y1606")
+        status = (yield from motor_statuses(operation, robot))[row]
+        if told := status.trouble:
+            raise Trouble(f"motor {motor} in its search: {told}", "find out why, then home it again", "Y1602")
+        spent = operation.now - since
+        if spent > _BEGINS and status.at_rest:
+            break
+        if spent > search.longest:
+            what = f"motor {motor} hasn't found its home within {search.longest:.0f} s"
+            raise Trouble(what, "look at its home flag, and at Ixx23 and Ixx26", "Y1602")
+        if operation.now >= heard:
+            heard = operation.now + operation.positions_each
+            operation.notices.append((yield from sample(operation, robot, 0.0)))
+        yield Wait(operation.now + _EACH)
+    operation.searches = False
+    if not status.has("home complete"):
+        what = f"motor {motor} has ended its search without its home"
+        raise Trouble(what, "look at its home flag and at what else uses this controller", "Y1602")
+
+
+def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
+    """Stop the search, and wait for rest. A fault may have opened the loop: J/ or an abort would close it again."""
+    status = (yield from motor_statuses(operation, robot))[robot.controller.motors.index(motor)]
+    if status.has("open loop"):
+        operation.searches = False
+        return
+    try:
+        if Abort() in operation.orders:
+            yield from operation.abort()
+        else:
+            yield from operation.ask(f"#{motor}J/")
+        yield from come_to_rest(operation, robot, _RESTS)
+    except Trouble:
+        yield from operation.abort()
+        yield from come_to_rest(operation, robot, _RESTS)
+    operation.searches = False
+
+
+def end_search(operation: Operation) -> Script[None]:
+    """End a search on a new connection: its PLC has done so, unless the connection was there again at once."""
+    yield from operation.abort()
+    operation.searches = False

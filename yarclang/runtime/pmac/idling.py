@@ -1,0 +1,45 @@
+"""At rest with nothing loaded: looking where the robot is, and whether all is well, until something is wanted. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Script, Trouble, Wait
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.rest import motor_statuses
+from yarclang.runtime.pmac.watching import look_at_motors, sample
+from yarclang.runtime.state import Event, State
+
+STATUS_EACH = 0.1
+"""Time between two looks at the status words [s]."""
+
+
+def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Script[None]:
+    """Tell where the robot is, until something is wanted; whoever wants something wakes the session.
+
+    A motor that can't move is a fault, told once; behind it the motors are only looked at. Orders mean nothing here, and are forgotten.
+
+    Raises:
+        Lost: the connection is of no use any more.
+    """
+    status = positions = operation.now
+    while not wanted():
+        operation.orders.clear()
+        now = operation.now
+        if now >= status:
+            status = now + STATUS_EACH
+            if operation.state is State.FAULT:
+                yield from motor_statuses(operation, robot)
+                continue
+            try:
+                yield from look_at_motors(operation, robot)
+            except Trouble as trouble:
+                operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
+                if trouble.remedy:
+                    operation.remark(trouble.remedy, warning=True)
+        elif now >= positions:
+            positions = max(positions + operation.positions_each, now)
+            operation.notices.append((yield from sample(operation, robot, 0.0)))
+        else:
+            yield Wait(min(status, positions))

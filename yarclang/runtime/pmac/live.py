@@ -1,0 +1,259 @@
+"""A motion whose lines are made while it goes on: jogs, velocities, a master that is followed. No I/O.
+
+As many lines as the guard PLC needs for a hold on the path, and some that this host may be late by, always lie ahead: so the buffer never runs dry in motion, and
+whatever is wanted comes that much later. A stop doesn't wait for them: it is a hold, and what is left is forgotten.
+
+The motion begins where the motors are commanded to stand, and was proved from there; no RAPID leads to a start. So the last question before R is whether they
+still stand there. One reply lies between both, and R is refused while a motor jogs (ERR011).
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import replace
+
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import ARMED
+from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.job import JobCommand
+from yarclang.runtime.live import Live
+from yarclang.runtime.notices import Abort, Fail, Override
+from yarclang.runtime.operation import URGENT, Interrupted
+from yarclang.runtime.pmac.course import Course
+from yarclang.runtime.pmac.feed import AHEAD, AROUND, FASTEST
+from yarclang.runtime.pmac.loading import loading_of
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.packets import fitting
+from yarclang.runtime.pmac.rest import away_from_start, come_to_rest, leave
+from yarclang.runtime.pmac.streaming import STATUS_EACH
+from yarclang.runtime.pmac.supervision import HELD, SETTINGS_EACH, Flow, Supervision
+from yarclang.runtime.pmac.watching import look_at_motors, look_whether_astray, sample
+from yarclang.runtime.state import Event
+
+_LATE = 1
+"""Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
+
+_SHORTEST, _SEGMENTS, _LONGEST = 0.008, 1.5, 0.016
+"""Time between two looks at the buffer: so many segments, within these bounds [s]. Each time that this process wakes up costs it more than the replies do: what is
+due within half of that time is asked as well.
+"""
+
+
+class LiveStream:
+    """A live motion on its way through the rotary.
+
+    Attributes:
+        job: as it is performed; in the end with where and when it ended.
+        begun: whether anything has moved.
+    """
+
+    def __init__(self, operation: Operation, live: Live) -> None:
+        self.operation = operation
+        self.job = live.job
+        self.begun = False
+        self._live = live
+        self._source = live.source
+        self._sent = 0
+        self._moves = 0
+        self._ahead = 0
+        self._look = min(max(_SHORTEST, _SEGMENTS * self.job.segment), _LONGEST)
+        self._lines_due = self._status_due = self._positions_due = self._settings_due = 0.0
+        self.supervision = Supervision(operation, live.job)
+        self._course = Course(live.job.robot, live.job.start, live.job.slack, live.job.segment)
+        self._asked = 0.0
+
+    @property
+    def done(self) -> float:
+        """How long it has gone on [s]."""
+        return max(0, self._moves - self._ahead - AHEAD) * self.job.segment
+
+    @property
+    def command(self) -> JobCommand | None:
+        """It has no commands."""
+        return None
+
+    @property
+    def left(self) -> int:
+        """How many lines the controller hasn't got yet, as far as anybody knows."""
+        return 0 if self._source.ended else 1
+
+    def run(self) -> Script[None]:
+        """Load what is wanted at first, and go on with what is wanted then, until the text ends.
+
+        Raises:
+            Stopped: somebody has ended it; the motion may still be going on.
+            Trouble: the robot doesn't stand at its start any more, so that nothing moves; or it can't go on: the motion may still be going on.
+            Lost: the connection is of no use any more.
+        """
+        operation, job = self.operation, self.job
+        operation.go(Event.LOAD, f"loading {job.name}")
+        yield from self.supervision.check()
+        for line in loading_of(job).setup:
+            yield from operation.ask(line)
+        yield from operation.ask(f"%{100.0 * operation.override:g}")
+        for line in ("OPEN ROT", "CLEAR", "CLOSE"):
+            yield from operation.ask(line)
+        self._obey_at_rest()
+        yield from self._write(self._live.opening)
+        yield from self._fill(self._live.lead)
+        operation.watch = URGENT
+        ended = False
+        while not ended:
+            with contextlib.suppress(Interrupted):
+                yield from self._obey()
+                ended = yield from (self._step() if self.begun else self._begin())
+        operation.watch = ()
+        yield from come_to_rest(operation, job.robot)
+        yield from leave(operation, job.robot)
+        self.job = replace(job, end=self._source.end, duration=self._moves * job.segment)
+        operation.go(Event.END, f"{job.name} has ended")
+
+    def _begin(self) -> Script[bool]:
+        operation = self.operation
+        yield from self.supervision.begin()
+        yield from away_from_start(operation, self.job, "begin again")
+        yield from operation.ask("R")
+        self.begun = True
+        operation.slept = 0.0
+        operation.go(Event.BEGIN)
+        return False
+
+    def _step(self) -> Script[bool]:
+        """One look; whether all is executed."""
+        operation, now = self.operation, self.operation.now
+        if now >= self._lines_due:
+            self._lines_due = now + self._look
+            yield from self._look_at((yield from self._ask_lines()))
+            if self._source.ended:
+                return self._ahead == 0
+            if self._source.expired(now):
+                yield from self._hold("nobody says any more what is wanted")
+                raise Stopped(abort=False)
+            if self._ahead < loading_of(self.job).low + _LATE:
+                # what is behind would come too late: rest on the path, while there is enough of it
+                yield from self._hold(f"low water: {self._ahead} lines ahead")
+                operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
+                raise Stopped(abort=False)
+            yield from self._fill(self._live.lead)
+        elif now >= self._status_due - self._look / 2.0:
+            self._status_due = now + STATUS_EACH
+            yield from look_at_motors(operation, self.job.robot)
+        elif now >= self._positions_due - self._look / 2.0:
+            self._positions_due = max(self._positions_due + operation.positions_each, now)
+            yield from self._ask_positions()
+        elif now >= self._settings_due:
+            self._settings_due = now + SETTINGS_EACH
+            yield from self._stop_for_others((yield from self.supervision.compare()))
+        else:
+            yield Wait(min(self._lines_due, self._status_due, self._positions_due, self._settings_due))
+        return False
+
+    def _ask_positions(self) -> Script[None]:
+        operation, job = self.operation, self.job
+        asked = operation.now
+        found = yield from sample(operation, job.robot, self.done)
+        operation.notices.append(found)
+        executed = max(0, self._sent - self._ahead - AHEAD)
+        self._course.forget(executed)
+        since = operation.now - self._asked
+        most = executed + 2 * AHEAD + 1 + int(FASTEST * since / job.segment)
+        off = self._course.off(found, (executed, most), operation.now - asked)
+        yield from look_whether_astray(operation, job.robot, off)
+
+    def _fill(self, lead: int) -> Script[None]:
+        """As many lines ahead as wanted; where the text ends, so many behind it that the guard can be disarmed before."""
+        source = self._source
+        wanted = lead - self._ahead
+        if wanted <= 0 or source.ended:
+            return
+        lines = source.more(self.operation.now, wanted)
+        self._moves += len(lines)
+        if source.ended:
+            stand = lines[-1] if lines else ""
+            # at the flag, what lies ahead must be more than the guard wants
+            behind = (stand,) * (loading_of(self.job).low + AHEAD + _LATE if stand else 0)
+            lines = (*lines, f"{ARMED}=0", *behind)
+        yield from self._write(lines)
+
+    def _write(self, lines: tuple[str, ...]) -> Script[None]:
+        first = 0
+        while first < len(lines):
+            count = fitting(lines, first, AROUND)
+            packet = lines[first : first + count]
+            written = yield from self.operation.write((AROUND[0], *packet, AROUND[1]))
+            if written.error is not None:
+                yield from look_at_motors(self.operation, self.job.robot)
+                raise Trouble(
+                    f"the controller refuses a line of a live motion: ERR{written.error:03d}",
+                    "run `yarc doctor`",
+                    "Y1603",
+                )
+            self.supervision.lines_sent(packet)
+            self._course.append(packet)
+            first += count
+            self._sent += count
+            self._ahead += count
+
+    def _ask_lines(self) -> Script[Flow]:
+        asked = self.operation.now
+        flow = yield from self.supervision.ask()
+        self._ahead, self._asked = flow.ahead, asked
+        return flow
+
+    def _look_at(self, flow: Flow) -> Script[None]:
+        """Whether all is as it was left; a live motion that the controller holds isn't gone on with.
+
+        Raises:
+            Stopped: the guard or the watchdog has held it.
+            Trouble: somebody else has changed what was proved.
+        """
+        if HELD in (flow.armed, flow.watched):
+            silence = f"the controller has heard nothing of this computer for {self.operation.silence:.2g} s, and holds"
+            why = silence if flow.watched == HELD else "the guard PLC holds: the buffer ran low"
+            yield from self._hold(why)
+            self.operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
+            raise Stopped(abort=False)
+        yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
+
+    def _stop_for_others(self, told: str) -> Script[None]:
+        """Hold where something was changed."""
+        if told:
+            if slew := self.supervision.hold_again(told):
+                yield from self.operation.ask(slew)
+            yield from self._hold(told)
+            raise Trouble(
+                f"somebody else uses this controller: {told}", "find out who, and put it back", "Y1605"
+            )
+
+    # orders
+
+    def _obey_at_rest(self) -> None:
+        """Whoever wants a stop before anything moves gets it."""
+        if any(isinstance(order, URGENT) for order in self.operation.orders):
+            raise Stopped(abort=False)
+
+    def _obey(self) -> Script[None]:
+        """A hold ends a live motion, as a stop does: what was wanted then isn't wanted later."""
+        operation, orders = self.operation, self.operation.orders
+        while orders:
+            order = orders.popleft()
+            if isinstance(order, URGENT):
+                if Abort() in (order, *orders):
+                    orders.clear()
+                    if self.begun:
+                        yield from operation.abort()
+                    raise Stopped(abort=True)
+                if self.begun:
+                    yield from self._hold("a stop was asked for")
+                if isinstance(order, Fail):
+                    raise Trouble(order.what, order.remedy, code="")
+                raise Stopped(abort=False)
+            if isinstance(order, Override):
+                before, operation.override = 100.0 * operation.override, order.percent / 100.0
+                yield from operation.ask(f"%{order.percent:g}")
+                self.supervision.slews(before)
+
+    def _hold(self, why: str) -> Script[None]:
+        controller = turbo_pmac(self.job.robot)
+        yield from self.operation.hold(controller.coordinate_system, controller.hold_time)
+        self.operation.go(Event.HOLD, why)

@@ -1,0 +1,205 @@
+"""How a Turbo PMAC is asked, and stopped. No I/O."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from yarclang.pmac.errors import ERRORS
+from yarclang.runtime import operation
+from yarclang.runtime.actions import Closed, Late, Lost, Script, TooLate, Trouble, Violation, Wait
+from yarclang.runtime.notices import Abort
+from yarclang.runtime.pmac.feedback import MotorStatus
+from yarclang.runtime.pmac.memory import Memory
+from yarclang.runtime.pmac.messages import Answer, Ask, AskControl, Busy, Control, Taken, Write, Written
+
+PATIENCE = 2.0
+"""How long a controller may be busy with something else [s]."""
+
+_AGAIN = 0.02
+"""When a busy controller is asked again [s]."""
+
+_ODD_REPLY = "somebody else may use this controller; run `yarc doctor`"
+
+ABORT_ALL = "\x01"
+HOLD_ALL = "\x0f"
+CLOSE_ROTARY = "\x0c"
+
+
+class Refused(Trouble):
+    """The controller refuses a line with ERR`number`."""
+
+    def __init__(self, line: str, number: int) -> None:
+        meaning = ERRORS.get(number, "an error that isn't documented")
+        super().__init__(f"the controller refuses {line!r}: ERR{number:03d}, {meaning}", code="Y1603")
+        self.text = line
+        self.number = number
+
+
+class Operation(operation.Operation):
+    """One run against a Turbo PMAC.
+
+    Attributes:
+        patience: how long a controller may be busy [s].
+        settled: no motor's rest before counts [s]: the time base may still be on its way to 0.
+        memory: what the controller answered when it was looked at.
+        motors: the motors' words as they were heard last, in the robot's order.
+        beat: time between two beats of the guard PLC [s].
+    """
+
+    motors: tuple[MotorStatus, ...]
+
+    def __init__(self, now: float = 0.0) -> None:
+        super().__init__(now)
+        self.patience = PATIENCE
+        self.settled = -math.inf
+        self.memory = Memory()
+        self.beat = 0.0
+
+    def ask(self, line: str) -> Script[tuple[str, ...]]:
+        """The items of a reply; a busy controller is asked again.
+
+        Raises:
+            Interrupted: somebody has ordered what is watched for; the line isn't executed.
+            Refused: the controller refuses the line.
+            Trouble: it stays busy.
+            Lost: the connection is of no use any more.
+        """
+        since = self.now
+        while True:
+            self.give_way()
+            asked = self.now
+            event = yield Ask(line)
+            self.latest = self.now - asked
+            self.slowest = max(self.slowest, self.latest)
+            match event:
+                case Answer(items=items, error=None):
+                    return items
+                case Answer(error=int(number)):
+                    raise Refused(line, number)
+                case Busy():
+                    if self.now - since > self.patience:
+                        raise Trouble(
+                            f"the controller has been busy for {self.patience:g} s and doesn't answer {line!r}",
+                            "wait for its SAVE or download to end, or look at what else uses it",
+                        )
+                    yield Wait(self.now + _AGAIN)
+                case _:
+                    raise _lost(event)
+
+    def one(self, line: str) -> Script[str]:
+        """The only item of a reply."""
+        items = yield from self.ask(line)
+        if len(items) != 1:
+            raise Trouble(
+                f"the controller answers {line!r} with {len(items)} values instead of one", _ODD_REPLY
+            )
+        return items[0]
+
+    def numbers(self, line: str, count: int) -> Script[tuple[float, ...]]:
+        """A reply of so many numbers; hexadecimal ones begin with $."""
+        items = yield from self.ask(line)
+        try:
+            values = tuple(number_in(item) for item in items)
+        except ValueError:
+            values = ()
+        if len(values) != count:
+            raise Trouble(
+                f"the controller answers {line!r} with {', '.join(items)!r} instead of {count} numbers",
+                _ODD_REPLY,
+            )
+        return values
+
+    def report(self, character: str) -> Script[str]:
+        """The line that ^B, ^F or ^P gives."""
+        self.give_way()
+        event = yield AskControl(character)
+        match event:
+            case Answer(items=(text,)):
+                return text
+            case _:
+                raise _lost(event)
+
+    def control(self, character: str) -> Script[None]:
+        """A control character without a reply."""
+        event = yield Control(character)
+        if not isinstance(event, Taken):
+            raise _lost(event)
+
+    def write(self, lines: tuple[str, ...]) -> Script[Written]:
+        """Lines by WRITEBUFFER; the event says whether all are in."""
+        self.give_way()
+        event = yield Write(lines)
+        if not isinstance(event, Written):
+            raise _lost(event)
+        return event
+
+    # stops: they don't give way
+
+    def hold(self, system: int, within: float) -> Script[None]:
+        """H in a coordinate system: its time base goes to 0 on the path, `within` [s]. Where H isn't taken: all hold."""
+        event = yield Ask(f"&{system}H")
+        match event:
+            case Answer(error=None):
+                self.settled = self.now + within
+            case Answer() | Busy():
+                # control characters are taken at any time
+                yield from self.hold_all(within)
+            case _:
+                raise _lost(event)
+
+    def hold_all(self, within: float) -> Script[None]:
+        """^O, or ^A if somebody wants an abort."""
+        if Abort() in self.orders:
+            yield from self.abort()
+            return
+        yield from self.control(HOLD_ALL)
+        self.settled = self.now + within
+
+    def abort(self) -> Script[None]:
+        """^A: all motors, each by itself."""
+        yield from self.control(ABORT_ALL)
+        self.settled = -math.inf
+
+
+_NUMBER = re.compile(r"\$[0-9A-Fa-f]+|[+-]?(?:\d+\.?\d*|\.\d+)")
+
+
+def number_in(text: str) -> float:
+    """A number as the controller writes it.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if not _NUMBER.fullmatch(text):
+        raise ValueError(f"{text!r} isn't a number")
+    return float(int(text[1:], 16)) if text.startswith("$") else float(text)
+
+
+def _lost(event: object) -> Lost:
+    """Why the connection is of no use any more."""
+    return TooLate(_reason(event)) if isinstance(event, Late) else Lost(_reason(event))
+
+
+def _reason(event: object) -> str:
+    match event:
+        case Late(request=request):
+            return f"no reply to {_named(request)} in time"
+        case Violation(request=request, reason=reason):
+            return f"{reason} (in reply to {_named(request)})" if request else reason
+        case Closed():
+            return "the controller has closed the connection"
+        case _:
+            return f"{event!r} is no reply"
+
+
+def _named(request: object) -> str:
+    match request:
+        case Ask(line=line):
+            return repr(line)
+        case Write(lines=lines):
+            return f"{len(lines)} program lines"
+        case AskControl(character=character) | Control(character=character):
+            return f"^{chr(ord(character) + 64)}"
+        case _:
+            return type(request).__name__

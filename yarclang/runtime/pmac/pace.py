@@ -1,0 +1,36 @@
+"""How fast a controller's time passes: as that of this computer, but for a simulator at another rate. No I/O."""
+
+from __future__ import annotations
+
+from yarclang.pmac.controller import TurboPmac
+from yarclang.pmac.variables import watchdog
+from yarclang.runtime.actions import Script, Wait
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.supervision import wound_up
+from yarclang.units import MS
+
+OTHER_PACE = 0.2
+"""A controller whose time passes by more than this share faster or slower is no real one."""
+
+OTHER_PACE_REMEDY = (
+    "run `yarc sim` without --rate, or let `yarc run` simulate the robot itself: without --to, with --rate"
+)
+
+_WOUND_UP = 60.0
+"""More than passes on any simulator meanwhile [s of the controller]."""
+
+_MEASURED = 0.2
+"""[s]."""
+
+
+def pace_of(operation: Operation, controller: TurboPmac) -> Script[float]:
+    """Measure how many seconds of the controller pass in one of this computer, by the watchdog's timer. The watchdog must be off."""
+    timer = watchdog(controller.coordinate_system)
+    yield from operation.ask(wound_up(controller, _WOUND_UP))
+    since = operation.now
+    (first,) = yield from operation.numbers(timer, 1)
+    yield Wait(since + _MEASURED)
+    passed = operation.now - since
+    (second,) = yield from operation.numbers(timer, 1)
+    cycle = controller.i10 / 2**23 * MS
+    return (first - second) * cycle / passed if passed > 0.0 else 1.0

@@ -1,0 +1,331 @@
+"""A run from its first question to its last: looking, streaming, and what becomes of it when something goes wrong. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import (
+    Connect,
+    Connected,
+    Lost,
+    Script,
+    Stopped,
+    TooLate,
+    Trouble,
+    Unreachable,
+    Wait,
+)
+from yarclang.runtime.inspection import Inspection, Item
+from yarclang.runtime.job import Job
+from yarclang.runtime.live import Live
+from yarclang.runtime.notices import Abort
+from yarclang.runtime.operation import Interrupted
+from yarclang.runtime.outcome import Concerned, Ended
+from yarclang.runtime.pmac.inspection import inspect
+from yarclang.runtime.pmac.legs import LOST, perform_legs
+from yarclang.runtime.pmac.link import measure, told
+from yarclang.runtime.pmac.live import LiveStream
+from yarclang.runtime.pmac.messages import Control
+from yarclang.runtime.pmac.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIENCE, Operation
+from yarclang.runtime.pmac.outputs import Outputs
+from yarclang.runtime.pmac.protocol import GREETING
+from yarclang.runtime.pmac.rest import LONGEST, come_to_rest, leave, motor_statuses, stands_at, system_words
+from yarclang.runtime.pmac.streaming import Stream
+from yarclang.runtime.pmac.watching import RESET_REMEDY, were_reset
+from yarclang.runtime.scripts import Measured
+from yarclang.runtime.standing import described
+from yarclang.runtime.state import Event, State
+
+AGAIN_FOR = 10.0
+"""How long a lost connection is tried to be made again [s]."""
+
+_AGAIN_EACH = 0.5
+
+_HELD_WITHIN = 3.0
+"""A robot that hasn't come to rest by then, and four hold times, isn't stopped by a hold [s]."""
+
+_ABORTED = "aborted: off its path"
+
+_MOTOR_FAULT = "Y1602"
+"""A motor can't move: somebody may have moved its limits."""
+
+_PATIENCE_AT_REST = 10.0
+"""How long a controller may be busy where it is only asked where the robot stands [s]."""
+
+
+def connect(operation: Operation) -> Script[None]:
+    """Make a connection and set the form of its replies.
+
+    Raises:
+        Trouble: the controller can't be reached, or doesn't talk as a PMAC does.
+    """
+    outcome = yield Connect()
+    if isinstance(outcome, Unreachable):
+        raise Trouble(outcome.reason, "check the address, the cable, and that the controller is on")
+    assert isinstance(outcome, Connected)
+    try:
+        yield from _greet(operation)
+    except TooLate as late:
+        raise Trouble(
+            f"the controller at that address answers too slowly, or not at all: {late}",
+            "look whether it hangs, what else keeps it busy, and how fast the link is",
+        ) from None
+    except Lost as lost:
+        raise Trouble(
+            f"there is something at that address, but it doesn't answer as a PMAC: {lost}",
+            "check the address",
+        ) from None
+    if operation.state is State.DISCONNECTED:
+        operation.go(Event.CONNECTED)
+
+
+def _greet(operation: Operation) -> Script[None]:
+    """The form of replies; an open rotary, of a run that has died, would store the line instead."""
+    yield from operation.control(CLOSE_ROTARY)
+    yield from operation.ask(GREETING)
+
+
+def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
+    """Look at the controller before anything moves. Where all is well, a fault is forgotten.
+
+    Raises:
+        Trouble: it can't be looked at.
+    """
+    try:
+        found = yield from inspect(operation, robot, items)
+    except Lost as lost:
+        raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
+    if operation.state is State.FAULT and not found.errors:
+        operation.go(Event.CLEAR, "the controller was looked at: all is as it must be")
+    return found
+
+
+def measured(operation: Operation, robot: Robot) -> Script[Measured]:
+    """Measure the link.
+
+    Raises:
+        Trouble: it can't be measured.
+    """
+    try:
+        return told((yield from measure(operation, len(robot.controller.axes))))
+    except Lost as lost:
+        raise Trouble(f"the connection was lost while the link was measured: {lost}") from None
+
+
+def perform(operation: Operation, job: Job) -> Script[Ended]:
+    """Run a job on a controller that was looked at. Whatever happens, the robot is at rest in the end, or it is said that this
+    isn't known.
+    """
+    if operation.state is not State.STOP:
+        what = f"nothing is begun in state {operation.state.value}"
+        return Ended(False, what, "look at the controller first: `yarc doctor`")
+    work = perform_legs(operation, job, _stream) if job.legs else _stream(operation, job)
+    ended = yield from work
+    if ended.well and job.outputs:
+        try:
+            yield from Outputs(job).secure(operation)
+        except (Trouble, Lost) as trouble:
+            what = f"the program has ended, but its outputs can't be made safe: {trouble}"
+            operation.go(
+                Event.FAULT, what, trouble.code if isinstance(trouble, Trouble) else LOST, "look at them"
+            )
+            return Ended(False, what, "look at them", ended.joints)
+    return ended
+
+
+def _stream(operation: Operation, job: Job) -> Script[Ended]:
+    """Run a job without barriers."""
+    return (yield from _carried_out(operation, Stream(operation, job)))
+
+
+def perform_live(operation: Operation, live: Live) -> Script[Ended]:
+    """Carry a live motion out on a controller that was looked at, as `perform` does with a job."""
+    if operation.state is not State.STOP:
+        what = f"nothing is begun in state {operation.state.value}"
+        return Ended(False, what, "look at the controller first: `yarc doctor`")
+    return (yield from _carried_out(operation, LiveStream(operation, live)))
+
+
+def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
+    """To its end, or to rest."""
+    try:
+        yield from stream.run()
+    except Stopped as stopped:
+        what = _ABORTED if stopped.abort else "stopped on its path"
+        ended = yield from _settle(operation, stream, Event.STOP, Trouble(what, code=""))
+    except Trouble as trouble:
+        ended = yield from _settle(operation, stream, Event.FAULT, trouble)
+    except Lost as lost:
+        ended = yield from _recover(operation, stream, str(lost))
+    else:
+        job = stream.job
+        return Ended(True, joints=job.end, done=job.offset + job.duration, clock=job.clock + job.duration)
+    operation.watch, operation.patience = (), PATIENCE
+    operation.orders.clear()
+    return ended
+
+
+def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why: Trouble) -> Script[Ended]:
+    """Come to rest, and leave the controller in a state that is known."""
+    robot = stream.job.robot
+    what, remedy = why.what, why.remedy
+    try:
+        if event is Event.FAULT and operation.state is State.MOVE:
+            # better on the path than dry, some lines later
+            yield from operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
+        joints, aborted = yield from _end_at_rest(operation, robot)
+        if aborted and _ABORTED not in what:
+            what = _ABORTED if event is Event.STOP else f"{what}; then {_ABORTED}"
+        if (
+            why.code == _MOTOR_FAULT
+            and joints is not None
+            and (told := (yield from stream.supervision.compare(all_=True)))
+        ):
+            what, remedy = (
+                f"{what}; and since it was looked at, {told}",
+                "find out who else uses this controller",
+            )
+        yield from Outputs(stream.job).secure(operation)
+    except Trouble as trouble:
+        operation.go(event, what, why.code, remedy)
+        return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None, why)
+    except Lost as lost:
+        return (yield from _recover(operation, stream, f"{what}; then: {lost}"))
+    operation.go(event, what, why.code, remedy)
+    return _ended(stream, what, remedy, joints, why)
+
+
+def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
+    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands, and whether it was aborted.
+
+    Returns:
+        None for the place behind a reset: the registers count from where the robot was then.
+    """
+    aborted = False
+    operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
+    while True:
+        try:
+            longest = LONGEST if aborted else _HELD_WITHIN + 4.0 * robot.controller.hold_time
+            motors = yield from come_to_rest(operation, robot, longest)
+            break
+        except Interrupted:
+            operation.orders.clear()
+        except Trouble:
+            if aborted:
+                raise
+        # a person wants it, or a hold doesn't stop what moves: a jog of somebody else
+        aborted = True
+        yield from operation.abort()
+    operation.watch = ()
+    yield from leave(operation, robot)
+    if were_reset(motors):
+        return None, aborted
+    return (yield from stands_at(operation, robot)), aborted
+
+
+def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Script[Ended]:
+    """The connection is lost: the guard PLC holds the motion when the buffer runs low. Make another connection, hold, and look."""
+    operation.go(Event.LOST, why, LOST)
+    operation.watch = ()
+    robot = stream.job.robot
+    until = operation.now + AGAIN_FOR
+    what = f"the connection was lost: {why}"
+    # a connection that only told nonsense may still carry it
+    yield Control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
+    while True:
+        outcome = yield Connect()
+        if isinstance(outcome, Connected):
+            try:
+                yield from operation.hold_all(robot.controller.hold_time)
+                yield from _greet(operation)
+                joints, aborted = yield from _end_at_rest(operation, robot)
+                if aborted:
+                    what = f"{what}; then {_ABORTED}"
+                yield from Outputs(stream.job).secure(operation)
+            except Lost as lost:
+                outcome = Unreachable(str(lost))
+            except Trouble as trouble:
+                operation.go(Event.FAULT, what, LOST, trouble.remedy)
+                return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy, None)
+            else:
+                remedy = (
+                    "find out why, run `yarc doctor`, then go on with --from"
+                    if joints is not None
+                    else RESET_REMEDY
+                )
+                operation.go(Event.FAULT, what, LOST, remedy)
+                return _ended(stream, what, remedy, joints)
+        if operation.now >= until:
+            silence = f"when it has heard nothing of this computer for {operation.silence:.2g} s"
+            remedy = f"its guard PLC holds the motion on the path {silence}; look at the robot, then run `yarc doctor`"
+            operation.go(Event.FAULT, what, LOST, remedy)
+            return _ended(
+                stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None
+            )
+        yield Wait(operation.now + _AGAIN_EACH)
+
+
+def _reason(outcome: object) -> str:
+    """Why there is no connection."""
+    return outcome.reason if isinstance(outcome, Unreachable) else "it doesn't stay"
+
+
+_LOST = Trouble("", code=LOST)
+"""What kind of fault a lost connection is."""
+
+
+def _ended(
+    stream: Stream | LiveStream, what: str, remedy: str, joints: Array | None, why: Trouble = _LOST
+) -> Ended:
+    job, command = stream.job, stream.command if stream.begun else None
+    about = command
+    if why.line is not None and 0 <= why.line < len(job.lines):
+        about = job.command_at(float(job.times[why.line]))
+    return Ended(
+        False,
+        what,
+        remedy,
+        joints,
+        command.title if command else "",
+        command.index if command else "",
+        job.offset + stream.done if stream.begun else 0.0,
+        why.code,
+        Concerned(about.index, about.name, about.source_line) if about and why.code else None,
+        clock=job.clock + stream.done if stream.begun else 0.0,
+    )
+
+
+def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
+    """End a program that is left in the middle, held or starved, where the robot stands at rest with all loops closed: that of a computer that has failed.
+
+    Returns:
+        False if there is none; what moves, or has an open loop, is left as it is.
+    """
+    motors = yield from motor_statuses(operation, robot)
+    words = yield from system_words(operation, robot)
+    if not words.running or any(motor.has("open loop") or not motor.at_rest for motor in motors):
+        return False
+    yield from come_to_rest(operation, robot)
+    yield from leave(operation, robot)
+    operation.remark("a program that was left in the middle is ended where the robot stands", warning=True)
+    return True
+
+
+def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
+    """Without a job of ours: hold (or abort) what the coordinate system does, and end it at rest.
+
+    Returns:
+        Where the robot stands (n,) [rad or m]; None if the controller was reset, so that nobody knows.
+    """
+    if abort:
+        yield from operation.abort()
+    else:
+        yield from operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
+    joints, _ = yield from _end_at_rest(operation, robot)
+    if joints is None:
+        operation.remark(f"the controller was reset: {RESET_REMEDY}", warning=True)
+    else:
+        operation.remark(f"the robot stands at {described(robot, joints)}")
+    return joints

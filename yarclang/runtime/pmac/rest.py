@@ -1,0 +1,137 @@
+"""Looking whether the robot stands, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import ARMED, WATCHED, commanded_position, motor_variable
+from yarclang.robot.actuation import from_counts
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Lost, Script, Trouble, Wait
+from yarclang.runtime.job import Job
+from yarclang.runtime.pmac.feedback import (
+    MotorStatus,
+    ReportError,
+    SystemStatus,
+    groups_of,
+    statuses_in,
+    system_status,
+)
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.standing import off_the_start
+
+LONGEST = 15.0
+"""A robot that hasn't come to rest by then won't [s]."""
+
+_POLL = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """Where the robot stands: commanded joint positions (n,) [rad or m], and its motors' words."""
+
+    joints: Array
+    motors: tuple[MotorStatus, ...]
+
+
+def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStatus, ...]]:
+    """The words of all motors of a robot, in their order; whatever buffer is open."""
+    motors = robot.controller.motors
+    found: dict[int, MotorStatus] = {}
+    groups = groups_of(motors)
+    for group in groups:
+        if len(groups) > 1 or group != 1:
+            yield from operation.ask(f"##{group}")
+        text = yield from operation.report("\x02")
+        try:
+            found |= statuses_in(text, group, motors)
+        except ReportError as error:
+            raise Lost(str(error)) from None
+    operation.motors = tuple(found[motor] for motor in motors)
+    return operation.motors
+
+
+def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
+    """The words of the robot's coordinate system."""
+    text = yield from operation.one(f"&{turbo_pmac(robot).coordinate_system}??")
+    try:
+        return system_status(text)
+    except ReportError as error:
+        raise Lost(str(error)) from None
+
+
+def come_to_rest(
+    operation: Operation, robot: Robot, longest: float = LONGEST
+) -> Script[tuple[MotorStatus, ...]]:
+    """Wait until no motor has a desired velocity, seen twice, and no hold can still be on its way.
+
+    Raises:
+        Trouble: one still moves after `longest` [s].
+    """
+    since = operation.now
+    seen = 0
+    while True:
+        motors = yield from motor_statuses(operation, robot)
+        counts = all(motor.at_rest for motor in motors) and operation.now >= operation.settled
+        seen = seen + 1 if counts else 0
+        if seen == 2:
+            return motors
+        if operation.now - since > longest:
+            moving = [
+                number
+                for number, motor in zip(robot.controller.motors, motors, strict=True)
+                if not motor.at_rest
+            ]
+            raise Trouble(
+                f"after {longest:g} s the robot still moves (motor {', '.join(map(str, moving))})",
+                "use the hardware's emergency stop if it shouldn't",
+            )
+        yield Wait(operation.now + _POLL)
+
+
+def leave(operation: Operation, robot: Robot) -> Script[None]:
+    """At rest: close all buffers, disarm the guard and the watchdog, end what runs (a starved or held rotary does) and lift a hold, forget the
+    lines that are left, 100 % again.
+
+    A ends and lifts. It would close the loops of motors that were killed, so that it is left out where one is open and nothing runs.
+    """
+    system = turbo_pmac(robot).coordinate_system
+    operation.ahead = None
+    yield from operation.ask("CLOSE ALL")
+    yield from operation.ask(f"{ARMED}=0 {WATCHED}=0")
+    motors = yield from motor_statuses(operation, robot)
+    words = yield from system_words(operation, robot)
+    if words.running or not any(motor.has("open loop") for motor in motors):
+        yield from operation.ask(f"&{system}A")
+    yield from operation.ask(f"&{system}DELETE ROT")
+    yield from operation.ask(f"&{system}%100")
+
+
+def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
+    """The commanded joint positions (n,) [rad or m], from M161 and so on. No buffer may be open on this port."""
+    motors = robot.controller.motors
+    asked = "".join(commanded_position(motor)[0] for motor in motors)
+    values = yield from operation.numbers(
+        asked + "".join(motor_variable(motor, 8) for motor in motors), 2 * len(motors)
+    )
+    registers, scales = values[: len(motors)], values[len(motors) :]
+    if not all(scale > 0.0 for scale in scales):
+        raise Trouble("a motor's position scale Ixx08 is 0", f"download `yarc settings {robot.name}`")
+    counts = np.array(registers) / (32.0 * np.array(scales))
+    return from_counts(robot, counts)
+
+
+def away_from_start(
+    operation: Operation, job: Job, remedy: str = "give --approach for a slow, certified motion to the start"
+) -> Script[None]:
+    """Look where the robot stands; `remedy` says what to do where that isn't the start.
+
+    Raises:
+        Trouble: a joint is further from the start than the first segment allows.
+    """
+    joints = yield from stands_at(operation, job.robot)
+    if text := off_the_start(job, joints):
+        raise Trouble(text, remedy)

@@ -1,0 +1,160 @@
+"""The rotary buffer and what is asked about it: fed, asked how full it is, and whether it is large enough. No I/O.
+
+It is open on our port only within the packet that feeds it: an open one stores what it can, variables among it (facts 3).
+"""
+
+from __future__ import annotations
+
+from yarclang.pmac.errors import BUFFER_IN_USE, ERRORS, NO_ROOM
+from yarclang.runtime.actions import Lost, Script, Trouble
+from yarclang.runtime.job import Job
+from yarclang.runtime.pmac.course import Course
+from yarclang.runtime.pmac.feed import AROUND, Feed
+from yarclang.runtime.pmac.loading import loading_of
+from yarclang.runtime.pmac.messages import Written
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.supervision import Flow, Supervision
+from yarclang.runtime.pmac.watching import look_at_motors
+from yarclang.units import MS
+
+_SHARE = 0.7
+"""Of the link's capacity that a program may need."""
+
+_WITHIN_RESERVE = 12
+"""Exchanges that a full buffer lasts for, down to low water: with fewer, some of its refills come too late (tried out)."""
+
+_SHORTEST = 1.0
+"""Of a program, that a rotary holds at least [s]."""
+
+
+class Rotary:
+    """The buffer of one job.
+
+    Attributes:
+        feed: how far the job's lines are.
+        supervision: of the controller that it is in.
+        course: the way that its lines lead.
+    """
+
+    def __init__(self, operation: Operation, job: Job) -> None:
+        self.operation = operation
+        self.job = job
+        self.feed = Feed(job)
+        self.supervision = Supervision(operation, job)
+        self.course = Course(job.robot, job.start, job.slack, job.segment)
+
+    def define(self) -> Script[None]:
+        """The paper's Listing 3, line by line; the buffer isn't open yet.
+
+        Raises:
+            Trouble: it would be too small.
+        """
+        job = self.job
+        held = loading_of(job).words // len(job.robot.controller.axes) * job.segment
+        if not job.fits and held < _SHORTEST:
+            raise Trouble(
+                f"the rotary buffer of {loading_of(job).words} words holds {held:.2f} s of the program: "
+                f"at least {_SHORTEST:g} s are wanted",
+                "compile the program again: yarcc chooses the size",
+            )
+        for line in loading_of(job).setup:
+            yield from self.operation.ask(line)
+
+    def write(self) -> Script[None]:
+        """The lines that fit into the buffer and into a packet.
+
+        Raises:
+            Trouble: the controller refuses one.
+        """
+        packet = self.feed.packet()
+        written = yield from self.operation.write((AROUND[0], *packet, AROUND[1]))
+        if written.error is None:
+            self.feed.written(len(packet))
+            self.supervision.lines_sent(packet)
+            self.course.append(packet)
+            return
+        yield from look_at_motors(self.operation, self.job.robot)
+        opens = written.error == BUFFER_IN_USE and (written.line or 0) <= 1
+        raise Trouble(
+            _refusal(written, self.feed.sent),
+            "somebody else has a buffer of this controller open: find out who, and CLOSE it there"
+            if opens
+            else "the robot ends at rest; run `yarc doctor`, then the program again",
+            "Y1603",
+            self.feed.sent + max((written.line or 2) - 2, 0),
+        )
+
+    def ask(self) -> Script[Flow]:
+        """How many lines lie ahead, and what goes with that question.
+
+        Raises:
+            Lost: more lines than can be.
+        """
+        operation, feed = self.operation, self.feed
+        asked = operation.now
+        flow = yield from self.supervision.ask()
+        if flow.ahead > feed.at_most:
+            raise Lost(f"{flow.ahead} in reply to PR, with at most {feed.at_most} lines in the buffer")
+        feed.heard(flow.ahead, asked, operation.now)
+        return flow
+
+    def check_full(self) -> Script[None]:
+        """Check that it hasn't run dry in motion.
+
+        Raises:
+            Trouble: it has, or a motor can't move.
+        """
+        if self.feed.at_most == 0 and self.feed.left:
+            yield from look_at_motors(self.operation, self.job.robot)
+            raise Trouble(
+                f"underrun: the rotary ran dry with {self.feed.left} lines to come; the robot comes to rest off its path",
+                "find out what delayed this computer or the link, or who else uses this controller; the guard PLC should have held before "
+                "(`yarc doctor`)",
+                "Y1607",
+            )
+
+    def check_prefilled(self, spent: float, packets: int) -> None:
+        """Whoever can't fill it fast enough can't keep it filled either.
+
+        Args:
+            spent: how long it took [s].
+            packets: and in how many.
+
+        Raises:
+            Trouble: before anything has moved.
+        """
+        job, feed = self.job, self.feed
+        if feed.at_most != feed.sent:
+            raise Trouble(
+                f"the controller counts {feed.at_most} lines in its buffer, of {feed.sent} that were sent",
+                "somebody else may use this controller; run `yarc doctor`",
+            )
+        if job.fits or spent <= 0.0:
+            return
+        remedy = "compile with longer segments (--tm), or find out what slows the link (`yarc doctor`)"
+        rate = feed.sent / spent
+        if rate * _SHARE < job.lines_per_second:
+            raise Trouble(
+                f"the link carries {rate:.0f} lines/s; the program needs {job.lines_per_second:.0f} and a reserve",
+                remedy,
+            )
+        most = (job.capacity - feed.low) * job.segment / _WITHIN_RESERVE
+        if spent / packets > most:
+            raise Trouble(
+                f"the controller takes {spent / packets / MS:.0f} ms for a packet; "
+                f"for a buffer of {job.capacity * job.segment:.2f} s at most {most / MS:.0f} ms are allowed",
+                remedy,
+            )
+
+
+def _refusal(written: Written, sent: int) -> str:
+    error = written.error or 0
+    lines = written.request.lines
+    at = max(written.line or 0, 1)
+    meaning = ERRORS.get(error, "an error that isn't documented")
+    if error == NO_ROOM:
+        meaning += ", though there should be"
+    text = lines[at - 1]
+    if text in AROUND:
+        return f"the controller refuses {text!r}: ERR{error:03d}, {meaning}"
+    return f"the controller refuses line {sent + at - 1} of the motion, {text!r}: ERR{error:03d}, {meaning}"

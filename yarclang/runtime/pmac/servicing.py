@@ -1,0 +1,237 @@
+"""Service at rest, without a job: loops are closed and opened, settings are sent and saved. No I/O.
+
+Behind all of it a look at everything decides whether a motion is possible; until then the state is a fault.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.variables import motor_variable
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Lost, Script, Trouble, Wait
+from yarclang.runtime.notices import Abort, Fail, Hold, Stop
+from yarclang.runtime.pmac.messages import Answer, Ask, Busy
+from yarclang.runtime.pmac.operation import PATIENCE, Operation, Refused
+from yarclang.runtime.pmac.rest import motor_statuses, system_words
+from yarclang.runtime.pmac.watching import sample
+from yarclang.runtime.scripts import Sent
+from yarclang.runtime.state import Event
+
+_WITHIN = 1.0
+"""How long a loop may take to be closed or opened [s]."""
+
+_SETTLES = 0.1
+"""Time after a loop is closed before its motor must stand [s]."""
+
+_POLL = 0.02
+
+STAYS = 0.2
+"""How far a motor may move, and lag behind, when its loop is closed: as far as this of a joint [deg or mm]."""
+
+_SAVES = 30.0
+"""How long a controller may be busy with SAVE [s]."""
+
+_ENDS = (Hold, Stop, Abort, Fail)
+
+
+def is_ended(operation: Operation) -> bool:
+    """Return True if somebody wants the end of what goes on."""
+    return any(isinstance(order, _ENDS) for order in operation.orders)
+
+
+def check_rest(operation: Operation, robot: Robot) -> Script[None]:
+    """Check that nothing moves, and that no program is in the middle.
+
+    Raises:
+        Trouble: something does.
+    """
+    motors = yield from motor_statuses(operation, robot)
+    for number, motor in zip(robot.controller.motors, motors, strict=True):
+        if not motor.at_rest:
+            raise Trouble(f"motor {number} moves", "wait until it rests, or stop it", "Y1612")
+    words = yield from system_words(operation, robot)
+    if words.running:
+        what = "a program is in the middle on the controller, held or starved"
+        raise Trouble(what, "end it where the robot stands: `yarc stop --to ...`", "Y1612")
+
+
+def enable(operation: Operation, robot: Robot) -> Script[str]:
+    """Close the loops of the motors that are open, one after the other, and look whether each motor stays where it is.
+
+    Returns:
+        What isn't as it must be; empty if all loops are closed. After the first motor that isn't well none is closed any more.
+
+    Raises:
+        Trouble: the robot isn't at rest.
+    """
+    yield from check_rest(operation, robot)
+    for row, motor in enumerate(robot.controller.motors):
+        if is_ended(operation):
+            return f"stopped before motor {motor}: its loop stays open"
+        if told := (yield from _close(operation, robot, row)):
+            return f"motor {motor}: {told}"
+    return ""
+
+
+def _close(operation: Operation, robot: Robot, row: int) -> Script[str]:
+    number = robot.controller.motors[row]
+    status = (yield from motor_statuses(operation, robot))[row]
+    if not status.has("open loop") and not status.faulted:
+        return ""
+    if status.has("amplifier fault"):
+        return "its amplifier reports a fault: look at the drive, then try again"
+    if not status.has("activated"):
+        return f"it isn't activated: {motor_variable(number, 0)} is 0"
+    before = (yield from _places(operation, robot))[row]
+    try:
+        yield from operation.ask(f"#{number}J/")
+    except Refused as refused:
+        return str(refused)
+    closed = yield from _become(operation, robot, row, is_open=False)
+    if not closed:
+        return f"its loop isn't closed {_WITHIN:g} s after it was asked to: look at the drive and its enabling circuit"
+    yield Wait(operation.now + _SETTLES)
+    heard = yield from sample(operation, robot, 0.0)
+    allowed = STAYS * abs(float(robot.actuation.gear[row]))
+    moved, lag = abs(heard.actual[row] - before), abs(heard.following[row])
+    if max(moved, lag) > allowed:
+        return (
+            f"it doesn't stay where it was: it moved by {moved:.0f} counts and lags by {lag:.0f}, at most {allowed:.0f} are allowed; "
+            "disable the motors, and look at its brake, tuning and encoder"
+        )
+    return ""
+
+
+def _places(operation: Operation, robot: Robot) -> Script[Array]:
+    return (yield from sample(operation, robot, 0.0)).actual
+
+
+def _become(operation: Operation, robot: Robot, row: int, *, is_open: bool) -> Script[bool]:
+    until = operation.now + _WITHIN
+    while True:
+        motors = yield from motor_statuses(operation, robot)
+        if motors[row].has("open loop") is is_open:
+            return True
+        if operation.now > until:
+            return False
+        yield Wait(operation.now + _POLL)
+
+
+def disable(operation: Operation, robot: Robot) -> Script[str]:
+    """Open the loops of all motors, at rest: brakes hold the robot then, or nothing does.
+
+    Returns:
+        What isn't as it must be; empty if all are open.
+
+    Raises:
+        Trouble: the robot isn't at rest.
+    """
+    yield from check_rest(operation, robot)
+    operation.go(Event.FAULT, "the motors were disabled")
+    for row, motor in enumerate(robot.controller.motors):
+        try:
+            yield from operation.ask(f"#{motor}K")
+        except Refused as refused:
+            return f"motor {motor}: {refused}"
+        if not (yield from _become(operation, robot, row, is_open=True)):
+            return f"motor {motor}: its loop isn't open {_WITHIN:g} s after it was asked to"
+    return ""
+
+
+def check_open(operation: Operation, robot: Robot) -> Script[None]:
+    """Check that settings may be sent: at rest with all loops open, since a scale, a limit or a PLC that changes moves what is closed.
+
+    Args:
+        operation: the run.
+        robot: whose settings.
+
+    Raises:
+        Trouble: they may not.
+    """
+    yield from check_rest(operation, robot)
+    motors = yield from motor_statuses(operation, robot)
+    numbers, scale = robot.controller.motors, turbo_pmac(robot).ixx08
+    closed = [str(n) for n, motor in zip(numbers, motors, strict=True) if not motor.has("open loop")]
+    if closed:
+        raise Trouble(
+            f"settings are sent with all loops open: motor {', '.join(closed)} is closed-loop",
+            "secure the arm, then disable the motors",
+            "Y1612",
+        )
+    scales = yield from operation.numbers(
+        "".join(motor_variable(number, 8) for number in numbers), len(numbers)
+    )
+    for number, motor, found in zip(numbers, motors, scales, strict=True):
+        if motor.has("home complete") and found != scale:
+            raise Trouble(
+                f"motor {number} was homed with {motor_variable(number, 8)}={found:g}, and the settings have {scale}: its position would be "
+                "another one, and still count as homed",
+                "reset the controller ($$$), send the settings, then home the motor",
+                "Y1612",
+            )
+
+
+def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
+    """Send settings line by line, where `check_open` has found nothing; it ends with the first line that isn't taken, or when a person wants it.
+
+    Args:
+        operation: the run.
+        lines: without comments.
+
+    Raises:
+        Lost: the connection is of no use any more.
+    """
+    operation.go(Event.FAULT, "settings are being sent to the controller")
+    for number, line in enumerate(lines):
+        what, remedy = "", "the controller has a part of the settings: find out why, and send them again"
+        if is_ended(operation):
+            what = "stopped by a person"
+        else:
+            try:
+                items = yield from operation.ask(line)
+            except Refused as refused:
+                what = str(refused)
+            except Trouble as trouble:
+                what = trouble.what
+            else:
+                if items:
+                    what, remedy = (
+                        f"the controller answers {line!r} with {', '.join(items)!r}",
+                        "is it a Turbo PMAC?",
+                    )
+        if what:
+            with contextlib.suppress(Refused, Trouble):
+                yield from operation.ask("CLOSE")  # a PLC may be half loaded
+            operation.go(
+                Event.FAULT, f"the settings were sent in part, {number} of {len(lines)} lines: {what}"
+            )
+            return Sent(number, len(lines), what, remedy)
+    return Sent(len(lines), len(lines))
+
+
+def save(operation: Operation, robot: Robot) -> Script[None]:
+    """Let the controller keep its settings beyond power-off (SAVE).
+
+    Raises:
+        Trouble: the robot isn't at rest, or the controller refuses.
+        Lost: the connection is of no use any more.
+    """
+    yield from check_rest(operation, robot)
+    event = yield Ask("SAVE")
+    match event:
+        case Answer(error=None):
+            pass
+        case Answer(error=int(number)):
+            raise Refused("SAVE", number)
+        case Busy():
+            pass
+        case _:
+            raise Lost("the controller doesn't answer while it saves")
+    operation.patience = _SAVES
+    try:
+        yield from operation.ask("CID")
+    finally:
+        operation.patience = PATIENCE

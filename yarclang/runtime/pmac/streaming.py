@@ -1,0 +1,437 @@
+"""One job through the rotary: loading, keeping it filled, obeying people, and coming to its end. No I/O."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.robot.actuation import to_counts
+from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.job import Job, JobCommand
+from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
+from yarclang.runtime.operation import URGENT, Interrupted
+from yarclang.runtime.pmac.feed import AHEAD
+from yarclang.runtime.pmac.holding import Holding
+from yarclang.runtime.pmac.operation import Operation, Refused
+from yarclang.runtime.pmac.rest import away_from_start, come_to_rest, leave, stands_at
+from yarclang.runtime.pmac.rotary import Rotary
+from yarclang.runtime.pmac.supervision import HELD, SETTINGS_EACH, Flow
+from yarclang.runtime.pmac.watching import (
+    look_at_motors,
+    look_at_program,
+    look_whether_astray,
+    sample,
+)
+from yarclang.runtime.signals import OutputSet
+from yarclang.runtime.standing import described
+from yarclang.runtime.state import Event, State
+
+STATUS_EACH = 0.1
+"""Time between two looks at the status words [s]."""
+
+_OVERDUE = 0.4
+"""How late that may be for the sake of the feed [s]."""
+
+_EXCHANGES = 3
+"""What may lie between two questions how many lines are ahead."""
+
+_LINES_EACH = 0.05
+_PROGRESS_EACH = 0.25
+_STILL = 0.5
+"""How long nothing may move with lines ahead, besides what segments take [s]."""
+
+_LOOK = 0.01
+
+_DOUBT = 0.02
+"""When the flow is asked for again, if the guard's heartbeat hasn't changed [s]."""
+
+_END = 1.0
+"""How far from its end a program may end [counts]."""
+
+
+@dataclass
+class _Due:
+    """When what is to be looked at next [s of the host's clock]."""
+
+    positions: float = 0.0
+    lines: float = 0.0
+    status: float = 0.0
+    progress: float = 0.0
+    settings: float = 0.0
+
+
+class Stream:
+    """One job on its way through the rotary.
+
+    Orders that can't wait interrupt whatever is being asked (`Operation.watch`): each step can be begun again.
+
+    Attributes:
+        rotary: the buffer that it goes through.
+        feed: how far the lines are.
+        supervision: of the controller.
+        holding: what holds it, and how it goes on.
+        begun: whether anything has moved.
+    """
+
+    def __init__(self, operation: Operation, job: Job) -> None:
+        self.operation = operation
+        self.job = job
+        self.rotary = Rotary(operation, job)
+        self.feed = self.rotary.feed
+        self.supervision = self.rotary.supervision
+        self.begun = False
+        self.holding = Holding(operation, job, self.rotary)
+        self._stands: tuple[float, int] | None = None
+        self._due = _Due()
+        self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
+        self._dwells = np.array([row for row, _ in job.dwells], dtype=np.intp)
+        self._rested: float | None = None
+        self._taken = self._outputs_told = 0
+        self._since = self._looked = operation.now
+
+    @property
+    def done(self) -> float:
+        """Return how far the job is [s], from the lines that were executed. During a dwell no line is executed, so the clock counts instead."""
+        job, operation = self.job, self.operation
+        executed = self._taken
+        begins = job.time_of(executed)
+        # the controller takes no line behind a dwell before that is over
+        place = int(np.searchsorted(self._dwells, executed + AHEAD)) - 1
+        if not self.begun or place < 0 or self._dwells[place] < executed:
+            return begins
+        row, seconds = job.dwells[place]
+        if place and self._dwells[place - 1] >= executed:
+            begins = float(job.times[row])
+        passed = (operation.now if operation.state is State.MOVE else self._looked) - self._since
+        # an override slows motions, and no dwell
+        motion = float(job.times[row]) - begins
+        slowed = motion / max(operation.override, 0.01)
+        if passed <= slowed:
+            return begins + passed * operation.override
+        return begins + motion + min(passed - slowed, seconds)
+
+    def _dwells_on(self) -> bool:
+        """Return True if the job ends with a dwell that may not be over. Called once the motors rest: they rest in a dwell as they do after it."""
+        job = self.job
+        if not job.dwells or job.dwells[-1][0] < len(job.lines) - 1:
+            return False
+        if self._rested is None:
+            self._rested = self.operation.now
+        return self.operation.now < self._rested + job.dwells[-1][1]
+
+    @property
+    def command(self) -> JobCommand | None:
+        """What is executed."""
+        return self.job.command_at(self.done)
+
+    @property
+    def left(self) -> int:
+        """Lines that the controller hasn't got yet."""
+        return self.feed.left
+
+    def run(self) -> Script[None]:
+        """Load the job, run it, and come to its end.
+
+        Raises:
+            Stopped: a person has ended it; the motion may still be going on.
+            Trouble: it can't go on; likewise.
+            Lost: the connection is of no use any more.
+        """
+        operation = self.operation
+        yield from away_from_start(operation, self.job)
+        part = self.job.part
+        operation.go(Event.LOAD, "" if part is not None and part.begun else f"loading {self.job.name}")
+        yield from self.supervision.check()
+        yield from self._load()
+        operation.watch = URGENT
+        for step in (self._begin, self._stream, self._end):
+            ended = False
+            while not ended:
+                with contextlib.suppress(Interrupted):
+                    yield from self._obey()
+                    ended = yield from step()
+        operation.watch = ()
+        yield from leave(operation, self.job.robot)
+        operation.notices.append(
+            Progress(operation.now, self.job.clock + self.job.duration, self.job.behind, "", 0)
+        )
+        self._tell_outputs(len(self.job.lines))
+        leads_to = part.leads_to if part is not None else ""
+        operation.go(
+            Event.END, f"at {leads_to}" if leads_to else f"at the end of {self.job.name}, to a count"
+        )
+
+    # before
+
+    def _load(self) -> Script[None]:
+        """Make the buffer and fill it; nothing moves."""
+        operation, rotary = self.operation, self.rotary
+        yield from rotary.define()
+        yield from self.holding.remember_outputs()
+        percent = 100.0 * operation.override
+        yield from operation.ask(f"%{percent:g}")
+        if percent != 100.0:
+            operation.remark(f"override {percent:g} %")
+        for line in ("OPEN ROT", "CLEAR", "CLOSE"):
+            yield from operation.ask(line)
+        begun, packets = operation.now, 0
+        while self.feed.packet():
+            yield from self._obey()
+            yield from rotary.write()
+            packets += 1
+        spent = operation.now - begun
+        yield from self._ask_lines()
+        rotary.check_prefilled(spent, packets)
+
+    def _begin(self) -> Script[bool]:
+        yield from self.supervision.begin()
+        self.begun = True
+        try:
+            yield from self.operation.ask("R")
+        except Interrupted:
+            self.begun = False
+            raise
+        except Refused:
+            # nothing moves; the motors say more than the refusal does
+            self.begun = False
+            yield from look_at_motors(self.operation, self.job.robot)
+            raise
+        self.operation.slept = 0.0
+        self.operation.settled = -math.inf
+        self.operation.go(Event.BEGIN)
+        return True
+
+    # while it moves
+
+    def _stream(self) -> Script[bool]:
+        """One step; whether nothing is left to send or to calculate."""
+        operation, feed, due = self.operation, self.feed, self._due
+        now = operation.now
+        moving = operation.state is State.MOVE
+        if operation.slept:
+            yield from self._wake_up()
+        elif self.holding.refilling:
+            yield from self._go_on()
+        elif self.supervision.overdue:
+            yield from self._ask_lines()
+        elif moving and feed.runs_low(now):
+            if feed.heard_at < now:
+                # what was heard last is old
+                yield from self._ask_lines()
+            else:
+                yield from self.holding.for_low_water()
+        elif feed.worthwhile(now):
+            yield from self.rotary.write()
+        elif moving and feed.heard_at < now and feed.hungry(now + _EXCHANGES * feed.round_trip):
+            # first find out what fits; only faults must not go unseen for long
+            yield from (self._ask_lines() if now < due.status + _OVERDUE else self._ask_status())
+        else:
+            when, ask = min(
+                (due.lines, self._ask_lines),
+                (due.status, self._ask_status),
+                (due.positions, self._ask_positions),
+                (due.settings, self._ask_settings),
+                key=lambda each: each[0],
+            )
+            if now < when:
+                yield Wait(when)
+                return False
+            yield from ask()
+        return moving and feed.at_most == 0 and feed.left == 0
+
+    def _ask_lines(self) -> Script[None]:
+        operation, due = self.operation, self._due
+        flow = yield from self.rotary.ask()
+        if self.feed.executed != self._taken:
+            self._taken, self._since = self.feed.executed, operation.now
+            self._tell_outputs(self._taken)
+        elif operation.state is not State.MOVE:
+            self._since += operation.now - self._looked
+        self._looked = operation.now
+        each = min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
+        due.lines = operation.now + (min(each, _DOUBT) if self.supervision.doubtful else each)
+        if operation.now >= due.progress:
+            due.progress = operation.now + _PROGRESS_EACH
+            self._tell_progress()
+        if self.begun:
+            yield from self.rotary.check_full()
+        if self.begun and not self.holding.refilling:
+            yield from self._look_at(flow)
+
+    def _look_at(self, flow: Flow) -> Script[None]:
+        """Whether all is as this run has left it: if the guard or the watchdog has held, refill and go on; else somebody else must say."""
+        moving = self.operation.state is State.MOVE
+        if moving and HELD in (flow.armed, flow.watched):
+            yield from self.holding.by_guard(flow)
+        elif told := self.supervision.changed(flow, moving=moving):
+            yield from self.holding.for_others(told)
+
+    def _ask_settings(self) -> Script[None]:
+        """Whether the controller still has the settings that it was looked at with."""
+        self._due.settings = self.operation.now + SETTINGS_EACH
+        if told := (yield from self.supervision.compare()):
+            yield from self.holding.for_others(told)
+
+    def _tell_outputs(self, executed: int) -> None:
+        """Tell what the first `executed` lines have set, once."""
+        operation, sets = self.operation, self.job.sets
+        while self._outputs_told < len(sets) and sets[self._outputs_told][0] < executed:
+            _, variable, value = sets[self._outputs_told]
+            name = operation.outputs.get(variable, variable)
+            operation.notices.append(OutputSet(operation.now, name, variable, value))
+            self._outputs_told += 1
+
+    def _tell_progress(self) -> None:
+        command, done = self.command, self.done
+        title, line = (command.title, command.source_line) if command else ("", 0)
+        self.operation.notices.append(
+            Progress(self.operation.now, self.job.clock + done, self._time_left(done), title, line)
+        )
+
+    def _time_left(self, done: float) -> float:
+        """Return how long the rest takes at the present override [s]: it slows motions, and no dwell."""
+        job = self.job
+        stands = sum(
+            min(seconds, max(float(job.times[row]) + seconds - done, 0.0)) for row, seconds in job.dwells
+        )
+        return (job.duration - done - stands + job.behind) / max(self.operation.override, 0.01) + stands
+
+    def _ask_positions(self) -> Script[None]:
+        operation, job = self.operation, self.job
+        self._due.positions = operation.now + operation.positions_each
+        asked = operation.now
+        done = self.done
+        found = yield from sample(operation, job.robot, job.offset + done, job.clock + done)
+        operation.notices.append(found)
+        executed = self.feed.executed_within(operation.now)
+        self.rotary.course.forget(executed[0])
+        if operation.state is State.MOVE:
+            off = self.rotary.course.off(found, executed, operation.now - asked)
+            yield from look_whether_astray(operation, job.robot, off)
+
+    def _ask_status(self) -> Script[None]:
+        """Faults, and a program that doesn't go on though it should."""
+        operation, feed = self.operation, self.feed
+        self._due.status = operation.now + STATUS_EACH
+        motors = yield from look_at_motors(operation, self.job.robot)
+        rests = all(motor.at_rest for motor in motors)
+        if operation.state is State.HOLD:
+            yield from self.holding.look_at(rests)
+        if operation.state is not State.MOVE or not rests:
+            self._stands = None
+            return
+        yield from look_at_program(operation, self.job.robot)
+        yield from self._ask_lines()
+        if feed.left == 0 and feed.at_most == 0:
+            return
+        if self._stands is None or self._stands[1] != feed.executed:
+            self._stands = operation.now, feed.executed
+        elif operation.now - self._stands[0] > self._patience:
+            self._stands = None
+            self.holding.by_nobody()
+
+    @property
+    def _patience(self) -> float:
+        """How long nothing may move with lines ahead [s]: no segment takes longer."""
+        return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
+
+    def _go_on(self) -> Script[None]:
+        yield from self.holding.go_on()
+        self._stands = None
+
+    # orders
+
+    def _obey(self) -> Script[None]:
+        """Do what people want, the most urgent first."""
+        operation = self.operation
+        orders = operation.orders
+        moved = operation.state in (State.MOVE, State.HOLD)
+        while orders:
+            if Abort() in orders:
+                orders.clear()
+                yield from operation.abort()
+                raise Stopped(abort=True)
+            if ending := next((order for order in orders if isinstance(order, Stop | Fail)), None):
+                orders.clear()
+                why = ending.what if isinstance(ending, Fail) else "a stop was asked for"
+                if moved:
+                    yield from self.holding.hold(why)
+                if isinstance(ending, Fail):
+                    raise Trouble(why, ending.remedy, code="")  # no command's fault
+                raise Stopped(abort=False)
+            if Hold() in orders:
+                if not moved:
+                    orders.clear()
+                    raise Stopped(abort=False)
+                yield from self.holding.for_person()
+                continue
+            match orders[0]:
+                case Resume() if operation.state is State.HOLD:
+                    operation.slept = 0.0
+                    yield from self._go_on()
+                case Override(percent=percent):
+                    before, operation.override = 100.0 * operation.override, percent / 100.0
+                    yield from operation.ask(f"%{percent:g}")
+                    self.supervision.slews(before)
+                    operation.remark(f"override {percent:g} %")
+                case _:
+                    pass
+            orders.popleft()
+
+    def _wake_up(self) -> Script[None]:
+        """This process stood still for long, and the guard PLC has held: what goes on is for a person to say, who looks first."""
+        operation, feed = self.operation, self.feed
+        if feed.heard_at < operation.now:
+            yield from self._ask_lines()
+        slept, operation.slept = operation.slept, 0.0
+        if feed.left == 0 and feed.at_most == 0 and not self.holding.refilling:
+            return
+        self.holding.refilling = False
+        if operation.state is State.MOVE:
+            yield from self.holding.hold(f"this process stood still for {slept:.0f} s")
+        operation.remark(
+            "nobody has looked after the robot meanwhile: look at it, then Enter or `yarc resume` goes on",
+            warning=True,
+        )
+
+    # after
+
+    def _end(self) -> Script[bool]:
+        """One step; whether the motion has really ended: no motor has a desired velocity, and all stand where the program ends."""
+        operation, job = self.operation, self.job
+        if operation.slept:
+            yield from self._wake_up()
+            return False
+        if self.holding.refilling:
+            yield from self._go_on()
+            return False
+        motors = yield from look_at_motors(operation, self.job.robot)
+        if operation.now >= self._due.positions and not self.supervision.overdue:
+            yield from self._ask_positions()
+        if operation.now >= self._due.lines:
+            yield from self._ask_lines()
+        rests = all(motor.at_rest for motor in motors)
+        if operation.state is not State.MOVE or not rests or self._dwells_on():
+            self._stands = None
+            yield Wait(operation.now + _LOOK)
+            return False
+        if self._stands is None:
+            self._stands = operation.now, 0
+        yield from come_to_rest(operation, job.robot)
+        joints = yield from stands_at(operation, job.robot)
+        off = np.abs(to_counts(job.robot, joints) - to_counts(job.robot, job.end))
+        if off.max() <= _END:
+            return True
+        yield from look_at_program(operation, self.job.robot)
+        if operation.now - self._stands[0] > self._patience:
+            raise Trouble(
+                f"the program has ended {off.max():.0f} counts (motor "
+                f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at {described(job.robot, joints)}",
+                "run `yarc doctor`: somebody else may use this controller",
+                code="Y1605",
+            )
+        yield Wait(operation.now + _LOOK)
+        return False

@@ -1,0 +1,378 @@
+"""What must stay as it was proved while a run goes on: asked with each question of the flow, and once a second; and the watchdog. No I/O.
+
+Other clients may use the same controller. What one of them changes (the override, the guard, a limit, a PLC, an axis definition) changes what was
+proved, so that the motion is held, and both values are told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle
+
+from yarclang.pmac.controller import TurboPmac, turbo_pmac
+from yarclang.pmac.variables import (
+    ARMED,
+    ECHO,
+    FEEDBACK_PLC,
+    GUARD_PLC,
+    HEARTBEAT,
+    WATCHED,
+    motor_variable,
+    system_variable,
+    watchdog,
+)
+from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Lost, Script, Trouble, Wait
+from yarclang.runtime.job import Job
+from yarclang.runtime.pmac.loading import loading_of
+from yarclang.runtime.pmac.memory import Memory, Question, Remembered
+from yarclang.runtime.pmac.operation import Operation, Refused, number_in
+from yarclang.units import MS
+
+SETTINGS_EACH = 1.0
+"""Time between two looks at the settings [s]."""
+
+HELD = 2.0
+"""What the guard PLC puts into its flags when it has held."""
+
+_LONGEST_QUESTION = 200
+_MOTOR_VARIABLES = {
+    0: "activated",
+    11: "fatal following error",
+    24: "flags and limit switches",
+}
+"""Variables of each motor that no robot says, and that no other client may change while it moves: Ixx00, Ixx11, Ixx24."""
+_MARKS = ("I16, lines below which the guard holds", "I17, lines from which on the rotary counts as full")
+_HOLD_SLEW = 95
+"""Isx95: how fast a hold changes the time base."""
+_TIME_BASE = 93
+"""Isx93: where the coordinate system takes its time base from."""
+_STANDS_STILL = 0.045
+"""A heartbeat that doesn't change for longer stands still [s], or for so many of its own beats:"""
+_BEATS = 8.0
+_BEHIND = 3.0
+"""So many beats of the guard that PLC 0 hasn't seen, and it doesn't run: it is scanned more often."""
+_RACE = 3
+"""Lines that may be calculated between two answers of one reply."""
+_SLEWING, _LONGEST_SLEW = 0.02, 1.0
+"""Time between two looks at an override that changes, and how long it may take besides two hold times [s]."""
+_SAME_PACE = 0.01
+"""Of an override, printed [%]."""
+_SHORTEST_TIMER = 1
+_LONGEST_TIMER = 8_388_607
+"""Of a timer of 24 bits, in servo cycles."""
+
+LEAST_PATIENCE = 0.4
+"""For how long a computer may be silent at least, before its controller holds [s]."""
+
+AT_REST_WITHIN = 0.95
+"""After which time the robot rests, when the computer that streams has died [s], if the link allows."""
+
+_SHORTEST_PATIENCE = 0.25
+"""Below which a busy computer would be held too often [s]."""
+
+_REPLIES, _LEAST_REPLIES = 4.0, 3.0
+_ONE_MORE = 0.1
+
+
+def patience_for(slowest: float, hold_time: float) -> float:
+    """Return for how long a computer may be silent before its controller holds [s].
+
+    Four of the slowest replies that were seen, and `LEAST_PATIENCE` at least; the robot shall rest within `AT_REST_WITHIN`. That isn't reached where three
+    replies take longer, as many as lie between two words of a run, or where a robot's hold alone takes so long: no computer is on time within less than
+    `_SHORTEST_PATIENCE`.
+
+    Args:
+        slowest: the slowest reply while the controller was looked at [s].
+        hold_time: of the robot [s].
+    """
+    wanted = max(LEAST_PATIENCE, _REPLIES * slowest)
+    return max(min(wanted, AT_REST_WITHIN - hold_time), needed(slowest), _SHORTEST_PATIENCE)
+
+
+def needed(slowest: float) -> float:
+    """Return the silence that a link itself may cause [s], whose slowest reply took `slowest` [s]."""
+    return _LEAST_REPLIES * slowest + _ONE_MORE
+
+
+def wound_up(controller: TurboPmac, seconds: float) -> str:
+    """Return the assignment that winds the watchdog up for `seconds` [s of the controller]."""
+    cycles = round(seconds / (controller.i10 / 2**23 * MS))
+    return f"{watchdog(controller.coordinate_system)}={min(max(cycles, _SHORTEST_TIMER), _LONGEST_TIMER)}"
+
+
+def remember(operation: Operation, robot: Robot, settings: Sequence[tuple[str, str, str]]) -> Script[Memory]:
+    """Ask what is compared from now on. No buffer may be open on this port.
+
+    Args:
+        operation: the run.
+        robot: whose motors and coordinate system.
+        settings: what was looked at: the subject, the question, and whether it is a `number`, a `definition` or a `listing`.
+    """
+    controller = turbo_pmac(robot)
+    numbers = [(subject, question) for subject, question, kind in settings if kind == "number"]
+    for motor in controller.motors:
+        numbers += [
+            (f"{motor_variable(motor, number)}, {what}", motor_variable(motor, number))
+            for number, what in _MOTOR_VARIABLES.items()
+        ]
+    time_base = system_variable(controller.coordinate_system, _TIME_BASE)
+    numbers.append((f"{time_base}, source of the time base", time_base))
+    definitions = [(subject, question) for subject, question, kind in settings if kind == "definition"]
+    listings = [(subject, question) for subject, question, kind in settings if kind == "listing"]
+    often = yield from _remembered(operation, _lines(numbers))
+    seldom = yield from _remembered(operation, _lines(definitions))
+    seldom += yield from _remembered(operation, [Question((one[0],), (one[1],)) for one in listings])
+    return Memory(tuple(often), tuple(seldom))
+
+
+def _lines(parts: Sequence[tuple[str, str]]) -> list[Question]:
+    """As few lines as the length of one allows."""
+    lines: list[list[tuple[str, str]]] = []
+    for part in parts:
+        if not lines or sum(len(one[1]) for one in lines[-1]) + len(part[1]) > _LONGEST_QUESTION:
+            lines.append([])
+        lines[-1].append(part)
+    return [Question(tuple(one[0] for one in line), tuple(one[1] for one in line)) for line in lines]
+
+
+def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[list[Remembered]]:
+    """What is answered now; a line that the controller doesn't take as one is asked in its parts."""
+    found: list[Remembered] = []
+    for question in questions:
+        reply: tuple[str, ...] = ()
+        try:
+            reply = yield from operation.ask(question.line)
+        except Refused:
+            if len(question.parts) == 1:
+                raise
+        if len(question.parts) == 1 or len(reply) == len(question.parts):
+            found.append(Remembered(question, reply))
+            continue
+        single = [Question((s,), (p,)) for s, p in zip(question.subjects, question.parts, strict=True)]
+        found += yield from _remembered(operation, single)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """One answer: `ahead` lines in the rotary, the override [%], the guard's flag and heartbeat, the watchdog's flag, and the heartbeat as PLC 0 saw it."""
+
+    ahead: int
+    percent: float
+    armed: float
+    beat: float
+    watched: float
+    echo: float
+
+
+class Supervision:
+    """Watches one controller while one job is streamed to it, and lets the controller watch this computer."""
+
+    def __init__(self, operation: Operation, job: Job) -> None:
+        self.operation = operation
+        self._robot = job.robot
+        self._marks = Remembered(
+            Question(_MARKS, ("I16", "I17")), (str(loading_of(job).low), str(loading_of(job).full))
+        )
+        self._winds = wound_up(turbo_pmac(job.robot), operation.silence)
+        # what is commanded goes first, and % last: behind it, what follows might be taken for its value
+        self._question = f"{self._winds} PR {ARMED} {HEARTBEAT} {WATCHED} {ECHO} %"
+        self._seldom = cycle(operation.memory.seldom) if operation.memory.seldom else None
+        self._arms: list[tuple[int, float]] = []
+        self._sent = 0
+        self._disarmed = False
+        self._beat = -1.0
+        self._beats_since = self._still = 0.0
+        self._expected = 100.0 * operation.override
+        self._slews, self._slews_until = (self._expected, self._expected), 0.0
+        self._watching = False
+        self._asked = 0.0
+
+    # the watchdog
+
+    def begin(self) -> Script[None]:
+        """Wait for the override, and let the controller watch this computer from now on. No buffer may be open on this port; R comes next.
+
+        Raises:
+            Trouble: the override doesn't become what is wanted.
+        """
+        operation = self.operation
+        wanted, since = 100.0 * operation.override, operation.now
+        while True:
+            (percent,) = yield from operation.numbers("%", 1)
+            if percent == 0.0 or abs(percent - wanted) <= _SAME_PACE:
+                break  # 0 in a hold
+            if operation.now - since > _LONGEST_SLEW + 2.0 * self._robot.controller.hold_time:
+                what = f"the override stays at {percent:.4g} %, and is to be {wanted:g} %"
+                raise Trouble(what, "find out who else uses this controller", "Y1605")
+            yield Wait(operation.now + _SLEWING)
+        yield from operation.ask(f"{self._winds} {WATCHED}=1")
+        self._watching = True
+        self._asked = operation.now
+        self.slews(0.0)
+
+    @property
+    def overdue(self) -> bool:
+        """Whether the watchdog should be wound up before anything else is sent."""
+        return self._watching and self.operation.now - self._asked > self.operation.silence / 3.0
+
+    # what is expected
+
+    def slews(self, percent: float) -> None:
+        """From now on, the time base goes from `percent` to the override."""
+        operation, wanted = self.operation, 100.0 * self.operation.override
+        ends = (percent, wanted, *(self._slews if operation.now < self._slews_until else ()))
+        self._expected, self._slews = wanted, (min(ends), max(ends))
+        way = (max(ends) - min(ends)) / 100.0
+        self._slews_until = operation.now + way * self._robot.controller.hold_time + _ONE_MORE
+
+    def lines_sent(self, lines: Sequence[str]) -> None:
+        """These lines are in the rotary."""
+        for row, line in enumerate(lines):
+            if line.startswith(f"{ARMED}="):
+                self._arms.append((self._sent + row, float(line.partition("=")[2])))
+        self._sent += len(lines)
+
+    def rearmed(self, flow: Flow, all_in: bool) -> str:
+        """Return the assignment that makes the guard's flag what the motion needs when it goes on; empty where it is so.
+
+        Args:
+            flow: the last answer, at rest.
+            all_in: whether all lines are in: fewer may be than the guard wants, and no more come.
+        """
+        if all_in and (
+            flow.armed or self._disarmed
+        ):  # the line that arms the guard is calculated, then or now
+            self._disarmed = True
+            return f"{ARMED}=0" if flow.armed else ""
+        wanted = self._flag(self._sent - flow.ahead)
+        return f"{ARMED}={wanted:g}" if flow.armed != wanted else ""
+
+    # what is asked
+
+    def ask(self) -> Script[Flow]:
+        """Ask for the flow, and wind the watchdog up. No buffer may be open on this port.
+
+        Raises:
+            Lost: the answer isn't one.
+        """
+        operation = self.operation
+        asked = operation.now
+        items = yield from operation.ask(self._question)
+        try:
+            ahead, armed, beat, watched, echo, percent = (number_in(item) for item in items)
+        except ValueError:
+            raise Lost(f"{', '.join(items)!r} in reply to {self._question!r}") from None
+        if not items[0].isdigit():
+            raise Lost(f"{items[0]!r} in reply to PR")
+        self._asked = operation.now
+        flow = Flow(int(ahead), percent, armed, beat, watched, echo)
+        operation.ahead = flow.ahead
+        self._take_beat(flow, asked)
+        return flow
+
+    def _take_beat(self, flow: Flow, asked: float) -> None:
+        if flow.beat != self._beat:
+            self._beat, self._beats_since = flow.beat, self.operation.now
+            self._still = 0.0
+        else:
+            self._still = asked - self._beats_since
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the next question should come soon: the heartbeat hasn't changed."""
+        return self._still > 0.0
+
+    def stands_still(self, flow: Flow) -> str:
+        """Return which PLC doesn't run any more; empty where both do."""
+        if self._still > max(_STANDS_STILL, _BEATS * self.operation.beat):
+            return f"PLC {GUARD_PLC}, the guard, doesn't run any more: its heartbeat stays at {flow.beat:g}"
+        if flow.beat - flow.echo > _BEHIND:
+            return f"PLC {FEEDBACK_PLC}, the feedback, doesn't run any more"
+        return ""
+
+    def changed(self, flow: Flow, *, moving: bool) -> str:
+        """Return what in an answer is otherwise than this run has left it; empty where nothing is.
+
+        Args:
+            flow: the answer.
+            moving: whether the program runs at its pace.
+        """
+        if moving and (told := self._other_pace(flow.percent)):
+            return told
+        wanted = self._armed(flow.ahead)
+        if flow.armed not in (HELD, *wanted):
+            return f"the flag of the guard, {ARMED}, was {wanted[0]:g}, and is {flow.armed:g}"
+        if self._watching and flow.watched not in (1.0, HELD):
+            return f"the flag of the watchdog, {WATCHED}, was 1, and is {flow.watched:g}"
+        return self.stands_still(flow)
+
+    def _other_pace(self, percent: float) -> str:
+        least, most = self._slews if self.operation.now < self._slews_until else (self._expected,) * 2
+        if least - _SAME_PACE <= percent <= most + _SAME_PACE:
+            return ""
+        if percent < least:
+            return f"the override was {self._expected:g} %, and is {percent:.4g} %: the motion is held or slowed down, and not by this run"
+        return f"the override was {self._expected:g} %, and is {percent:.4g} %"
+
+    def _armed(self, ahead: int) -> tuple[float, ...]:
+        """The values that the guard's flag may have, with so many lines ahead: as the last line that was calculated has set it."""
+        if self._disarmed:
+            return (0.0,)
+        taken = self._sent - ahead
+        return self._flag(taken), self._flag(taken + _RACE)
+
+    def _flag(self, taken: int) -> float:
+        """What the last of so many lines that sets the guard's flag has made of it."""
+        flag = 0.0
+        for row, value in self._arms:
+            if row >= taken:
+                break
+            flag = value
+        return flag
+
+    # settings
+
+    def check(self) -> Script[None]:
+        """Check, before anything moves, that nobody has changed anything since the look.
+
+        Raises:
+            Trouble: somebody has.
+        """
+        if told := (yield from self.compare(all_=True)):
+            raise Trouble(
+                f"somebody else uses this controller: since it was looked at, {told}",
+                "find out who, and put it back; `yarc doctor` looks again",
+                "Y1605",
+            )
+
+    def hold_again(self, told: str) -> str:
+        """Return the assignment without which no hold comes to rest as it was proved; empty if nobody has changed that.
+
+        Args:
+            told: what somebody else has changed.
+        """
+        slew = system_variable(turbo_pmac(self._robot).coordinate_system, _HOLD_SLEW)
+        was = self.operation.memory.value(slew)
+        return f"{slew}={was}" if was and slew in told else ""
+
+    def compare(self, *, all_: bool = False) -> Script[str]:
+        """Ask what the controller was told, and return what is otherwise than when it was looked at; empty where nothing is.
+
+        Args:
+            all_: everything; else what is asked each second, and one of those that are asked seldom.
+        """
+        memory = self.operation.memory
+        seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []
+        marks = (self._marks,) if self._watching else ()  # each program has its own
+        asked: list[Remembered] = [*memory.often, *marks, *seldom]
+        for one in asked:
+            try:
+                reply = yield from self.operation.ask(one.question.line)
+            except Refused as refused:
+                return str(refused)
+            if told := one.compared(reply):
+                return told
+        return ""

@@ -1,0 +1,34 @@
+"""Where a robot stands, and how far that is from where a job starts, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.job import Job
+
+
+def off_the_start(job: Job, joints: Array) -> str:
+    """How far each joint is from the start of a job; empty where all are near enough."""
+    robot = job.robot
+    off = joints - job.start
+    if (np.abs(off) <= job.slack).all():
+        return ""
+    parts = [
+        f"{name} {value / unit:+.4f} {unit_name}"
+        for name, value, allowed, unit, unit_name in zip(
+            robot.joint_names, off, job.slack, robot.axis_units, robot.axis_unit_names, strict=True
+        )
+        if abs(value) > allowed
+    ]
+    return f"the robot doesn't stand where {job.name} starts: {', '.join(parts)}"
+
+
+def described(robot: Robot, joints: Array) -> str:
+    """Joint positions for people: `J1 10.000 deg, ...`."""
+    return ", ".join(
+        f"{name} {value / unit:.3f} {unit_name}"
+        for name, value, unit, unit_name in zip(
+            robot.joint_names, joints, robot.axis_units, robot.axis_unit_names, strict=True
+        )
+    )

@@ -1,0 +1,1 @@
+"""Words of the language that begin a line and are neither a motion nor an action: one file each in `builtin`."""

@@ -1,0 +1,1 @@
+"""One file a word; `yarclang.words.registry` finds them."""

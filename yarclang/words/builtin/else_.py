@@ -1,0 +1,9 @@
+"""ELSE."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="ELSE",
+    summary="what is done where the condition of IF or WHEN doesn't hold",
+    example="ELSE",
+)

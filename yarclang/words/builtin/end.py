@@ -1,0 +1,9 @@
+"""END."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="END",
+    summary="the end of a SUB, REPEAT, IF or WHEN",
+    example="END",
+)

@@ -1,0 +1,10 @@
+"""INPUT."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="INPUT",
+    summary="a name for a variable of the controller that is read",
+    example="INPUT DOOR M11",
+    declares="name",
+)

@@ -1,0 +1,11 @@
+"""JOINTS."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="JOINTS",
+    summary="a named joint position",
+    example="JOINTS READY 0 -10 -20 0 -60 0 (deg)",
+    in_blocks=True,
+    declares="name",
+)

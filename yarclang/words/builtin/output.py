@@ -1,0 +1,10 @@
+"""OUTPUT."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="OUTPUT",
+    summary="a name for a variable of the controller that is set; OFF: at any stop",
+    example="OUTPUT GLUE M1 OFF",
+    declares="name",
+)

@@ -1,0 +1,13 @@
+"""WHEN."""
+
+from yarclang.words.spec import Slot, WordSpec
+
+WORD = WordSpec(
+    name="WHEN",
+    summary="carries out the lines up to END if an input has a value, decided when run",
+    example="WHEN DOOR OFF",
+    opens_block=True,
+    takes_else=True,
+    slots=(Slot.INPUT, Slot.STATE),
+    wants="an input and what it is",
+)

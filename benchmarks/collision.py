@@ -12,16 +12,16 @@ import numpy as np
 
 from yarclang.cell.description import Names, read_cell
 from yarclang.certify import judgement
-from yarclang.certify.clearance import find_clearances
-from yarclang.certify.handled import Handled
-from yarclang.certify.torque import find_torques
+from yarclang.certify.bodies.clearance import find_clearances
+from yarclang.certify.bodies.handled import Handled
+from yarclang.certify.bodies.torque import find_torques
 from yarclang.collision.placing import too_near
 from yarclang.collision.scene import scene_of
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import Compiled, Request, compile_module
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Robot
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 from yarclang.units import MM

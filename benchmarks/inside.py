@@ -123,7 +123,7 @@ def measure_collisions(_count: int, _tm: float) -> dict[str, float]:
 
     from yarclang.cell.description import Names, read_cell
     from yarclang.robot.description import load_robot
-    from yarclang.semantics.naming import is_word
+    from yarclang.semantics.declared.meanings import is_word
 
     names = Names(is_word, _value(load_robot("INDUSTRIAL6")))
     without, _, check = palletising(_value(read_cell(SourceFile("cell.toml", CELL), EXAMPLE.parent, names)))

@@ -28,8 +28,8 @@ from yarclang.pipeline import stages
 from yarclang.robot.description import load_robot
 from yarclang.runtime.pmac.protocol import Answer, Ask, Connection, Request, Write, Written, encode
 from yarclang.simulator.commissioning import commissioned
-from yarclang.simulator.ethernet import PacketReader, Station
 from yarclang.simulator.machine import Machine
+from yarclang.simulator.network.ethernet import PacketReader, Station
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 

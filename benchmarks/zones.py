@@ -9,12 +9,12 @@ from pathlib import Path
 
 from yarclang.cell.description import Names, read_cell
 from yarclang.certify import judgement
-from yarclang.certify.zones import find_zones
+from yarclang.certify.bodies.zones import find_zones
 from yarclang.diagnostics import Result
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import certified, check_program, plan_checked
 from yarclang.robot.description import load_robot
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.source import SourceFile
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "06_palletising.yarc"

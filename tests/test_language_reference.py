@@ -16,7 +16,7 @@ from yarclang.findings import CATALOGUE, FAMILIES
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.cells import cell_loader
 from yarclang.robot.description import load_robot
-from yarclang.semantics.declarations import declared_robot
+from yarclang.semantics.declared.whole_file import declared_robot
 from yarclang.units import UNITS
 
 ROOT = Path(__file__).resolve().parents[1]

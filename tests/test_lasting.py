@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from yarclang.certify.header import header_of
+from yarclang.certify.read.header import header_of
 from yarclang.cli.display import Axes, Display
 from yarclang.coordinator.describing import lasting_of, program_described
 from yarclang.coordinator.messages.events import PartBegan, ProgressMade, StateChanged

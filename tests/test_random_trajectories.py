@@ -17,7 +17,7 @@ from programs import compiled, robot_of
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
 from yarclang.diagnostics import Result
-from yarclang.semantics.trajectory_file import TrajectoryFile
+from yarclang.semantics.motions.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_TRAJECTORIES", "200"))

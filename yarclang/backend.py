@@ -21,8 +21,8 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile
 
 if TYPE_CHECKING:
-    from yarclang.certify.reader import Reader
-    from yarclang.certify.text import ControllerText
+    from yarclang.certify.read.reader import Reader
+    from yarclang.certify.read.text import ControllerText
     from yarclang.runtime.inspection import Item
     from yarclang.runtime.live import Live, Source
     from yarclang.runtime.scripts import Scripts

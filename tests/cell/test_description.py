@@ -15,7 +15,7 @@ from yarclang.cell.description import Names, load_cell, read_cell
 from yarclang.cell.model import HalfSpace, JointWindow, ShapeRegion
 from yarclang.findings.y13_cell import FINDINGS
 from yarclang.robot.description import load_robot, stdlib_folder
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from yarclang.transforms import rpy_rotation
 

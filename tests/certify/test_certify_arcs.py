@@ -22,7 +22,7 @@ from tests.certify.certify_bench import (
 from tests.certify.certify_paths import arc_poses, arm_curve, moved, off_path
 from yarclang import hir
 from yarclang.certify import certify
-from yarclang.certify.programmed import Arcs
+from yarclang.certify.motion.programmed import Arcs
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Tolerance
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.certify.certify_bench import FLANGE_FROM_TCP, industrial6, natural, railed, sample
-from yarclang.certify.bounds import (
+from yarclang.certify.motion.bounds import (
     Cubics,
     arm_fourth,
     catch_up,
@@ -15,9 +15,9 @@ from yarclang.certify.bounds import (
     hermite_bezier,
     reaches,
 )
-from yarclang.certify.pieces import arm_bounds
-from yarclang.certify.pose import angle_of_chord, axis_and_angle, distance
-from yarclang.certify.spline import NaturalSpline
+from yarclang.certify.motion.pieces import arm_bounds
+from yarclang.certify.motion.pose import angle_of_chord, axis_and_angle, distance
+from yarclang.certify.motion.spline import NaturalSpline
 from yarclang.robot.kinematics.fk import tool_poses
 
 seeds = st.integers(0, 2**32 - 1)

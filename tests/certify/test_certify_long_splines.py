@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from tests.certify.certify_paths import spline_poses
-from yarclang.certify.posespline import CELLS, FEWEST_CELLS, PoseSpline
+from yarclang.certify.motion.posespline import CELLS, FEWEST_CELLS, PoseSpline
 from yarclang.robot.kinematics.fk import tool_poses
 
 CENTRE = np.array([0.0, 1050.0, 1000.0])

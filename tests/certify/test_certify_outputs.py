@@ -10,7 +10,7 @@ from yarclang import hir
 from yarclang.certify import certify
 from yarclang.certify.judge import certify_text
 from yarclang.certify.pmac.read import read
-from yarclang.certify.text import ControllerText, Unreadable
+from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.robot.model import Tolerance
 
 GLUE, LAMP = hir.Signal("GLUE", "M1"), hir.Signal("LAMP", "M2")

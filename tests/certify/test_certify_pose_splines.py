@@ -24,7 +24,7 @@ from tests.certify.certify_paths import arm_curve, chord, joined, moved, off_pat
 from yarclang import hir
 from yarclang.certify import certify
 from yarclang.certify.claims import Claims
-from yarclang.certify.posespline import PoseSpline
+from yarclang.certify.motion.posespline import PoseSpline
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Tolerance
 

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.certify.certify_bench import everything, industrial6
-from yarclang.certify.numbers import read_numbers
 from yarclang.certify.pmac.own import own_of
 from yarclang.certify.pmac.read import read
-from yarclang.certify.text import ControllerText, Run, Stood, Unreadable
+from yarclang.certify.read.numbers import read_numbers
+from yarclang.certify.read.text import ControllerText, Run, Stood, Unreadable
 from yarclang.memory import Recent
 
 CONTROLLER = industrial6().controller

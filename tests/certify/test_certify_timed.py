@@ -20,8 +20,8 @@ from tests.certify.certify_bench import (
 )
 from yarclang import hir
 from yarclang.certify import certify
-from yarclang.certify.bounds import Cubics
-from yarclang.certify.timed import largest_difference, programmed
+from yarclang.certify.motion.bounds import Cubics
+from yarclang.certify.motion.timed import largest_difference, programmed
 from yarclang.robot.model import Tolerance
 
 START = np.array([10, 20, -30, 40, 50, -60]) * DEG

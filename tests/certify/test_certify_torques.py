@@ -13,9 +13,9 @@ from programs import codes, compiled
 
 from tests.robot.heavy_chains import heavy, tool
 from tests.robot.made_arms import DATA, REAL, made
-from yarclang.certify.bounds import Cubics
-from yarclang.certify.torque import REMAINDER
-from yarclang.certify.torque_bounds import torque_bends
+from yarclang.certify.bodies.torque import REMAINDER
+from yarclang.certify.bodies.torque_bounds import torque_bends
+from yarclang.certify.motion.bounds import Cubics
 from yarclang.cli.table import certificate_table
 from yarclang.cli.yarc import main
 from yarclang.cli.yarcc import main as yarcc

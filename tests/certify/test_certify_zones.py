@@ -10,7 +10,7 @@ from programs import codes, compiled
 
 from yarclang.certify.claims import Claims
 from yarclang.certify.judge import certify
-from yarclang.certify.speed import KEPT
+from yarclang.certify.motion.speed import KEPT
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.cells import cell_loader
 from yarclang.robot.description import load_robot

@@ -34,7 +34,7 @@ from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.runtime.transports.lock import controller_lock
 from yarclang.simulator.commissioning import commissioned
-from yarclang.simulator.embedded import EmbeddedSimulator
+from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 PROGRAM = "P0010 MOVEJ 30 -20 15 5 6 7 [20] (deg,s)\n"
 

@@ -8,7 +8,7 @@ from programs import compiled
 import yarclang
 from yarclang.commands.registry import commands
 from yarclang.motion.profile import load_profile, profile_names
-from yarclang.semantics.names import TARGETS
+from yarclang.semantics.names.commands import TARGETS
 
 BEFORE = "DEFAULT {TCP} (mm,deg,s) {B}\nSTART 0 -6.158742074 -46.519197172 0 52.677939245 0 (deg)\n"
 EXAMPLES = [(spec.name, example) for spec in commands().values() for example in spec.examples]

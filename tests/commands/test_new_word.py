@@ -12,7 +12,7 @@ from yarclang.commands import builtin, registry
 from yarclang.highlight.words import words
 from yarclang.hir import Dwell, SetOutput
 from yarclang.pipeline.line_map import map_lines
-from yarclang.semantics.names import _known
+from yarclang.semantics.names.commands import _known
 
 FILE = """
 from yarclang.commands.spec import ActionForm, ActionSpec

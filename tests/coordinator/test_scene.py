@@ -22,7 +22,7 @@ from yarclang.handling.parts import first_parts
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 
 FLOOR = """
 [[zones]]

@@ -17,7 +17,7 @@ from yarclang.coordinator.ordered import OrderedSession
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.description import load_robot
 from yarclang.simulator.commissioning import stand
-from yarclang.simulator.ethernet import PacketReader, Station
+from yarclang.simulator.network.ethernet import PacketReader, Station
 
 SPY = 9
 """A port of the machine that nobody else uses."""

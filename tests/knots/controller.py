@@ -14,10 +14,10 @@ import numpy as np
 from knots.simulator import Simulated as SimulatedTable
 
 from yarclang.backend import Backend, Sendable, Settings, Simulated, Written
-from yarclang.certify.header import read_preamble
-from yarclang.certify.lines import Lines, Refusal, check_characters, shown
-from yarclang.certify.reader import Fault, Reader, StartPlace
-from yarclang.certify.text import ControllerText, Dwelt, Run, Start, Unreadable
+from yarclang.certify.read.header import read_preamble
+from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
+from yarclang.certify.read.reader import Fault, Reader, StartPlace
+from yarclang.certify.read.text import ControllerText, Dwelt, Run, Start, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Dwell, Motion

@@ -23,7 +23,7 @@ from yarclang.pipeline import checking, stages
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.incremental import Analyst
 from yarclang.pipeline.inputs import Options
-from yarclang.semantics import declaring
+from yarclang.semantics.declared import declaring
 from yarclang.source import SourceFile
 from yarclang.syntax import form
 

@@ -7,7 +7,7 @@ import pytest
 from programs import compiled
 
 from yarclang.certify.pmac.read import read
-from yarclang.certify.text import Barred, Dwelt, Put, Run
+from yarclang.certify.read.text import Barred, Dwelt, Put, Run
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.line_map import HEADER, MOVE, OPENING, is_compiled_text, map_lines
 from yarclang.pipeline.origins import origins_of_text

@@ -90,9 +90,7 @@ def test_differences_are_told_line_by_line(industrial6):
 
 def test_errors_come_alone(industrial6):
     """What is wrong, and not what differs besides."""
-    edited = (
-        proved_settings(industrial6).replace("I113=4340581", "I113=4340582").replace("I42=0", "I42=1")
-    )
+    edited = proved_settings(industrial6).replace("I113=4340581", "I113=4340582").replace("I42=0", "I42=1")
     judged = check_settings(SourceFile("mine.txt", edited), industrial6)
     assert judged.value is None
     assert [one.code for one in judged.diagnostics] == ["Y1174"]

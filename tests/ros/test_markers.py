@@ -17,7 +17,7 @@ from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.ros.node import markers
 from yarclang.ros.node.kinematics import Kinematics, inverse, placed, quaternion, times
 from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers, thinned
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.transforms import roll_pitch_yaw
 from yarclang.view import colours
 

@@ -14,7 +14,7 @@ from yarclang.runtime.sample import Sample
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import stand
-from yarclang.simulator.embedded import EmbeddedSimulator
+from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 TEXT = """P0010 MOVEJ 20 10 -20 30 20 15 [3] (deg,s)
 P0020 MOVEJ 0 0 0 0 0 0 [3] (deg,s)

@@ -8,7 +8,7 @@ from runtime.virtual import robot_machine
 from yarclang.pipeline.settings import items_of
 from yarclang.runtime.pmac.performance import connect, look
 from yarclang.runtime.session import Session
-from yarclang.simulator.embedded import EmbeddedSimulator
+from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 
 def looked_at(rate):

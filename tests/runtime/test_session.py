@@ -16,7 +16,7 @@ from yarclang.runtime.notices import Abort, Changed, Hold, Resume, Stop
 from yarclang.runtime.pmac.performance import connect, look, perform
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
-from yarclang.simulator.ethernet import PacketReader, Station
+from yarclang.simulator.network.ethernet import PacketReader, Station
 
 PACE = 10.0
 """The controller's time passes so much faster."""

@@ -26,9 +26,9 @@ from yarclang.runtime.pmac.performance import connect, look, perform
 from yarclang.runtime.pmac.protocol import GREETING, Connection
 from yarclang.runtime.state import State
 from yarclang.simulator.commissioning import commissioned
-from yarclang.simulator.ethernet import PacketReader, Station
 from yarclang.simulator.faults import Troubles, parse_fault
-from yarclang.simulator.recorder import Recorder
+from yarclang.simulator.motion.recorder import Recorder
+from yarclang.simulator.network.ethernet import PacketReader, Station
 
 ROOT = Path(__file__).resolve().parents[2]
 REPLY_TIME = 1.0

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import checked, codes
 
-from yarclang.semantics.amounts import Amount, AmountError, binary, function, unary
+from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, unary
 from yarclang.units import UNITS
 
 NUMBERS = st.floats(-1e6, 1e6)

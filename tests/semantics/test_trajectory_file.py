@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from programs import codes, robot_of
 
 from yarclang.hir import Timetable
-from yarclang.semantics.trajectory_file import STANDS, TrajectoryFile, write_table
+from yarclang.semantics.motions.trajectory_file import STANDS, TrajectoryFile, write_table
 from yarclang.source import SourceFile
 from yarclang.units import UNITS
 

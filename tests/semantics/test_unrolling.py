@@ -13,7 +13,7 @@ from programs import checked, codes, planned
 from yarclang.diagnostics import grouped
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.inputs import Options
-from yarclang.semantics import counting, repeats
+from yarclang.semantics.control import counting, repeats
 from yarclang.source import SourceFile
 
 DEFAULT = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"

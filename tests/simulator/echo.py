@@ -1,6 +1,6 @@
 """A machine of few words, for tests of what is around it."""
 
-from yarclang.simulator.reply import Reply, framed
+from yarclang.simulator.network.reply import Reply, framed
 
 
 class Echo:

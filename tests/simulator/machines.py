@@ -8,7 +8,7 @@ from yarclang.backend_pmac.settings import settings_text
 from yarclang.robot.description import load_robot
 from yarclang.simulator.commissioning import commissioned
 from yarclang.simulator.machine import Machine
-from yarclang.simulator.recorder import Recorder
+from yarclang.simulator.motion.recorder import Recorder
 
 EXAMPLES = {"INDUSTRIAL6": "01_listing4", "TRACKED_MANIPULATOR": "03_differential_wrist"}
 

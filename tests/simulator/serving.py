@@ -5,8 +5,8 @@ import socket
 import time
 
 from yarclang.runtime.pmac.protocol import Connection
-from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.faults import parse_fault
+from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from yarclang.simulator.machine import Machine
-from yarclang.simulator.reply import Reply
+from yarclang.simulator.network.reply import Reply
 
 NUMBERS = st.sampled_from(
     ["0", "1", "2", "5", "50", "100", "-3", "8191", "1.5", "$1F", ".5", "99999", "16", "32"]

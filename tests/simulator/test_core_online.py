@@ -4,7 +4,7 @@ import pytest
 from simulator.machines import bare, error, program, robot_machine, rotary, say
 
 from yarclang.simulator.machine import Machine
-from yarclang.simulator.reply import Reply, framed
+from yarclang.simulator.network.reply import Reply, framed
 
 
 @pytest.mark.parametrize(

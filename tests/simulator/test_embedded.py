@@ -10,9 +10,9 @@ from tests.simulator.echo import Echo
 from tests.simulator.serving import Client
 from yarclang.runtime.actions import Closed
 from yarclang.runtime.pmac.protocol import Answer, Ask
-from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.faults import parse_fault
-from yarclang.simulator.server import SimulatorServer
+from yarclang.simulator.network.embedded import EmbeddedSimulator
+from yarclang.simulator.network.server import SimulatorServer
 
 ASK = Ask("P1")
 

@@ -29,8 +29,8 @@ from yarclang.runtime.pmac.protocol import (
     Written,
     encode,
 )
-from yarclang.simulator.ethernet import Packet, PacketReader, Station
 from yarclang.simulator.machine import Machine
+from yarclang.simulator.network.ethernet import Packet, PacketReader, Station
 
 
 def packet(direction, code, data=b"", value=0, index=0, length=None):

@@ -7,8 +7,8 @@ from simulator.echo import Echo
 from simulator.serving import Client
 
 from yarclang.runtime.pmac.protocol import Answer, Ask
-from yarclang.simulator.embedded import EmbeddedSimulator
-from yarclang.simulator.leash import AHEAD, EXCHANGE, Leash, tick
+from yarclang.simulator.network.embedded import EmbeddedSimulator
+from yarclang.simulator.network.leash import AHEAD, EXCHANGE, Leash, tick
 
 ASK = Ask("P1")
 FINEST = 0.0005

@@ -8,10 +8,10 @@ from simulator.machines import bare, program, say
 
 from yarclang.simulator.language.reader import Reader
 from yarclang.simulator.language.words import cleaned, read_statement, simple_move
+from yarclang.simulator.network.reply import Reply
 from yarclang.simulator.online.interpreter import execute
 from yarclang.simulator.online.line import LONGEST
 from yarclang.simulator.online.questions import questions
-from yarclang.simulator.reply import Reply
 
 POINTERS = (
     "M1->X:$B0,24", "M2->Y:$C0,24", "M3->Y:$C0,0", "M4->X:$B0,13", "M5->X:$2040,24", "M6->Y:$203F,16", "M7->Y:$203F,24",

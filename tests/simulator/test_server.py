@@ -30,7 +30,7 @@ from yarclang.runtime.pmac.protocol import (
     encode,
 )
 from yarclang.simulator.faults import Kind, parse_fault
-from yarclang.simulator.server import SimulatorServer
+from yarclang.simulator.network.server import SimulatorServer
 
 ASK = Ask("P1")
 

@@ -15,7 +15,7 @@ from yarclang.assist.symbols import Symbol
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import FRAMES, OTHERS, entry_text
 from yarclang.pipeline.modules import library_folder, modules_in
-from yarclang.semantics.scope import BASE, JointPosition, Library, Named
+from yarclang.semantics.names.scope import BASE, JointPosition, Library, Named
 from yarclang.source import Span
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import FUNCTIONS

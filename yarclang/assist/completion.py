@@ -31,7 +31,7 @@ from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
-from yarclang.semantics.scope import Input, JointPosition, Routine
+from yarclang.semantics.names.scope import Input, JointPosition, Routine
 from yarclang.source import Span
 from yarclang.syntax.words import STATES
 from yarclang.units import UNITS

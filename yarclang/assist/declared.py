@@ -13,8 +13,8 @@ from yarclang.hir import FrameLink, Gap, Output
 from yarclang.report.inspection.inspected import chain_of
 from yarclang.report.module_text import SubText, describe_module
 from yarclang.report.pose_text import pose_text
-from yarclang.semantics.amounts import Amount
-from yarclang.semantics.scope import Frame, Input, JointPosition, Named, Scope
+from yarclang.semantics.names.scope import Frame, Input, JointPosition, Named, Scope
+from yarclang.semantics.values.amounts import Amount
 
 _CALLED = {
     "frame": "a frame",
@@ -102,7 +102,7 @@ def _known_frame(view: View, name: str) -> Frame | None:
 
 
 def _kind(meaning: Named) -> str:
-    from yarclang.semantics.scope import KINDS
+    from yarclang.semantics.names.scope import KINDS
 
     return KINDS[type(meaning)]
 

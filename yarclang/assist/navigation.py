@@ -11,7 +11,7 @@ from yarclang.assist.sketch import Sketch
 from yarclang.assist.symbols import Symbol, Use
 from yarclang.assist.view import View
 from yarclang.diagnostics import Edit
-from yarclang.semantics.naming import FIXED_FRAMES, is_word
+from yarclang.semantics.declared.meanings import FIXED_FRAMES, is_word
 from yarclang.source import SourceFile, Span
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

@@ -16,8 +16,8 @@ from yarclang.pipeline.checking import Checked
 from yarclang.pipeline.incremental import Analysis
 from yarclang.pipeline.stages import context_of
 from yarclang.robot.model import Robot
-from yarclang.semantics.scope import Scope
-from yarclang.semantics.unroll import declared_names
+from yarclang.semantics.control.unroll import declared_names
+from yarclang.semantics.names.scope import Scope
 
 
 def no_module(name: str) -> Sketch | None:  # noqa: ARG001

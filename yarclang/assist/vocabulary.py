@@ -11,7 +11,7 @@ from types import MappingProxyType
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import CommandSpec
 from yarclang.motion.profile import load_profile, profile_names
-from yarclang.semantics.names import DEFAULT_PROFILE
+from yarclang.semantics.names.commands import DEFAULT_PROFILE
 from yarclang.syntax.words import AVOID
 from yarclang.units import UNITS
 from yarclang.words.registry import word_specs

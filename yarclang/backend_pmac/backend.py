@@ -16,8 +16,8 @@ from yarclang.pmac.requests import PORT
 from yarclang.robot.model import Array, Robot, Tolerance
 
 if TYPE_CHECKING:
-    from yarclang.certify.reader import Reader
-    from yarclang.certify.text import ControllerText
+    from yarclang.certify.read.reader import Reader
+    from yarclang.certify.read.text import ControllerText
     from yarclang.runtime.scripts import Scripts
     from yarclang.simulated_cell.playing import SimulatedCell
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from yarclang.backend import Sendable
 from yarclang.certify.pmac.own import own_of
-from yarclang.certify.text import ControllerText
+from yarclang.certify.read.text import ControllerText
 from yarclang.diagnostics import Diagnostic
 from yarclang.robot.model import Robot
 from yarclang.runtime.pmac.loading import Loading, capacity_of

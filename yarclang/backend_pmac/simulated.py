@@ -11,10 +11,10 @@ from yarclang.robot.model import Array, Robot
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulator.beside import Beside
 from yarclang.simulator.commissioning import commissioned, stand
-from yarclang.simulator.embedded import EmbeddedSimulator
 from yarclang.simulator.faults import Fault, parse_fault
 from yarclang.simulator.machine import Machine
-from yarclang.simulator.server import SimulatorServer
+from yarclang.simulator.network.embedded import EmbeddedSimulator
+from yarclang.simulator.network.server import SimulatorServer
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from array import array
 from dataclasses import field
 from typing import Any, Literal
 
-from yarclang.certify.text import ControllerText
+from yarclang.certify.read.text import ControllerText
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
 from yarclang.robot.model import Tolerance

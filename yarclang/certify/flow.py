@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.robot.model import Array
 from yarclang.units import MS
 

@@ -8,20 +8,20 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.cell.model import Cell
-from yarclang.certify.blend import judge_blends
+from yarclang.certify.blends.blend import judge_blends
+from yarclang.certify.blends.corner import Judged
+from yarclang.certify.bodies.clearance import NOTHING_NEAR
+from yarclang.certify.bodies.zones import NO_ZONES, InZones
 from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation
 from yarclang.certify.claims import Claims
-from yarclang.certify.clearance import NOTHING_NEAR
-from yarclang.certify.corner import Judged
-from yarclang.certify.deviations import find_deviations
 from yarclang.certify.judgement import Judge
-from yarclang.certify.layout import Layout, Place, lay_out
-from yarclang.certify.reader import reader_of
-from yarclang.certify.slowed import slowed
+from yarclang.certify.motion.deviations import find_deviations
+from yarclang.certify.motion.slowed import slowed
+from yarclang.certify.read.layout import Layout, Place, lay_out
+from yarclang.certify.read.reader import reader_of
+from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.certify.stretches import Proved, recalled
-from yarclang.certify.text import ControllerText, Unreadable
 from yarclang.certify.unsourced import told_program, unjudged
-from yarclang.certify.zones import NO_ZONES, InZones
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.progress import tell

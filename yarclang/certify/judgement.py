@@ -11,21 +11,21 @@ from types import MappingProxyType
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.bounds import Cubics
+from yarclang.certify.blends.corner import tolerance_of
+from yarclang.certify.bodies.clearance import NOTHING_NEAR, Apart, find_clearances
+from yarclang.certify.bodies.handled import Handled, follow
+from yarclang.certify.bodies.torque import find_torques
+from yarclang.certify.bodies.zones import NO_ZONES, InZones, find_zones
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, Loads, ToolSpeed
-from yarclang.certify.clearance import NOTHING_NEAR, Apart, find_clearances
-from yarclang.certify.corner import tolerance_of
 from yarclang.certify.flow import check_flow, check_rests
-from yarclang.certify.handled import Handled, follow
-from yarclang.certify.joint import joint_weights
-from yarclang.certify.layout import Layout, Place, chunks, moving_at_ends
-from yarclang.certify.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
-from yarclang.certify.reader import reader_of
-from yarclang.certify.speed import KEPT
-from yarclang.certify.text import ControllerText
-from yarclang.certify.timed import LATE, timed_tolerance
-from yarclang.certify.torque import find_torques
-from yarclang.certify.zones import NO_ZONES, InZones, find_zones
+from yarclang.certify.motion.bounds import Cubics
+from yarclang.certify.motion.joint import joint_weights
+from yarclang.certify.motion.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
+from yarclang.certify.motion.speed import KEPT
+from yarclang.certify.motion.timed import LATE, timed_tolerance
+from yarclang.certify.read.layout import Layout, Place, chunks, moving_at_ends
+from yarclang.certify.read.reader import reader_of
+from yarclang.certify.read.text import ControllerText
 from yarclang.diagnostics import Diagnostic
 from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen

@@ -12,11 +12,11 @@ from zlib import crc32
 import numpy as np
 
 from yarclang import hir
+from yarclang.certify.bodies.clearance import Apart
 from yarclang.certify.certificate import Blended, Deviation, Load, Loads, ToolSpeed
 from yarclang.certify.claims import Claims
-from yarclang.certify.clearance import Apart
 from yarclang.certify.judgement import Judge
-from yarclang.certify.layout import Layout, Place
+from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.identity import flat, key_of
 from yarclang.memory import Forgetful, Memory

@@ -6,8 +6,8 @@ import math
 
 from yarclang import hir
 from yarclang.cell.model import Cell
-from yarclang.certify.reader import reader_of
-from yarclang.certify.text import Barred, ControllerText, assignments_of
+from yarclang.certify.read.reader import reader_of
+from yarclang.certify.read.text import Barred, ControllerText, assignments_of
 from yarclang.diagnostics import Diagnostic
 from yarclang.findings import Severity
 from yarclang.robot.model import Robot

@@ -10,7 +10,7 @@ from yarclang.convert.course import Target
 from yarclang.convert.table import Table
 from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
-from yarclang.semantics.trajectory_file import PER_SECOND, RATES, rate_of, split_unit, unit_of
+from yarclang.semantics.motions.trajectory_file import PER_SECOND, RATES, rate_of, split_unit, unit_of
 from yarclang.units import Kind, Unit, units_of
 
 _JOINT = re.compile(r"(?:j|q|joint)[ _]?([1-9][0-9]?)", re.I)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from yarclang.commands.registry import actions, commands
-from yarclang.semantics.naming import FIXED_FRAMES
+from yarclang.semantics.declared.meanings import FIXED_FRAMES
 from yarclang.syntax.words import RESERVED
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

@@ -20,7 +20,7 @@ from yarclang.convert.thinning import path_in_time
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, Timetable
 from yarclang.robot.model import Robot
-from yarclang.semantics.trajectory_file import write_table
+from yarclang.semantics.motions.trajectory_file import write_table
 from yarclang.units import DEG, MM
 
 MOST_LINES = 20

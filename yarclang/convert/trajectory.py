@@ -12,7 +12,7 @@ from yarclang.convert.course import Content, Course, Wishes, in_axis_units
 from yarclang.convert.table import LARGEST
 from yarclang.diagnostics import Collector
 from yarclang.robot.model import Robot
-from yarclang.semantics.trajectory_file import RATES
+from yarclang.semantics.motions.trajectory_file import RATES
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _MULTI_DOF = "multi_dof_joint_trajectory"

@@ -24,7 +24,7 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import Array
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Robot
-from yarclang.semantics.trajectory_file import SUFFIX
+from yarclang.semantics.motions.trajectory_file import SUFFIX
 
 
 def program_text(

@@ -10,7 +10,7 @@ from yarclang.cell.model import Cell
 from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.names import Names
 from yarclang.hir import Output, Program
-from yarclang.semantics.scope import Input
+from yarclang.semantics.names.scope import Input
 from yarclang.simulated_cell.script import Known, known_in
 
 

@@ -11,10 +11,10 @@ from yarclang.coordinator.offers import Planner
 from yarclang.diagnostics import Collector, Result, has_errors
 from yarclang.hir import Program, Signal
 from yarclang.pipeline.stages import check_program, context_of
-from yarclang.semantics.frames import base_axes, moving_frame
-from yarclang.semantics.scope import Frame, Scope
-from yarclang.semantics.signal_names import input_named, output_named, signal_named
-from yarclang.semantics.unroll import declared_names
+from yarclang.semantics.control.unroll import declared_names
+from yarclang.semantics.names.frames import base_axes, moving_frame
+from yarclang.semantics.names.scope import Frame, Scope
+from yarclang.semantics.names.signals import input_named, output_named, signal_named
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import FrameName, Place, Word
 from yarclang.syntax.parse import parse

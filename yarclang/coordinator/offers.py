@@ -30,7 +30,7 @@ from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
 from yarclang.semantics.context import GivenCell
-from yarclang.semantics.declarations import declared_robot
+from yarclang.semantics.declared.whole_file import declared_robot
 from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
 

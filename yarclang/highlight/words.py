@@ -8,7 +8,7 @@ from functools import cache
 
 from yarclang.commands.registry import actions, commands
 from yarclang.motion.profile import profile_names
-from yarclang.semantics.names import TARGETS
+from yarclang.semantics.names.commands import TARGETS
 from yarclang.syntax.words import (
     AVOID,
     BLOCK_HEADS,

@@ -14,7 +14,7 @@ from yarclang.assist.sketch import Sketch, sketch_of
 from yarclang.diagnostics import Edit, Fix
 from yarclang.lsp.positions import span_of
 from yarclang.pipeline.fixing import edited
-from yarclang.semantics.trajectory_file import SUFFIX
+from yarclang.semantics.motions.trajectory_file import SUFFIX
 from yarclang.source import SourceFile
 
 PROGRAM = ".yarc"

@@ -10,8 +10,8 @@ from yarclang.diagnostics import Diagnostic, Result, Within, static_place
 from yarclang.hir import Origin
 from yarclang.pipeline.modules import loader
 from yarclang.progress import each
+from yarclang.semantics.control.places import index_of
 from yarclang.semantics.files import values_of
-from yarclang.semantics.places import index_of
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Block, Module, Node, Statement, Word
 from yarclang.syntax.blocks import arrange

@@ -19,7 +19,7 @@ from yarclang.robot.description import load_robot
 from yarclang.robot.library import DESCRIPTION
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import GivenCell
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.shapes import Mesh
 from yarclang.source import SourceFile
 from yarclang.toml.reading import read_text

@@ -11,9 +11,9 @@ import numpy as np
 from yarclang.backend import backend_called
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
-from yarclang.certify.header import header_of
 from yarclang.certify.judge import certify, certify_text
-from yarclang.certify.text import Unreadable
+from yarclang.certify.read.header import header_of
+from yarclang.certify.read.text import Unreadable
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.emitted.header import Header
 from yarclang.emitted.seal import is_sealed

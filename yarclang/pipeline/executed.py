@@ -11,8 +11,8 @@ from typing import Literal
 
 import numpy as np
 
-from yarclang.certify.reader import reader_of
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
+from yarclang.certify.read.reader import reader_of
+from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import NO_TIME, Lasting

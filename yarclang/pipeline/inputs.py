@@ -22,7 +22,7 @@ from yarclang.pipeline.trajectories import TrajectoryLoader
 from yarclang.robot.description import load_robot, read_robot
 from yarclang.robot.library import find_robot, list_robots
 from yarclang.robot.model import Robot, Tolerance
-from yarclang.semantics.declarations import check_robot, declared_robot
+from yarclang.semantics.declared.whole_file import check_robot, declared_robot
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse

@@ -11,7 +11,7 @@ import numpy as np
 
 from yarclang.backend import backend_of
 from yarclang.certify.certificate import Certificate
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, assignments_of
+from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, assignments_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array

@@ -13,7 +13,7 @@ from yarclang.cell.model import Cell
 from yarclang.diagnostics import Result
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
-from yarclang.semantics.trajectory_file import TrajectoryFile
+from yarclang.semantics.motions.trajectory_file import TrajectoryFile
 from yarclang.shapes import Mesh, Shape
 
 T = TypeVar("T")

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from yarclang.certify.header import header_of
-from yarclang.certify.text import Unreadable
+from yarclang.certify.read.header import header_of
+from yarclang.certify.read.text import Unreadable
 from yarclang.frozen import frozen
 
 _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")

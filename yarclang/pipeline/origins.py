@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from yarclang.certify.header import header_of
-from yarclang.certify.text import Unreadable
+from yarclang.certify.read.header import header_of
+from yarclang.certify.read.text import Unreadable
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program

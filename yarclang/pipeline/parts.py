@@ -40,7 +40,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.places import matching
 from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
 from yarclang.robot.model import Robot
-from yarclang.semantics.names import DEFAULT_PROFILE
+from yarclang.semantics.names.commands import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
 
 _PEAK = 1.5

@@ -24,7 +24,7 @@ from yarclang.hir import (
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.parts import approach, compiled_part, followed_plan, parts_before
 from yarclang.pipeline.stages import Compiled, Request
-from yarclang.semantics.names import DEFAULT_PROFILE
+from yarclang.semantics.names.commands import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
 
 _ON_PATH = 2e-3

@@ -28,10 +28,10 @@ from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
 from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
-from yarclang.semantics.arguments import name_arguments_of_times
 from yarclang.semantics.check import check
 from yarclang.semantics.context import Context, GivenCell
-from yarclang.semantics.trajectory_file import TrajectoryFile
+from yarclang.semantics.control.arguments import name_arguments_of_times
+from yarclang.semantics.motions.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 

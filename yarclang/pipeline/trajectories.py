@@ -10,7 +10,7 @@ from yarclang.memory import NO_MEMORY, Memory
 from yarclang.pipeline.cells import file_of
 from yarclang.pipeline.kept import Stamp, stamp_of, trajectory_kept
 from yarclang.pipeline.sources import NO_TEXTS, read_source
-from yarclang.semantics.trajectory_file import SUFFIX, TrajectoryFile
+from yarclang.semantics.motions.trajectory_file import SUFFIX, TrajectoryFile
 from yarclang.source import SourceFile
 
 

@@ -42,7 +42,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.signals import signal_text
 from yarclang.runtime.state import State
-from yarclang.semantics.scope import Scope
+from yarclang.semantics.names.scope import Scope
 from yarclang.subjects import suggest
 
 PROMPT = "yarc> "

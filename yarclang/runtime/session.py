@@ -25,7 +25,7 @@ Connector = Callable[[str, int, float], Awaitable[Wire]]
 
 
 class Leash(Protocol):
-    """The time of a simulator in this process, which waits for the session that has it (`yarclang.simulator.leash`).
+    """The time of a simulator in this process, which waits for the session that has it (`yarclang.simulator.network.leash`).
 
     Attributes:
         until: up to when its time may pass [s]; None: nobody has it.

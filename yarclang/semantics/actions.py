@@ -5,15 +5,15 @@ from __future__ import annotations
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.diagnostics import Collector
 from yarclang.hir import Action, Signal, When
-from yarclang.semantics.amounts import AmountError, missing_unit
 from yarclang.semantics.context import Defaults
+from yarclang.semantics.declared.meanings import state_value
 from yarclang.semantics.files import values_of
-from yarclang.semantics.naming import state_value
+from yarclang.semantics.motions.to_hir import origin_of
+from yarclang.semantics.names.scope import Scope
+from yarclang.semantics.names.signals import input_named, output_named
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
-from yarclang.semantics.scope import Scope
-from yarclang.semantics.signal_names import input_named, output_named
-from yarclang.semantics.to_hir import origin_of
-from yarclang.semantics.units import amount, resolve_units
+from yarclang.semantics.values.amounts import AmountError, missing_unit
+from yarclang.semantics.values.units import amount, resolve_units
 from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import Computed, Number, Statement, Text, Value
 from yarclang.words.registry import word_specs

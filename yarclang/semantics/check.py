@@ -5,8 +5,8 @@ from __future__ import annotations
 from yarclang.diagnostics import Collector, Result
 from yarclang.hir import Program
 from yarclang.semantics.context import Context
+from yarclang.semantics.control.unroll import unroll
 from yarclang.semantics.indices import check_indices, commands_of
-from yarclang.semantics.unroll import unroll
 from yarclang.source import Span
 from yarclang.syntax.ast import Module
 

@@ -11,8 +11,8 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.robot.model import Robot
-from yarclang.semantics.scope import Scope
-from yarclang.semantics.trajectory_file import TrajectoryFile
+from yarclang.semantics.motions.trajectory_file import TrajectoryFile
+from yarclang.semantics.names.scope import Scope
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import FrameName, Module, Statement, Time
 from yarclang.units import Kind, Unit

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from yarclang.diagnostics import Collector
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.scope import Scope
+from yarclang.semantics.names.scope import Scope
 from yarclang.syntax.ast import Block, Statement, Value
 
 

@@ -12,9 +12,9 @@ from yarclang.frozen import frozen
 from yarclang.hir import FrameLink, Gap, Origin, Step
 from yarclang.memory import Memory, recall
 from yarclang.robot.model import Robot
-from yarclang.semantics.amounts import Amount
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.scope import Frame, JointPosition, Named, Scope, Where
+from yarclang.semantics.names.scope import Frame, JointPosition, Named, Scope, Where
+from yarclang.semantics.values.amounts import Amount
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Statement
 

@@ -10,7 +10,7 @@ from yarclang.robot.model import Robot
 from yarclang.simulator.machine import Machine
 from yarclang.simulator.motion.motors import LAG
 from yarclang.simulator.motion.pieces import Array
-from yarclang.simulator.recorder import Recorder
+from yarclang.simulator.motion.recorder import Recorder
 
 _MARGIN = 2.0
 _LARGEST = 8_388_607

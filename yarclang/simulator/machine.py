@@ -10,22 +10,22 @@ import numpy as np
 
 from yarclang.pmac.defaults import MOTORS, SYSTEMS
 from yarclang.pmac.errors import NO_PROGRAM
-from yarclang.simulator import trips
+from yarclang.simulator.motion import trips
 from yarclang.simulator.motion.motors import WATCHED, Motor
 from yarclang.simulator.motion.pieces import Array
+from yarclang.simulator.motion.recorder import Recorder
+from yarclang.simulator.motion.system import CoordinateSystem
+from yarclang.simulator.network.ports import Port
+from yarclang.simulator.network.reply import Refusal, Reply, framed
 from yarclang.simulator.online import background, controls, interpreter
 from yarclang.simulator.online.background import Background
 from yarclang.simulator.online.questions import answered, questions
-from yarclang.simulator.ports import Port
-from yarclang.simulator.power import Saved, power_up, saved
 from yarclang.simulator.programs.buffers import Buffers
 from yarclang.simulator.programs.plcs import Plcs
 from yarclang.simulator.programs.program import Program
-from yarclang.simulator.recorder import Recorder
-from yarclang.simulator.registers import Variables
-from yarclang.simulator.reply import Refusal, Reply, framed
-from yarclang.simulator.system import CoordinateSystem
-from yarclang.simulator.wiring import wire
+from yarclang.simulator.state.power import Saved, power_up, saved
+from yarclang.simulator.state.registers import Variables
+from yarclang.simulator.state.wiring import wire
 
 _MOST_WORDS = 1000
 

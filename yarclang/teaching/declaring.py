@@ -6,9 +6,9 @@ import re
 
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.naming import FIXED_FRAMES, is_word
-from yarclang.semantics.scope import BASE
-from yarclang.semantics.units import joint_kinds
+from yarclang.semantics.declared.meanings import FIXED_FRAMES, is_word
+from yarclang.semantics.names.scope import BASE
+from yarclang.semantics.values.units import joint_kinds
 from yarclang.syntax.ast import Block, Statement
 from yarclang.syntax.words import DECLARATIONS
 from yarclang.teaching.changing import change

@@ -12,7 +12,7 @@ from yarclang.pipeline.modules import library_folder, modules_in
 from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import Input, JointPosition
+from yarclang.semantics.names.scope import Input, JointPosition
 from yarclang.syntax.ast import Module
 from yarclang.teaching.declaring import check_name, place_of_declarations, units_part
 from yarclang.teaching.edits import Draft, Edited

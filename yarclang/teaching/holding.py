@@ -14,9 +14,9 @@ from yarclang.pipeline.stages import Request, context_of
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import Frame, Scope
-from yarclang.semantics.units import joint_kinds
-from yarclang.semantics.unroll import declared_names
+from yarclang.semantics.control.unroll import declared_names
+from yarclang.semantics.names.scope import Frame, Scope
+from yarclang.semantics.values.units import joint_kinds
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Statement, Word
 from yarclang.teaching.edits import Program

@@ -10,8 +10,8 @@ import numpy as np
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import BASE
-from yarclang.semantics.units import joint_kinds
+from yarclang.semantics.names.scope import BASE
+from yarclang.semantics.values.units import joint_kinds
 from yarclang.teaching.before import blocks_around, flange_before
 from yarclang.teaching.declaring import put_declaration, units_part
 from yarclang.teaching.edits import Draft, Edited, Program

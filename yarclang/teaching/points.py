@@ -11,8 +11,8 @@ from yarclang.assist.vocabulary import command_of
 from yarclang.commands.spec import Values
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import BASE
-from yarclang.semantics.units import joint_kinds
+from yarclang.semantics.names.scope import BASE
+from yarclang.semantics.values.units import joint_kinds
 from yarclang.syntax.ast import Number, Statement, Value, WayPoint, Word
 from yarclang.teaching.edits import Draft, Edited, Program
 from yarclang.teaching.holding import (

@@ -16,8 +16,8 @@ from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians
 from yarclang.robot.library import list_robots, stdlib_folder
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.naming import is_word
-from yarclang.semantics.units import joint_kinds
+from yarclang.semantics.declared.meanings import is_word
+from yarclang.semantics.values.units import joint_kinds
 from yarclang.source import SourceFile
 from yarclang.teaching.fields import Field, FieldKind
 from yarclang.teaching.holding import joint_numbers, pose_numbers

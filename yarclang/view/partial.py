@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.certify.clearance import find_clearances
-from yarclang.certify.handled import follow
-from yarclang.certify.layout import Layout, Place
-from yarclang.certify.zones import find_zones
+from yarclang.certify.bodies.clearance import find_clearances
+from yarclang.certify.bodies.handled import follow
+from yarclang.certify.bodies.zones import find_zones
+from yarclang.certify.read.layout import Layout, Place
 from yarclang.diagnostics import Diagnostic, in_order
 from yarclang.hir import Motion
 from yarclang.motion.plan import MotionPlan, PlannedMotion

@@ -13,7 +13,7 @@ from tests.collision.test_proof import cell_of
 from tests.collision.test_proof import drawn as drawn_cell
 from tests.collision.zones.clouds import Clouds, drawn_zone, inside
 from yarclang.cell.model import HalfSpace, Zone
-from yarclang.certify.speed import KEPT
+from yarclang.certify.motion.speed import KEPT
 from yarclang.diagnostics import Result
 from yarclang.robot.description import load_robot
 

@@ -12,7 +12,7 @@ from coordinator.virtual import coordinating, done, run
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from yarclang.certify.bounds import Cubics
+from yarclang.certify.motion.bounds import Cubics
 from yarclang.coordinator.live import opening
 from yarclang.coordinator.live.generator import Generator, rates_of
 from yarclang.coordinator.live.opening import Settings

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from yarclang.certify.bounds import Cubics
+from yarclang.certify.motion.bounds import Cubics
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.coordinator.live.generator import Generator, rates_of
 from yarclang.coordinator.live.proof import Judge, surroundings_of

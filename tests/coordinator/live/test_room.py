@@ -5,7 +5,7 @@ from floors import exercises
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
-from yarclang.certify.bounds import Cubics
+from yarclang.certify.motion.bounds import Cubics
 from yarclang.collision.course import Course
 from yarclang.collision.free import free_space
 from yarclang.collision.proof import clearances

@@ -15,7 +15,7 @@ from yarclang.coordinator.live.serving import MasterServer, TcpDoor, UnixDoor
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.runtime.actions import Trouble
 from yarclang.simulator.commissioning import stand
-from yarclang.simulator.embedded import EmbeddedSimulator
+from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 PACE = 0.25
 """The simulator's time passes so much slower: a computer with much to do isn't too late."""

@@ -8,7 +8,7 @@ from yarclang.motion.profile import TIMETABLE, load_profile, profile_names
 
 ROOT = Path(yarclang.__file__).parent
 KNOWN = {
-    ("semantics/names.py", "LSPB"),  # what a name without a suffix means
+    ("semantics/names/commands.py", "LSPB"),  # what a name without a suffix means
     ("motion/profile.py", "SCURVE"),  # the law of ways that are too short for their speed
 }
 SPOKEN_OF = ("findings/", "lint/rules/", "commands/builtin/", "motion/profiles/")

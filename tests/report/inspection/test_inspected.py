@@ -18,7 +18,7 @@ from yarclang.report.inspection.text import sections_of
 from yarclang.report.pose_text import pose_values
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
-from yarclang.semantics.poses import rpy_rotation
+from yarclang.semantics.values.poses import rpy_rotation
 from yarclang.source import SourceFile
 from yarclang.units import DEG
 

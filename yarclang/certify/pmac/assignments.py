@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Set
 
-from yarclang.certify.text import Barred, ControllerText, assignments_of
+from yarclang.certify.read.text import Barred, ControllerText, assignments_of
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.certify.lines import Refusal, shown
 from yarclang.certify.pmac.cursor import Cursor
 from yarclang.certify.pmac.own import TM_STEPS_PER_MS, Armed
-from yarclang.certify.text import Barred, Dwelt, Put, Run, Stood
+from yarclang.certify.read.lines import Refusal, shown
+from yarclang.certify.read.text import Barred, Dwelt, Put, Run, Stood
 from yarclang.pmac.program import Target
 from yarclang.robot.model import Array
 

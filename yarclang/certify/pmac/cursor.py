@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from yarclang.certify.lines import Lines, shown
-from yarclang.certify.numbers import read_numbers
-from yarclang.certify.text import Sent
+from yarclang.certify.read.lines import Lines, shown
+from yarclang.certify.read.numbers import read_numbers
+from yarclang.certify.read.text import Sent
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.pmac.controller import TurboPmac
 from yarclang.pmac.requests import MOST_LINE

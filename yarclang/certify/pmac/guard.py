@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.pmac.own import Armed, Marks, own_of
-from yarclang.certify.text import Barred, ControllerText
+from yarclang.certify.read.text import Barred, ControllerText
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot
 from yarclang.units import MS

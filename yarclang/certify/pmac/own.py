@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from yarclang.certify.text import ControllerText, Sent
+from yarclang.certify.read.text import ControllerText, Sent
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 

@@ -10,12 +10,12 @@ import re
 
 import numpy as np
 
-from yarclang.certify.header import read_preamble
-from yarclang.certify.lines import Refusal, check_characters, shown
 from yarclang.certify.pmac.course import CONDITION, read_course, why_worse
 from yarclang.certify.pmac.cursor import Cursor
 from yarclang.certify.pmac.own import TM_STEPS_PER_MS, Guard, Marks, PmacText
-from yarclang.certify.text import ControllerText, Sent, Start, Unreadable
+from yarclang.certify.read.header import read_preamble
+from yarclang.certify.read.lines import Refusal, check_characters, shown
+from yarclang.certify.read.text import ControllerText, Sent, Start, Unreadable
 from yarclang.emitted.header import Header
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.pmac.controller import TurboPmac

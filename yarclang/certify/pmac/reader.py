@@ -10,8 +10,8 @@ from yarclang.certify.pmac.assignments import check_assignments
 from yarclang.certify.pmac.guard import check_guard
 from yarclang.certify.pmac.own import Guard, own_of
 from yarclang.certify.pmac.read import read
-from yarclang.certify.reader import Fault, Reader, StartPlace
-from yarclang.certify.text import ControllerText, Unreadable
+from yarclang.certify.read.reader import Fault, Reader, StartPlace
+from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.memory import Memory
 from yarclang.pmac.controller import TurboPmac, turbo_pmac
 from yarclang.robot.actuation import from_counts, joints_per_count

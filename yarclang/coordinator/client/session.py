@@ -8,7 +8,7 @@ from yarclang.coordinator.mailbox import CAPACITY
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.subscription import Subscription
 from yarclang.diagnostics import Result
-from yarclang.semantics.scope import Frame
+from yarclang.semantics.names.scope import Frame
 
 
 class Session(Part):

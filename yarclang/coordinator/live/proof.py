@@ -16,9 +16,9 @@ from collections.abc import Callable
 import numpy as np
 
 from yarclang.cell.model import Cell
-from yarclang.certify.bounds import Cubics, reaches
-from yarclang.certify.limits import POSITION_UNITS, RELATIVE
-from yarclang.certify.speed import KEPT
+from yarclang.certify.motion.bounds import Cubics, reaches
+from yarclang.certify.motion.limits import POSITION_UNITS, RELATIVE
+from yarclang.certify.motion.speed import KEPT
 from yarclang.collision.course import Course
 from yarclang.collision.proof import SLACK, clearances
 from yarclang.collision.scene import Scene, scene_of

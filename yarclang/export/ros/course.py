@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.certify.reader import reader_of
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Put, Run, Stood
+from yarclang.certify.read.reader import reader_of
+from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Put, Run, Stood
 from yarclang.frozen import frozen
 from yarclang.pipeline.line_map import LineMap
 from yarclang.progress import go_on

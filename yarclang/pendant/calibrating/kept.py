@@ -18,7 +18,7 @@ from yarclang.pendant.watched import Watched
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.scope import BASE
+from yarclang.semantics.names.scope import BASE
 
 MOST_TOUCHES = 40
 """Touches of one calibration."""

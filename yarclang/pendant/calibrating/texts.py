@@ -18,7 +18,7 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.robot.description import read_robot
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.source import SourceFile
 from yarclang.teaching.declaring import declare_pose
 from yarclang.teaching.edits import Program, applied

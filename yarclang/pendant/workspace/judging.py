@@ -24,7 +24,7 @@ from yarclang.pipeline.cells import file_of
 from yarclang.pipeline.checking import Checked, check_file
 from yarclang.pipeline.inputs import Options, robot_for
 from yarclang.robot.model import Array, Robot
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.source import SourceFile
 from yarclang.units import MM
 from yarclang.view.clearance import touching

@@ -30,7 +30,7 @@ from yarclang.robot.description import read_robot
 from yarclang.robot.model import Robot
 from yarclang.robot.urdf import read_urdf
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.naming import is_word
+from yarclang.semantics.declared.meanings import is_word
 from yarclang.source import SourceFile
 from yarclang.toml.file import TomlFile
 from yarclang.toml.places import Path as TomlPath

@@ -11,7 +11,7 @@ from yarclang.repl.answers import joints_text, where_text
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
 from yarclang.report.pose_text import pose_text
-from yarclang.semantics.scope import Input
+from yarclang.semantics.names.scope import Input
 
 _SHOWN = 20
 """Messages that `.log` shows."""

@@ -12,7 +12,7 @@ from yarclang.coordinator.messages.message import LARGEST
 from yarclang.hir import Output
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.interpreter import Interpreter
-from yarclang.semantics.scope import Input
+from yarclang.semantics.names.scope import Input
 
 _VARIABLE = re.compile(r"[MPQ][0-9]{1,4}")
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.certify.bounds import Cubics
-from yarclang.certify.reader import reader_of
-from yarclang.certify.text import Barred, ControllerText, Dwelt, Run, Stood, Unreadable
+from yarclang.certify.motion.bounds import Cubics
+from yarclang.certify.read.reader import reader_of
+from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Run, Stood, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting, Schedule

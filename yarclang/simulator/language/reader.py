@@ -21,7 +21,7 @@ from yarclang.simulator.language.arithmetic import (
     combined,
     variable,
 )
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.network.reply import Refusal
 
 _DEEPEST = 40
 _DIGITS = re.compile(r"\d{1,9}")

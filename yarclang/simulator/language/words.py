@@ -24,7 +24,7 @@ from yarclang.simulator.language.statements import (
     Skipped,
     Statement,
 )
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.network.reply import Refusal
 
 _PLAIN_NUMBER = r"[+-]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})"
 """Within the range of values and of lengths, so that there is nothing to refuse."""

@@ -11,8 +11,8 @@ import numpy as np
 from yarclang.pmac.errors import DATA
 from yarclang.simulator.language.statements import AXES
 from yarclang.simulator.motion.pieces import Array
-from yarclang.simulator.registers import printed
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.network.reply import Refusal
+from yarclang.simulator.state.registers import printed
 
 _TERM = re.compile(r"([+-]?)(\d+\.?\d*|\.\d+)?([A-CU-Z])?")
 _GROUPS = ("XYZ", "UVW")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from yarclang.simulator.ports import Port
+from yarclang.simulator.network.ports import Port
 
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine

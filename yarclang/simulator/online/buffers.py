@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from yarclang.pmac.errors import DATA, NEEDS_BUFFER
 from yarclang.simulator.language.reader import Reader
 from yarclang.simulator.language.statements import LAST_PLC
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.online.line import Line
 from yarclang.simulator.programs import program
-from yarclang.simulator.reply import Refusal
 
 _KINDS = {"PRO": "prog", "PLC": "plc", "ROT": "rotary"}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from yarclang.simulator import status
 from yarclang.simulator.language.statements import LAST_PLC
 from yarclang.simulator.online.line import Line
+from yarclang.simulator.state import status
 
 _ANSWERS = {
     "VERSION": "1.945",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from yarclang.pmac.defaults import MOTORS
-from yarclang.simulator import status
-from yarclang.simulator.ports import Port
-from yarclang.simulator.registers import printed
-from yarclang.simulator.reply import Refusal, Reply
+from yarclang.simulator.network.ports import Port
+from yarclang.simulator.network.reply import Refusal, Reply
+from yarclang.simulator.state import status
+from yarclang.simulator.state.registers import printed
 
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from yarclang.pmac.errors import DATA, NEEDS_BUFFER
 from yarclang.simulator.language.statements import Statement
 from yarclang.simulator.language.words import cleaned, read_statement, simple_move
+from yarclang.simulator.network.ports import Port
+from yarclang.simulator.network.reply import Refusal, Reply
 from yarclang.simulator.online.commands import command_at
 from yarclang.simulator.online.line import LEGAL, LONGEST, Line
-from yarclang.simulator.ports import Port
-from yarclang.simulator.reply import Refusal, Reply
 
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from yarclang.simulator.language.reader import Reader
 from yarclang.simulator.motion.motors import Motor
-from yarclang.simulator.ports import Port
-from yarclang.simulator.registers import Seen
-from yarclang.simulator.system import CoordinateSystem
+from yarclang.simulator.motion.system import CoordinateSystem
+from yarclang.simulator.network.ports import Port
+from yarclang.simulator.state.registers import Seen
 
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine

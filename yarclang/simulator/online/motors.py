@@ -8,9 +8,9 @@ from yarclang.pmac.defaults import MOTORS
 from yarclang.pmac.errors import BUSY_PROGRAM, DATA, OPEN_LOOP
 from yarclang.simulator.language.arithmetic import value_of
 from yarclang.simulator.motion.motors import Motor
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.online.line import Line
 from yarclang.simulator.online.questions import REPORTS
-from yarclang.simulator.reply import Refusal
 
 
 def address(line: Line, found: re.Match[str]) -> None:

@@ -8,12 +8,12 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from yarclang.pmac.defaults import MOTORS, SYSTEMS, VARIABLES
-from yarclang.simulator import status
 from yarclang.simulator.language.words import cleaned
+from yarclang.simulator.network.ports import Port
+from yarclang.simulator.network.reply import Reply
 from yarclang.simulator.online.line import LEGAL, LONGEST
-from yarclang.simulator.ports import Port
-from yarclang.simulator.registers import printed
-from yarclang.simulator.reply import Reply
+from yarclang.simulator.state import status
+from yarclang.simulator.state.registers import printed
 
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine

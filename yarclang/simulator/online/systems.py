@@ -7,9 +7,9 @@ import re
 from yarclang.pmac.defaults import MOTORS, SYSTEMS
 from yarclang.pmac.errors import BUSY_PROGRAM, DATA, MOVE_IN_PROGRESS
 from yarclang.simulator.motion.axes import axis_definition
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.online.line import Line
-from yarclang.simulator.registers import printed
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.state.registers import printed
 
 _LAST_PROGRAM = 32767
 _MOST_PERCENT = 225.88

@@ -7,9 +7,9 @@ import re
 from yarclang.pmac.defaults import VARIABLES, default_variables
 from yarclang.pmac.errors import DATA
 from yarclang.simulator.language.arithmetic import value_of
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.online.line import Line
-from yarclang.simulator.registers import Definition, definition, printed
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.state.registers import Definition, definition, printed
 
 _UP_TO = re.compile(r"\.\.(\d{1,5})")
 _DEFINITION = re.compile(r"->(\*|(?:DP|[XYDFL]):\$?[0-9A-F]+(?:,(?:\d+|[SU])){0,3})?")

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from yarclang.pmac.errors import BUFFER_IN_USE, BUSY_PROGRAM, DATA, NO_ROOM, STRUCTURE
 from yarclang.simulator.language.statements import LAST_PLC, Statement
-from yarclang.simulator.ports import Port
+from yarclang.simulator.network.ports import Port
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.programs.plc import Plc
 from yarclang.simulator.programs.program import LARGEST_PROGRAM, Program, Rotary, line_of
-from yarclang.simulator.reply import Refusal
 
 if TYPE_CHECKING:
     from yarclang.simulator.machine import Machine

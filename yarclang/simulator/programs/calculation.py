@@ -26,11 +26,11 @@ from yarclang.simulator.language.statements import (
     Skipped,
 )
 from yarclang.simulator.motion.steps import Step
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.programs.moves import Moves
 from yarclang.simulator.programs.program import Branch, Code, Go, Line, Program, Rotary
 from yarclang.simulator.programs.surroundings import Surroundings
-from yarclang.simulator.registers import Seen
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.state.registers import Seen
 
 _AT_ONCE = 500
 """Statements that one real-time interrupt may take."""

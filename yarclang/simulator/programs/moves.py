@@ -12,7 +12,7 @@ from yarclang.simulator.motion.axes import Axes, axes_of
 from yarclang.simulator.motion.pieces import Array
 from yarclang.simulator.motion.steps import Step
 from yarclang.simulator.programs.surroundings import Surroundings
-from yarclang.simulator.registers import Seen
+from yarclang.simulator.state.registers import Seen
 
 _QUANTUM = 1e-3 / 4096.0
 _LONGEST = 4096e-3

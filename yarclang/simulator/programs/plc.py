@@ -6,10 +6,10 @@ import re
 
 from yarclang.simulator.language.arithmetic import value_of
 from yarclang.simulator.language.statements import Address, Assign, Plcs, Say, Skipped
+from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.programs.program import Branch, Go, Program
 from yarclang.simulator.programs.surroundings import Surroundings
-from yarclang.simulator.registers import Seen, Variables
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.state.registers import Seen, Variables
 
 _AT_ONCE = 5000
 """Statements of one scan: more ends the scan (the watchdog would have tripped)."""

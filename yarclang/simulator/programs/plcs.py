@@ -8,7 +8,7 @@ from typing import Protocol
 
 from yarclang.simulator.programs import surroundings
 from yarclang.simulator.programs.plc import Plc
-from yarclang.simulator.registers import Variables
+from yarclang.simulator.state.registers import Variables
 
 SCAN = 5e-3
 """The time between two scans of the background PLCs [s] (assumed; it depends on what the controller has to do)."""

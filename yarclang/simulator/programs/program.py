@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from yarclang.pmac.errors import BAD_PROGRAM, DATA, NO_ROOM, STRUCTURE
 from yarclang.simulator.language.arithmetic import Condition
 from yarclang.simulator.language.statements import If, Label, Plain, Statement, cost, in_rotary
-from yarclang.simulator.reply import Refusal
+from yarclang.simulator.network.reply import Refusal
 
 LARGEST_PROGRAM = 2_000_000
 """Words of all fixed buffers together: what keeps memory bounded (assumed; the real number depends on the options)."""

@@ -11,7 +11,7 @@ from yarclang.certify.pmac.settings.rates import check_rates
 from yarclang.certify.pmac.settings.read import read_settings
 from yarclang.certify.pmac.settings.system import check_system
 from yarclang.certify.pmac.settings.text import SettingsText
-from yarclang.certify.text import Unreadable
+from yarclang.certify.read.text import Unreadable
 from yarclang.diagnostics import Collector, Result
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
-from yarclang.certify.lines import shown
 from yarclang.certify.pmac.settings.coupling import Coupling, Row
 from yarclang.certify.pmac.settings.expression import Affine, NotAffineError, constant, evaluate, variable
 from yarclang.certify.pmac.settings.text import Definition, SettingsText
+from yarclang.certify.read.lines import shown
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.variables import actual_position, motor_variable
 from yarclang.robot.model import Robot

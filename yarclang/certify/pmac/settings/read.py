@@ -9,9 +9,9 @@ import re
 from fractions import Fraction
 from typing import NoReturn
 
-from yarclang.certify.lines import Refusal, shown
 from yarclang.certify.pmac.settings.text import Definition, Listing, Number, Pointer, Setting, SettingsText
-from yarclang.certify.text import Unreadable
+from yarclang.certify.read.lines import Refusal, shown
+from yarclang.certify.read.text import Unreadable
 from yarclang.pmac.controller import TurboPmac, turbo_pmac
 from yarclang.pmac.requests import MOST_LINE
 from yarclang.pmac.variables import (

@@ -1,0 +1,1 @@
+"""Proofs of places where one motion flows into the next."""

@@ -1,0 +1,221 @@
+"""Where each motion's programmed path begins: where the robot stands, or at the programmed end of the motion that flows into it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.claims import Claims
+from yarclang.certify.motion.joint import by_kind
+from yarclang.certify.motion.pose import distance
+from yarclang.certify.motion.programmed import goal_pose
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.frozen import frozen
+from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians
+from yarclang.robot.model import Array, Robot, Tolerance
+from yarclang.units import DEG, MM
+
+SAME_JOINTS = 1e-9
+"""A claimed joint position is that of a joint goal but for this [rad or m]."""
+_ROUNDS = 20
+NEARLY_KEPT = 5e-4
+"""A claim to miss a programmed speed by no more than this share isn't needed: the motion is held to the whole speed."""
+
+
+def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
+    """Return the tolerance of a motion where `tolerance` counts for those that say nothing."""
+    return tolerance.of_motion(motion.tolerance, leads_frame=motion.leads_frame)
+
+
+@frozen
+class Judged:
+    """What the paths are judged by. `find` takes a code, a message and the number of a step."""
+
+    robot: Robot
+    tolerance: Tolerance
+    claims: Claims
+    find: Callable[[str, str, int | None], None]
+
+    def tolerance_of(self, motion: hir.Motion) -> Tolerance:
+        """The motion's own tolerance where it has one."""
+        return tolerance_of(motion, self.tolerance)
+
+    def share_of(self, step: int) -> float:
+        """Return the share of its programmed speed to which a motion is held: 1, or what the planner claims to reach."""
+        return _share(self.claims.kept.get(step, 1.0))
+
+    def least_of(self, step: int) -> float:
+        """Return the share of its programmed speed below which a motion may not fall: that of `share_of`, or what the planner claims."""
+        return min(self.share_of(step), _share(self.claims.least.get(step, 1.0)))
+
+
+def _share(claimed: float) -> float:
+    return claimed if 0.0 < claimed < 1.0 - NEARLY_KEPT else 1.0
+
+
+@frozen(eq=False)
+class Starts:
+    """Where the programmed path of each of P motions begins: joints `q` (P, n) [rad or m], and `flange` (P, 4, 4) in {B}."""
+
+    q: Array
+    flange: Array
+
+
+@frozen(eq=False)
+class _End:
+    """The programmed end of a motion; of a Cartesian one, the joints are worked out when they are asked for."""
+
+    flange: Array
+    q: Array | None
+
+
+def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
+    """Where every motion's path begins.
+
+    Args:
+        judged: robot, claims.
+        layout: the text's commands.
+        flanges: (P, 4, 4) where the flange is when the robot is at `layout.begins`.
+    """
+    q, flange = layout.begins.copy(), flanges.copy()
+    end: _End | None = None
+    ahead: tuple[int, Place] | None = None
+    for row, place in enumerate(layout.places):
+        if end is not None and (place.before is not None or place.size == 0):
+            flange[row] = end.flange
+            if end.q is None and not place.motion.leads_frame:
+                assert ahead is not None
+                end = _End(end.flange, _joints(judged, layout, *ahead, end.flange))
+            if end.q is not None:
+                q[row] = end.q
+        if place.behind is not None or (place.size == 0 and end is not None):
+            end, ahead = _programmed_end(judged, place, q[row], flange[row]), (row, place)
+        elif place.size:
+            end = None
+    return Starts(q, flange)
+
+
+def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _End:
+    """Where the motion of a place ends, exactly as programmed."""
+    motion, chain = place.motion, judged.robot.chain
+    match motion:
+        case hir.JointMove(goal=hir.JointGoal(q=goal)):
+            end = goal
+        case hir.JointMove(goal=hir.JointDelta(dq=dq)):
+            end = q + dq
+        case hir.JointMove(goal=hir.PoseGoal()):
+            claimed = claimed_joints(judged, place, 1)
+            end = q if claimed is None else claimed[0]
+        case hir.TimedMove(table=table):
+            end = table.positions[-1]
+        case hir.SplineMove():
+            claimed = claimed_joints(judged, place, len(motion.goals))
+            end = q if claimed is None else claimed[-1]
+        case hir.AvoidMove():
+            claimed = claimed_way(judged, place)
+            end = q if claimed is None else claimed[-1]
+        case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
+            return _End(goal_pose(goal, flange)[1] @ _inverse(goal.flange_from_moving.tobytes()), None)
+        case hir.PoseSplineMove(waypoints=waypoints):
+            last = waypoints[-1]
+            return _End(last.base_from_moving @ _inverse(last.flange_from_moving.tobytes()), None)
+    return _End(flange_poses(chain, end[None])[0], end)
+
+
+@lru_cache(maxsize=16)
+def _inverse(pose: bytes) -> Array:
+    """Return the inverse (4, 4) of a pose (4, 4): most motions of a program lead the same frame."""
+    inverse: Array = np.asarray(np.linalg.inv(np.frombuffer(pose).reshape(4, 4)), dtype=np.float64)
+    return inverse
+
+
+def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
+    """The joint positions (count, n) that the planner claims to have chosen, where it does so in a form that can be read."""
+    claimed = judged.claims.witnesses.get(place.step)
+    if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
+        return None
+    return claimed
+
+
+def claimed_way(judged: Judged, place: Place) -> Array | None:
+    """The way-points (k, n) of a motion: as many as it has, or, of one that finds its own, as many as the planner claims to have found."""
+    motion = place.motion
+    if isinstance(motion, hir.SplineMove):
+        return claimed_joints(judged, place, len(motion.goals))
+    claimed = judged.claims.witnesses.get(place.step)
+    return claimed_joints(judged, place, max(len(claimed), 1) if claimed is not None and claimed.ndim else 1)
+
+
+def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Array) -> Array:
+    """The joints at the end of a Cartesian motion: as claimed, or else the nearest to where the robot is in the middle of the blend."""
+    claimed = claimed_joints(judged, place, 1)
+    if claimed is not None:
+        position, angle = distance(flange_poses(judged.robot.chain, claimed)[0], flange)
+        tolerance = judged.tolerance_of(place.motion)
+        if position > tolerance.position or angle > tolerance.angle:
+            judged.find(
+                "Y1161",
+                f"the joint positions planned for its end are {shown(float(position), float(angle))} from there",
+                place.step,
+            )
+        end: Array = claimed[0]
+        return end
+    return _nearest(judged.robot, layout.ends[row], flange)
+
+
+def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
+    """Joints (n,) that take the flange to a pose (4, 4), by Newton's method from q; a wrong answer proves nothing."""
+    for _ in range(_ROUNDS):
+        here, jacobian = poses_and_jacobians(robot.chain, q[None], np.eye(4))
+        turn = here[0, :3, :3] @ flange[:3, :3].T
+        vee = np.array([turn[1, 2] - turn[2, 1], turn[2, 0] - turn[0, 2], turn[0, 1] - turn[1, 0]]) / 2.0
+        error = np.concatenate([flange[:3, 3] - here[0, :3, 3], vee])
+        q = q + np.linalg.lstsq(jacobian[0], error, rcond=1e-9)[0]
+        if np.abs(error).max() < 1e-12:
+            break
+    return np.asarray(q)
+
+
+def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
+    """How far the claimed joint positions of a motion's goals are from the programmed ones [m], [rad]; a finding where too far.
+
+    Infinite where there is no claim in the right form.
+    """
+    motion = place.motion
+    assert isinstance(motion, hir.JointMove | hir.AvoidMove | hir.SplineMove)
+    goals = motion.goals
+    claimed = claimed_joints(judged, place, len(goals))
+    if isinstance(motion, hir.AvoidMove) and (way := claimed_way(judged, place)) is not None:
+        claimed = way[-1:]  # where it leads between is its own affair
+    if claimed is None:
+        shape = (len(goals), judged.robot.size)
+        judged.find("Y1161", f"no joint positions of shape {shape} were given for its way-points", place.step)
+        return np.inf, np.inf
+    worst = 0.0, 0.0
+    flanges = flange_poses(judged.robot.chain, claimed)
+    tolerance = judged.tolerance_of(motion)
+    for i, goal in enumerate(goals):
+        if isinstance(goal, hir.PoseGoal):
+            position, angle = distance(flanges[i] @ goal.flange_from_moving, goal.base_from_moving)
+            off = float(position), float(angle)
+            allowed = tolerance.position, tolerance.angle
+        else:
+            assert isinstance(goal, hir.JointGoal)
+            off = by_kind(np.abs(claimed[i] - goal.q), judged.robot)
+            allowed = SAME_JOINTS, SAME_JOINTS
+        if off[0] > allowed[0] or off[1] > allowed[1]:
+            judged.find(
+                "Y1161",
+                f"the planned way-point {i + 1} is {shown(*off)} from the programmed one",
+                place.step,
+            )
+        worst = max(worst[0], off[0]), max(worst[1], off[1])
+    return worst
+
+
+def shown(position: float, angle: float) -> str:
+    """A distance [m] and an angle [rad] for a reader."""
+    return f"{position / MM:.6g} mm and {angle / DEG:.6g} deg"

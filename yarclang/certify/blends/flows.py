@@ -1,0 +1,232 @@
+"""Which motions flow into each other, and which of their segments follow their own path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang import hir
+from yarclang.certify.blends import tangent
+from yarclang.certify.blends.ball import radii
+from yarclang.certify.blends.corner import Judged, Starts
+from yarclang.certify.motion.bounds import Cubics
+from yarclang.certify.motion.joint import joint_weights
+from yarclang.certify.read.layout import Layout
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array, Robot
+
+SHORTEST = 1e-6
+"""Between two corners that may not be left lies at least this [s]."""
+
+_TOGETHER = 4096
+"""Corners that are looked at together."""
+
+IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
+
+
+@frozen
+class Corner:
+    """Motion number `first` flows into motion number `second`, over `segments` segments.
+
+    `rounded` says that a ball is allowed; without one, both paths are followed up to the corner. Between two motions in joint
+    space each joint has its own ball, else the moving frame.
+    """
+
+    first: int
+    second: int
+    segments: int
+    rounded: bool
+    joints: bool
+
+
+@frozen(eq=False)
+class Flows:
+    """Of each of P motions: the segments `follow` (P, 2), from and up to, that go along its path, and whether the path is joined and
+    left elsewhere than at its ends, `free` (P, 2). The corners, in order. `whole` (P, 2) are all segments to look at: those of the
+    motion, or, where it may not leave its corners, from when it passes the one, `since` [s] after the start of its first, up to when it
+    passes the other, `until` after that of its last; NaN where these aren't cut.
+    """
+
+    follow: NDArray[np.int64]
+    free: NDArray[np.bool_]
+    corners: tuple[Corner, ...]
+    whole: NDArray[np.int64]
+    since: Array
+    until: Array
+
+    def is_cut(self, row: int) -> bool:
+        """Whether a motion passes a corner that it may not leave."""
+        return bool(np.isfinite(self.since[row]) or np.isfinite(self.until[row]))
+
+    def cubics(self, layout: Layout, row: int) -> Cubics:
+        """The segments that go along the path of a motion, or, where it is cut, up to its corners."""
+        begin, stop = (int(x) for x in self.follow[row])
+        return self.cut(layout.cubics(begin, stop), np.array([row]), np.array([0]), np.array([stop - begin]))
+
+    def cut(
+        self, cubics: Cubics, rows: NDArray[np.int64], begins: NDArray[np.int64], stops: NDArray[np.int64]
+    ) -> Cubics:
+        """The same segments, those from `begins` up to `stops` (K,) of the motions `rows` (K,), without what lies beyond their corners."""
+        starts, ends = np.zeros(len(cubics.h)), cubics.h.copy()
+        since, until = np.isfinite(self.since[rows]), np.isfinite(self.until[rows])
+        starts[begins[since]] = self.since[rows[since]]
+        ends[stops[until] - 1] = self.until[rows[until]]
+        (cut,) = np.nonzero((starts > 0.0) | (ends < cubics.h))
+        return cubics.trimmed(cut, starts[cut], ends[cut]) if len(cut) else cubics
+
+
+def covered_by_balls(free: NDArray[np.bool_]) -> Array:
+    """Return up to which share of a path (...) the ball at its start has to hold it, and from there on that at its end, if blends take all of it.
+
+    A path whose start may not be left has a ball at its end only, and the other way round.
+
+    Args:
+        free: (..., 2) whether the path is joined, and left, elsewhere than at its ends.
+    """
+    shares: Array = np.where(free[..., 0], np.where(free[..., 1], 0.5, 1.0), 0.0)
+    return shares
+
+
+def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
+    """Where the motions of a text flow into each other."""
+    count = len(layout.places)
+    follow = np.array([[place.first, place.last] for place in layout.places], dtype=np.int64).reshape(
+        count, 2
+    )
+    free = np.zeros((count, 2), dtype=np.bool_)
+    since, until = np.full(count, np.nan), np.full(count, np.nan)
+    corners = _corners(layout, judged.robot)
+    passed = dict(_passed(judged, layout, starts, [corner for corner in corners if not corner.rounded]))
+    for corner in corners:
+        first, second, half = corner.first, corner.second, corner.segments // 2
+        if corner.rounded:
+            follow[first, 1] -= half
+            follow[second, 0] += half
+            free[first, 1] = free[second, 0] = True
+            continue
+        segment, time = passed[corner]
+        earliest = int(follow[first, 0])
+        if segment < earliest:
+            # nothing of what belongs to the corner before
+            segment, time = earliest, SHORTEST
+        if segment == earliest and np.isfinite(since[first]):
+            time = max(time, float(since[first]) + SHORTEST)
+        follow[first, 1], follow[second, 0] = segment + 1, segment
+        until[first] = since[second] = time
+    whole = np.array([[place.first, place.last] for place in layout.places], dtype=np.int64).reshape(count, 2)
+    whole[:, 0] = np.where(np.isfinite(since), follow[:, 0], whole[:, 0])
+    whole[:, 1] = np.where(np.isfinite(until), follow[:, 1], whole[:, 1])
+    return Flows(follow, free, tuple(corners), whole, since, until)
+
+
+def _corners(layout: Layout, robot: Robot) -> list[Corner]:
+    """All corners, in order."""
+    found, before = [], 0
+    for row, place in enumerate(layout.places):
+        if place.size:
+            if place.before is not None:
+                found.append(_corner(layout, robot, before, row, place.before))
+            before = row
+    return found
+
+
+def _passed(
+    judged: Judged, layout: Layout, starts: Starts, corners: list[Corner]
+) -> Iterator[tuple[Corner, tuple[int, float]]]:
+    """When corners that may not be left are passed: the segment, and how long after its start [s]."""
+    robot, tolerance = judged.robot, judged.tolerance
+    groups: dict[bytes, tuple[Array | None, list[Corner]]] = {}
+    for corner in corners:
+        motions = layout.places[corner.first].motion, layout.places[corner.second].motion
+        frame = None if corner.joints else frame_of(*motions)
+        groups.setdefault(b"" if frame is None else frame.tobytes(), (frame, []))[1].append(corner)
+    for frame, group in groups.values():
+        for begin in range(0, len(group), _TOGETHER):
+            go_on()
+            own = group[begin : begin + _TOGETHER]
+            spans = np.array([_around(layout, corner) for corner in own])
+            rows = np.concatenate([np.arange(*span) for span in spans])
+            owner = np.repeat(np.arange(len(own)), spans[:, 1] - spans[:, 0])
+            seconds = [corner.second for corner in own]
+            if frame is None:
+                weights = np.tile(joint_weights(robot, tolerance), (len(own), 1))
+                target = tangent.Corners(starts.q[seconds], weights)
+            else:
+                weights = np.array([_weights(judged, layout, corner) for corner in own])
+                target = tangent.Corners(starts.q[seconds], weights, frame, starts.flange[seconds] @ frame)
+            cubics = Cubics.of_spline(layout.control, layout.at[rows], layout.time[rows])
+            found, time = tangent.passing(cubics, owner, target, robot.chain)
+            yield from zip(own, zip(rows[found].tolist(), time.tolist(), strict=True), strict=True)
+
+
+def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, float]:
+    """What a distance [1/m] and an angle [1/rad] count at a corner: by the stricter tolerance of its motions."""
+    one, other = (judged.tolerance_of(layout.places[row].motion) for row in (corner.first, corner.second))
+    return 1.0 / min(one.position, other.position), 1.0 / min(one.angle, other.angle)
+
+
+def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
+    """The segments in which a corner is looked for: those of its overlap and one more, and nothing of what belongs to the other ends of both motions."""
+    one, other = layout.places[corner.first], layout.places[corner.second]
+    reach = corner.segments // 2 + 1
+    begin = max(one.last - reach, one.first + (one.before or 0) // 2 - 1, 0)
+    return begin, max(min(other.first + reach, other.last - (other.behind or 0) // 2), begin + 1)
+
+
+def frame_of(*motions: hir.Motion) -> Array | None:
+    """Where the moving frame sits on the flange: that of the first of some motions that is Cartesian."""
+    return next((motion.flange_from_moving for motion in motions if motion.leads_frame), None)
+
+
+def _corner(layout: Layout, robot: Robot, first: int, second: int, segments: int) -> Corner:
+    one, other = layout.places[first].motion, layout.places[second].motion
+    joints = isinstance(one, IN_JOINTS) and isinstance(other, IN_JOINTS)
+    blend = one.blend
+    assert blend is not None  # as the map and the program agree
+    size = float(radii(blend, robot).max()) if joints else blend.length or 0.0
+    return Corner(first, second, segments, segments > 0 and size > 0.0, joints)
+
+
+@frozen(eq=False)
+class Asked:
+    """What is asked of the speed of each of P motions.
+
+    `top` (P, 2) are the speeds that it may reach [m/s] and [rad/s], NaN where there is none; `share` (P,) is what of them it may not fall below once that is reached.
+    `around` (P, 2) is the most that is allowed in the blends before and after it [m/s]. `held` (P, 2) says that it begins, and ends, at its speed: it flows on
+    without a blend, and what is beside it isn't slower.
+    """
+
+    top: Array
+    share: Array
+    around: Array
+    held: NDArray[np.bool_]
+
+
+def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
+    """What is asked of the speeds of all motions of a text."""
+    count = len(layout.places)
+    top, share = np.full((count, 2), np.nan), np.ones(count)
+    for row, place in enumerate(layout.places):
+        speed = place.motion.timing.speed
+        if speed is None or isinstance(place.motion, IN_JOINTS):
+            continue
+        kept = judged.share_of(place.step)
+        share[row] = judged.least_of(place.step) / kept
+        top[row] = (
+            np.nan if speed.length is None else speed.length * kept,
+            np.nan if speed.angle is None else speed.angle * kept,
+        )
+    around, held = np.full((count, 2), np.inf), np.zeros((count, 2), dtype=np.bool_)
+    cruise = top[:, 0] * share
+    for corner in flows.corners:
+        pair = [corner.first, corner.second]
+        if np.isnan(cruise[pair]).any():
+            continue
+        around[corner.first, 1] = around[corner.second, 0] = top[pair, 0].max()
+        if not corner.rounded:
+            held[corner.first, 1] = cruise[corner.second] >= cruise[corner.first]
+            held[corner.second, 0] = cruise[corner.first] >= cruise[corner.second]
+    return Asked(top, share, around, held)

@@ -1,0 +1,1 @@
+"""Proofs about bodies: clearances, zones, torques, parts that are carried."""

@@ -1,0 +1,144 @@
+"""Whether the bodies of robot and cell stay apart while the text is executed, and how near they come."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.bodies.handled import Handled
+from yarclang.certify.bodies.remedy import remedy
+from yarclang.certify.bodies.sweep import Sweep, sweep_of
+from yarclang.certify.certificate import Clearance
+from yarclang.certify.moments import pose_text, span_text
+from yarclang.certify.read.layout import Layout, chunks
+from yarclang.collision.meeting import Contact, contact
+from yarclang.collision.proof import KNOWN, RESOLUTION, SLACK, Clearances, Meeting, clearances
+from yarclang.collision.scene import Rows, Scene, scene_of, together
+from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.frozen import frozen
+from yarclang.robot.model import Robot
+from yarclang.units import MM
+
+
+@frozen
+class Apart:
+    """How near a command brings the robot to its cell, and to itself; None where there is nothing to come near to."""
+
+    cell: Clearance | None
+    own: Clearance | None
+
+
+NOTHING_NEAR = Apart(None, None)
+
+
+def find_clearances(
+    layout: Layout, program: hir.Program, robot: Robot, handled: Handled
+) -> tuple[dict[int, Apart], list[Diagnostic]]:
+    """The smallest distances of every command by its step, and a finding for each that brings bodies too near to each other.
+
+    Args:
+        layout: the text's segments.
+        program: what it was compiled from.
+        robot: its links and kinematics.
+        handled: the cell as it is during each command.
+    """
+    cell = program.cell
+    if not robot.shapes and not handled.cells and not (cell and cell.obstacles):
+        return {}, []
+    apart: dict[int, Apart] = {}
+    findings: list[Diagnostic] = []
+    for places in chunks([place for place in layout.places if place.size]):
+        cells = [handled.at(place.step) for place in places]
+        scenes: list[Scene] = []
+        for around in dict.fromkeys(cells):
+            made = scene_of(robot, around)
+            if made.value is None:
+                source = program.source
+                return {}, [
+                    one if one.source else Diagnostic(one.code, one.message, source)
+                    for one in made.diagnostics
+                ]
+            scenes.append(made.value)
+        # one scene with all that is anywhere: many motions are proved at once, each with the pairs of its own
+        scene, pairs = together(scenes)
+        of_cell = dict(zip(dict.fromkeys(cells), pairs, strict=True))
+        own = [of_cell[cell] for cell in cells]
+        if not len(scene.first):
+            continue
+        sweep = sweep_of(layout, places)
+        found = clearances(scene, sweep.course, sweep.spans, own if len(scenes) > 1 else None)
+        kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
+        for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
+            told = (_clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0))
+            apart[place.step] = Apart(*told)
+        for row, meetings in _by_motion(found.meetings):
+            contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
+            findings.append(_finding(scene, sweep, row, contacts, robot))
+    return apart, list(grouped(findings))
+
+
+def _kinds(scene: Scene, own: Rows) -> set[int]:
+    """Return the kinds of the pairs that may not touch, among a motion's own: 1 with the cell, 0 of the robot alone."""
+    return {int(one) for one in scene.of_cell[own][~scene.touching[own]]}
+
+
+def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
+    """Return what was proved of a motion, of its pairs of one kind."""
+    near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
+    # beyond what is looked at closely, the bound says little and the names nothing
+    return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
+
+
+_FAR = Clearance(KNOWN)
+
+
+def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meeting]]]:
+    for row in sorted({one.motion for one in meetings}):
+        yield row, [one for one in meetings if one.motion == row]
+
+
+def _finding(
+    scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
+) -> Diagnostic:
+    """The worst pair of a motion with its figures, and the names of the others."""
+    worst = min(contacts, key=lambda one: one[1].distance - scene.margin[one[0].pair])
+    pair, found = worst[0].pair, worst[1]
+    moving, other = scene.names(pair)
+    motion = sweep.places[row].motion
+    origin = motion.origin
+    when = span_text(found.begin, found.end, sweep.lasts(row))
+    q = sweep.course.at(np.array([sweep.starts(row) + found.worst]))[0]
+    margin = float(scene.margin[pair])
+    if found.distance <= 0.0:
+        code = "Y0901" if scene.of_cell[pair] else "Y0902"
+        how = f"{moving} goes {max(-found.distance / MM, 0.01):.3g} mm into {other}"
+    elif found.distance >= margin + SLACK:
+        code = "Y0930"
+        how = f"{moving} comes within {found.distance / MM:.5g} mm of {other}"
+        how += f", whose margin is {margin / MM:.4g} mm" if margin > 0.0 else ""
+        how += f": too near it to prove that it keeps away, by {RESOLUTION / MM:.2g} mm at most"
+    else:
+        code = "Y0903"
+        how = f"{moving} comes within {found.distance / MM:.3g} mm of {other}"
+        how += (
+            f", whose margin is {margin / MM:.4g} mm"
+            if margin > 0.0
+            else ", too near to be told from a touch"
+        )
+    names = dict.fromkeys(" and ".join(scene.names(one.pair)) for one, _ in contacts)
+    names.pop(f"{moving} and {other}")
+    more = f"; as well too near: {', '.join(names)}" if names else ""
+    message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
+    near = (min(one.begin for _, one in contacts), max(one.end for _, one in contacts))
+    help_, fix = remedy(motion, _REMEDIES[code], near, sweep.lasts(row))
+    return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
+
+
+_REMEDIES = {
+    "Y0901": "go round it: a via pose, another order, or NEAR for another configuration; or correct the obstacle in the cell.toml",
+    "Y0902": "choose another configuration (NEAR) or a via pose; where these links always touch, `yarc robot check` says what to write into robot.toml",
+    "Y0930": "keep a little farther away, or draw what it passes with boxes, cylinders, spheres and capsules: past these the proof is sharper than along a hollow mesh",
+    "Y0903": "keep away by its margin: a via pose or a slower approach elsewhere; or make the margin smaller in the cell.toml",
+}

@@ -1,0 +1,184 @@
+"""Where the parts of a cell are while a text is executed, and what is wrong with how they are taken and put down."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from yarclang import hir
+from yarclang.cell.model import Cell, Parts
+from yarclang.certify.read.layout import Layout
+from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.frozen import frozen
+from yarclang.handling.grasp import Grasp
+from yarclang.handling.seating import deepest, first_of, nearest_to
+from yarclang.handling.surroundings import INTO, MOST_UNSURE
+from yarclang.handling.walk import Handling, followed, handling_of
+from yarclang.robot.model import Robot
+from yarclang.units import MM
+
+ON = 5e-3
+"""A part that is let go farther than this and its margin from everything falls [m]."""
+
+
+@frozen(eq=False)
+class Handled:
+    """The cell as it is during each motion, by the motion's step, and what the robot carries then.
+
+    Without parts both are empty, and the cell is the program's.
+    """
+
+    cell: Cell | None
+    cells: Mapping[int, Cell | None]
+    carried: Mapping[int, tuple[str, ...]]
+
+    def at(self, step: int) -> Cell | None:
+        """Return the cell as it is during a motion."""
+        return self.cells.get(step, self.cell)
+
+
+def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled, list[Diagnostic]]:
+    """Follow the parts of the program's cell through a text, from where its motions really end.
+
+    Args:
+        layout: the whole text; motions of a plan in part may be missing.
+        program: its steps say which outputs are set, its cell which of them move grippers. That the text sets the same outputs at the same places is proved
+            elsewhere (`yarclang.certify.flow`).
+        robot: whose flange carries the parts.
+    """
+    if program.cells is not None:
+        return Handled(program.cell, program.cells, {}), []
+    handling = handling_of(robot, program.cell, program.steps)
+    if not handling.is_needed:
+        return Handled(program.cell, {}, {}), []
+    start = layout.begins[0] if len(layout.begins) else program.start
+    ends = {place.step: layout.ends[row] for row, place in enumerate(layout.places)}
+    found = followed(handling, start, ends)
+    carried = {step: tuple(one.name for one in parts.held()) for step, parts in found.before.items()}
+    flowing = {place.step for place in layout.places if place.behind is not None}
+    findings = list(_findings(handling, found.grasps, found.before, flowing))
+    findings += _left_over(handling, found.grasps, found.end)
+    return Handled(program.cell, found.cells, carried), findings
+
+
+def _findings(
+    handling: Handling, grasps: Mapping[int, Grasp], before: Mapping[int, Parts], flowing: set[int]
+) -> list[Diagnostic]:
+    """Return what is wrong with what grippers do, in the order of the program."""
+    found: list[Diagnostic] = []
+    motions = sorted(before)
+    for number, grasp in grasps.items():
+        origin = _origin(handling, number)
+        last = max((step for step in motions if step < number), default=None)
+        if last in flowing:
+            does = "closes" if grasp.closes else "opens"
+            message = f"the gripper {does} while the robot flows from one motion into the next"
+            found.append(_finding("Y0944", message, origin, _REST))
+        if grasp.closes and not grasp.moved:
+            found.append(_nothing(grasp, origin))
+        elif grasp.closes:
+            found += _taken(handling, grasp, origin)
+        elif grasp.moved:
+            found += _put_down(handling, grasp, origin)
+    for step in motions:
+        unsure = {one.part.body.name for one in before[step].held() if not one.is_sure}
+        if len(unsure) > MOST_UNSURE:
+            command = handling.steps[step]
+            assert isinstance(command, hir.Motion)
+            message = f"after the WHENs before it the robot may hold any of {len(unsure)} parts, more than {MOST_UNSURE}"
+            found.append(_finding("Y0945", message, command.origin, _UNSURE))
+            break
+    return list(grouped(found))
+
+
+def _origin(handling: Handling, number: int) -> hir.Origin:
+    step = handling.steps[number]
+    assert isinstance(step, hir.SetOutput)  # nothing else moves a gripper
+    return step.origin
+
+
+def _finding(code: str, message: str, origin: hir.Origin, help_: str) -> Diagnostic:
+    return Diagnostic(code, message, origin.source, origin.span, help_, place=origin.place)
+
+
+def _nothing(grasp: Grasp, origin: hir.Origin) -> Diagnostic:
+    frame, near = grasp.grip.frame, grasp.near
+    if near is None:
+        message = f"the gripper at {{{frame}}} closes, and no part lies anywhere: all are taken"
+    else:
+        message = (
+            f"the gripper at {{{frame}}} closes on nothing: {near.item.name}, the nearest part, is "
+            f"{near.distance / MM:.4g} mm away, and it reaches {grasp.grip.reach / MM:.4g} mm"
+        )
+    return _finding("Y0940", message, origin, _NEARER)
+
+
+def _taken(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
+    """Return what looks wrong where parts are taken: one that begins in the air or inside of something, or a gripper deep in it."""
+    cell = handling.cell
+    if cell is None:
+        return []
+    found = []
+    margin = {one.name: one.margin for one in cell.obstacles}
+    for item in first_of(grasp):
+        name, near = item.name, nearest_to(handling.robot, cell, grasp, item.name)
+        if near is None or near.least > ON + max(margin.get(near.other or "", 0.0), item.part.body.margin):
+            message = f"{name} lies on nothing where the program starts: "
+            message += (
+                f"{near.other}, the nearest body, is {near.least / MM:.3g} mm away"
+                if near
+                else "the cell has no other body"
+            )
+            found.append(_finding("Y0946", message, origin, _START))
+        elif near.least < -INTO:
+            message = f"{name} is {-near.least / MM:.3g} mm deep in {near.other} where the program starts"
+            found.append(_finding("Y0946", message, origin, _START))
+    for name in grasp.moved:
+        if (deep := deepest(handling.robot, cell, grasp, name)) is not None:
+            depth = f"{-deep.least / MM:.3g} mm"
+            message = f"{deep.other} is {depth} deep in {name} where the gripper closes"
+            found.append(_finding("Y0947", message, origin, _DEEP.format(depth)))
+    return found
+
+
+def _put_down(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
+    """Return what is wrong with how parts are let go: inside of something, or in the air."""
+    found = []
+    margin = {one.name: one.margin for one in handling.cell.obstacles} if handling.cell else {}
+    beside = handling.supports(grasp)
+    for name in grasp.moved:
+        own = [one for one in beside if one.part == name]
+        if own and (worst := min(own, key=lambda one: one.least)).least < -INTO:
+            message = f"{name} is put {-worst.least / MM:.3g} mm into {worst.other}"
+            found.append(_finding("Y0942", message, origin, _INTO))
+        elif not any(one.least <= ON + margin.get(one.other or "", 0.0) for one in own):
+            nearest = min(own, key=lambda one: one.least, default=None)
+            where = "nothing is near it"
+            if nearest is not None:
+                where = f"{nearest.other}, the nearest body, is {nearest.least / MM:.3g} mm away"
+            found.append(_finding("Y0943", f"{name} is let go in the air: {where}", origin, _AIR))
+    return found
+
+
+def _left_over(handling: Handling, grasps: Mapping[int, Grasp], end: Parts) -> list[Diagnostic]:
+    """Return a finding about parts that were taken and never put down."""
+    found = []
+    if handling.cell is not None and handling.cell.present is not None and handling.cell.present.goes_on:
+        return []  # the next line of the session may put them down
+    for item in end.held():
+        taken = [one for one in grasps.values() if one.closes and item.name in one.moved]
+        if not taken:
+            continue  # the robot has carried it from the start
+        may = "is" if item.is_sure else "may be"
+        message = f"{item.name} is taken here, and {may} still in the gripper where the program ends"
+        found.append(_finding("Y0941", message, _origin(handling, taken[-1].step), _DOWN))
+    return list(grouped(found))
+
+
+_REST = "remove BLEND from the motion before it: parts are taken and put down at rest"
+_NEARER = "lead the gripper's frame to the part, or correct where the part lies, or reach, in the cell.toml"
+_INTO = "put it down higher, or correct the shapes in the cell.toml"
+_AIR = "put it down lower, or add to the cell.toml what it stands on"
+_DOWN = "open the gripper before the program ends; if another program does, this is as it should be"
+_START = "correct frame or xyz of the part in the cell.toml, or add what it lies on"
+_DEEP = "the part's or the gripper's frame may be wrong by about {}; fingers on two sides of a part are best described as two bodies"
+_UNSURE = "end the ways of a WHEN with the same parts in the grippers"

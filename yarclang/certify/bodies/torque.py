@@ -1,0 +1,220 @@
+"""What motions ask of the motors: joint torques along the text's segments against efforts, bounded between the places that are calculated."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bodies.handled import Handled
+from yarclang.certify.bodies.sweep import moving_chunks
+from yarclang.certify.bodies.torque_bounds import torque_bends
+from yarclang.certify.certificate import IDLE, Load
+from yarclang.certify.moments import pose_text
+from yarclang.certify.motion.bounds import Cubics, segment_max
+from yarclang.certify.motion.limits import RELATIVE
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
+from yarclang.frozen import frozen
+from yarclang.handling.surroundings import load_cases
+from yarclang.hir import TimedMove
+from yarclang.robot.dynamics import holding_torques, torques
+from yarclang.robot.model import Array, Dynamics, Robot
+from yarclang.units import UNITS
+from yarclang.written import stretch_fix
+
+REMAINDER = 0.003
+"""What lies between two calculated places adds at most about this share of an effort to the largest torque of a motion."""
+PARTS = 64
+"""The most parts into which a segment is cut."""
+ROOM = 0.03
+"""By this share a proposed time is longer than the one at which the effort is used up: in another time a law has another number of segments, and other ramps."""
+
+
+@frozen(eq=False)
+class _Samples:
+    """Torques at S instants of neighbouring motions: `row` is the segment, `time` after its begin [s]; `torque` (S, n) and `bound` (S, n), by how much |torque| may be
+    more up to the next instant; `share` (S, n) of the efforts, of both. `first` (G,) is where each motion begins.
+    """
+
+    row: NDArray[np.int64]
+    time: Array
+    q: Array
+    torque: Array
+    bound: Array
+    share: Array
+    first: NDArray[np.int64]
+
+
+def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
+    """The largest share of an effort of every command by its step, and a finding for each that asks for more than there is.
+
+    Args:
+        layout: the text's segments.
+        robot: its masses and efforts; without, nothing is judged.
+        handled: the cell as it is during each command; what a gripper holds is moved, too.
+    """
+    dynamics = robot.dynamics
+    if dynamics is None or not dynamics.is_checked:
+        return {}, []
+    loads: dict[int, Load] = {place.step: IDLE for place in layout.places}
+    findings: list[Diagnostic] = []
+    for cell, places in moving_chunks(layout, handled):
+        worst: dict[int, Diagnostic] = {}
+        for case in load_cases(robot, cell):
+            _judge_load(layout, places, replace(robot, dynamics=case), (loads, worst))
+        findings += worst.values()
+    return loads, list(grouped(findings))
+
+
+def _judge_load(
+    layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
+) -> None:
+    """Look at what commands ask of the motors with one load; of several loads the worst is kept, of each step."""
+    dynamics, (loads, findings) = robot.dynamics, found
+    assert dynamics is not None  # only then torques are looked at
+    base = places[0].first
+    cubics = layout.cubics(base, places[-1].last)
+    starts = np.array([place.first - base for place in places])
+    samples = _sampled(cubics, starts, robot, dynamics)
+    peaks = segment_max(samples.share, samples.first)
+    ends = [*samples.first[1:].tolist(), len(samples.row)]
+    for number, place in enumerate(places):
+        worst = int(np.argmax(peaks[number]))
+        share = float(peaks[number, worst])
+        if share <= loads[place.step].share:
+            continue
+        loads[place.step] = Load(robot.joint_names[worst], share)
+        if share > 1.0 + RELATIVE:
+            chosen = slice(int(samples.first[number]), ends[number])
+            findings[place.step] = _finding(layout, place, samples, chosen, robot, dynamics)
+
+
+def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
+    """Torques so close together that what lies between hardly counts, where it could count at all."""
+    lower, upper = cubics.position_range()
+    travel = np.maximum(np.abs(lower), np.abs(upper))
+    peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
+    bends = torque_bends(robot.chain, dynamics, travel, peaks)
+    # a function is above the line between two of its values by d^2 / 8 of its second derivative at most
+    whole = bends * (cubics.h[:, None] ** 2 / 8.0)
+    coarse = _looked_at(cubics, starts, whole, np.ones(len(cubics.h), dtype=np.int64), robot)
+    # only where the bound is beyond what was found in the same motion anyway, a closer look tells more
+    seen = segment_max((np.abs(coarse.torque) / dynamics.effort).max(axis=1), coarse.first)
+    motion = np.repeat(np.arange(len(starts)), np.diff(np.append(coarse.first, len(coarse.row))))
+    beyond = coarse.share.max(axis=1) > seen[motion] + REMAINDER
+    if not beyond.any():
+        return coarse
+    wanted = np.ceil(np.sqrt((whole / (REMAINDER * dynamics.effort)).max(axis=1)))
+    close = np.zeros(len(cubics.h), dtype=np.bool_)
+    close[coarse.row[beyond]] = True
+    parts = np.where(close, np.clip(wanted, 1, PARTS), 1).astype(np.int64)
+    return _looked_at(cubics, starts, whole, parts, robot)
+
+
+def _looked_at(
+    cubics: Cubics, starts: NDArray[np.int64], whole: Array, parts: NDArray[np.int64], robot: Robot
+) -> _Samples:
+    """Torques at the ends of equal parts of segments; `whole` (N, n) bounds what a whole segment adds."""
+    dynamics = robot.dynamics
+    assert dynamics is not None  # only then torques are looked at
+    count = len(cubics.h)
+    ends = np.append(starts[1:], count) - 1
+    number = parts.copy()
+    number[ends] += 1  # the end of a motion is looked at as well
+    row = np.repeat(np.arange(count), number)
+    offsets = np.concatenate([[0], np.cumsum(number)])
+    time = (np.arange(len(row)) - offsets[row]) * (cubics.h / parts)[row]
+    segments = cubics.take(row)
+    q, v = segments.at(time)
+    a = segments.a + time[:, None] * segments.j
+    torque = torques(robot.chain, dynamics, q, v, a)
+    bound = (whole / (parts**2)[:, None])[row]
+    bound[offsets[ends + 1] - 1] = 0.0
+    size = np.abs(torque)
+    there = size + bound
+    there[:-1] = np.maximum(there[:-1], np.where(bound[:-1] > 0.0, size[1:] + bound[:-1], 0.0))
+    return _Samples(row, time, q, torque, bound, there / dynamics.effort, offsets[starts])
+
+
+def _finding(
+    layout: Layout, place: Place, samples: _Samples, chosen: slice, robot: Robot, dynamics: Dynamics
+) -> Diagnostic:
+    """Y1801, or, where the arm couldn't even stand there, Y1802."""
+    origin = place.motion.origin
+    torque, bound, q = samples.torque[chosen], samples.bound[chosen], samples.q[chosen]
+    holding = holding_torques(robot.chain, dynamics, q)
+    h = float(layout.time[place.first])
+    time = (samples.row[chosen] - samples.row[chosen][0]) * h + samples.time[chosen]
+    held = np.abs(holding) / dynamics.effort
+    if held.max() > 1.0:
+        at, joint = divmod(int(np.argmax(held)), robot.size)
+        message = (
+            f"{_needs(robot, dynamics, joint, abs(float(holding[at, joint])))} only to hold the arm against gravity, "
+            f"{_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}"
+        )
+        return Diagnostic("Y1802", message, origin.source, origin.span, _TOO_HEAVY, place=origin.place)
+    at, joint = divmod(int(np.argmax(samples.share[chosen])), robot.size)
+    most = float(samples.share[chosen][at, joint] * dynamics.effort[joint])
+    still = abs(float(holding[at, joint]))
+    message = (
+        f"{_needs(robot, dynamics, joint, most)}, {_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}; "
+        f"{_number(still)} {_unit(robot, joint)} of it would hold the arm where it is"
+    )
+    help_, fix = _slower(place, place.size * h, _stretched(torque, holding, bound, dynamics))
+    return Diagnostic("Y1801", message, origin.source, origin.span, help_, fix, place=origin.place)
+
+
+def _needs(robot: Robot, dynamics: Dynamics, joint: int, size: float) -> str:
+    effort = float(dynamics.effort[joint])
+    return (
+        f"{robot.joint_names[joint]} needs {_number(size)} {_unit(robot, joint)}, {size / effort:.1%} of its "
+        f"effort of {effort:g} {_unit(robot, joint)}"
+    )
+
+
+def _when(time: float, duration: float) -> str:
+    return f"{time:.3f} s after its start ({100.0 * time / duration:.0f} %)"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def _unit(robot: Robot, joint: int) -> str:
+    return "N" if robot.joint_kinds[joint] == "prismatic" else "N m"
+
+
+def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
+    """By which factor the motion has to take longer, so that no effort is exceeded; infinite where it doesn't help.
+
+    On the same way in a time that is s times as long, all that isn't gravity's is s^2 times smaller.
+    """
+    moving = torque - holding
+    against = np.where(moving >= 0.0, holding, -holding)  # gravity, in the direction of the rest
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # the bound shrinks as well, but not by so much where gravity changes
+        least = np.where(moving != 0.0, (dynamics.effort - bound - against) / np.abs(moving), np.inf)
+    share = float(least.min())
+    return math.sqrt(max(1.0, 1.0 / share)) * (1.0 + ROOM) if share > 0.0 else math.inf
+
+
+def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | None]:
+    """What to do about a motion of a duration [s] that should take `longer` by a factor, and a fix that writes a time that works."""
+    if not math.isfinite(longer):
+        return f"no time works: {_TOO_HEAVY}", None
+    if place.before is not None or place.behind is not None:
+        return f"all that flows together has to take about {longer:.2f} times as long; or carry less", None
+    origin = place.motion.origin
+    if isinstance(motion := place.motion, TimedMove):
+        stretch = math.ceil(longer * motion.stretch * 1e3) / 1e3
+        return f"a STRETCH that works is about {stretch:.10g}; or carry less", stretch_fix(motion, stretch)
+    value = math.ceil(longer * duration / UNITS[origin.time_unit].factor * 1e3) / 1e3
+    text = f"[{value:.10g}]"
+    fix = Fix(f"write {text}", (Edit(origin.time_span, text),)) if origin.time_span is not None else None
+    return f"a time that works is about {text} ({origin.time_unit}); or carry less", fix
+
+
+_TOO_HEAVY = "carry less, or stay nearer to the joint's axis; if the effort or a mass isn't right, correct it in the URDF, or effort in robot.toml"

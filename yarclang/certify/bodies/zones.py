@@ -1,0 +1,250 @@
+"""Whether what the zones of a cell watch keeps to them while the text is executed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.cell.model import JointWindow
+from yarclang.certify.bodies.handled import Handled
+from yarclang.certify.bodies.remedy import remedy
+from yarclang.certify.bodies.sweep import Sweep, moving_chunks, sweep_of
+from yarclang.certify.certificate import Clearance, ZoneSpeed
+from yarclang.certify.moments import pose_text, span_text
+from yarclang.certify.motion.frames import moving_frame
+from yarclang.certify.motion.speed import KEPT
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.collision.proof import KNOWN
+from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.zones.breach import Beyond, beyond
+from yarclang.collision.zones.moved import Whole
+from yarclang.collision.zones.proof import kept
+from yarclang.collision.zones.speed import fastest_inside
+from yarclang.collision.zones.watched import Moving, tool_frame
+from yarclang.collision.zones.windows import room
+from yarclang.collision.zones.workspace import Watch, watches_of
+from yarclang.diagnostics import Diagnostic, Fix, grouped
+from yarclang.frozen import frozen
+from yarclang.robot.model import Array, Robot
+from yarclang.units import MM
+
+
+@frozen
+class InZones:
+    """What was proved of a command: how near what is watched comes to borders that it must not cross, and how fast it is in slow zones, where that is nearest to
+    what is allowed. None where there are no such zones, or it isn't in one.
+    """
+
+    clearance: Clearance | None
+    speed: ZoneSpeed | None
+
+
+NO_ZONES = InZones(None, None)
+
+
+def find_zones(
+    layout: Layout, program: hir.Program, robot: Robot, handled: Handled
+) -> tuple[dict[int, InZones], list[Diagnostic]]:
+    """What was proved of every command by its step, and a finding for each zone that it breaks.
+
+    Args:
+        layout: the text's segments.
+        program: what it was compiled from; its cell has the zones.
+        robot: its links and kinematics.
+        handled: the cell as it is during each command.
+    """
+    if program.cell is None or not program.cell.zones:
+        return {}, []
+    told: dict[int, InZones] = {}
+    findings: list[Diagnostic] = []
+    for cell, places in moving_chunks(layout, handled):
+        made = scene_of(robot, cell)
+        if made.value is None or cell is None:
+            return {}, []  # that bodies can't be read is told with the collisions
+        for moving, run in _runs(places, robot):
+            judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
+            told |= judge.judged()
+            findings += judge.findings
+    return told, list(grouped(findings))
+
+
+def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Place]]]:
+    """Commands that follow each other and move the same frame, which is what zones watch as the tool."""
+    run: list[Place] = []
+    before: Moving | None = None
+    for place in places:
+        moving = _moving(place.motion, robot)
+        is_same = (
+            before is not None
+            and before.name == moving.name
+            and np.array_equal(before.flange_from_moving, moving.flange_from_moving)
+        )
+        if before is not None and not is_same:
+            yield before, run
+            run = []
+        run.append(place)
+        before = moving
+    if before is not None:
+        yield before, run
+
+
+def _moving(motion: hir.Motion, robot: Robot) -> Moving:
+    """The frame that a motion moves, or that is its tool; {TCP} where it names none."""
+    link = motion.origin.tool
+    if link is None:
+        return tool_frame(robot)
+    if motion.origin.moving is not None:
+        return Moving(link.name, moving_frame(motion))
+    name, placed = link.name, np.eye(4)
+    while link is not None and link.parent is not None:
+        placed = link.parent_from_frame @ placed
+        link = link.parent
+    return Moving(name, placed)
+
+
+class _Judge:
+    """The judgement of some commands, all of which move one frame."""
+
+    def __init__(self, scene: Scene, robot: Robot, sweep: Sweep, watches: Sequence[Watch]) -> None:
+        self.scene, self.robot, self.sweep, self.watches = scene, robot, sweep, watches
+        self.places, self.course, self.spans = sweep.places, sweep.course, sweep.spans
+        self.findings: list[Diagnostic] = []
+
+    def judged(self) -> dict[int, InZones]:
+        """What was proved of each command."""
+        speeds = self._speeds()
+        borders = self._borders()
+        return {place.step: InZones(borders[row], speeds[row]) for row, place in enumerate(self.places)}
+
+    def _borders(self) -> list[Clearance | None]:
+        if not any(one.item is not None and one.zone.rule != "slow" for one in self.watches) and not any(
+            one.item is None for one in self.watches
+        ):
+            return [None] * len(self.places)
+        found = kept(self.scene, self.course, self.spans, self.watches)
+        broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
+        for one in found.breaches:
+            watch, span = self.watches[one.watch], self.sweep.span(one.motion)
+            stay = beyond(self.scene, self.course, span, watch, one.time)
+            broken.setdefault((one.motion, watch.zone.name), []).append((watch, stay))
+        for (row, _), stays in sorted(broken.items(), key=lambda one: one[0][0]):
+            self._break(row, stays)
+        clearances: list[Clearance | None] = []
+        for row in range(len(self.places)):
+            near, least = int(found.nearest[row]), float(found.least[row])
+            if not np.isfinite(least):
+                clearances.append(None)  # only joints are watched
+            elif near < 0 or least >= KNOWN:
+                clearances.append(Clearance(KNOWN))
+            else:
+                watch, at = self.watches[near], float(found.when[row]) - self.sweep.starts(row)
+                clearances.append(Clearance(least, _called(watch), watch.zone.name, at))
+        return clearances
+
+    def _speeds(self) -> list[ZoneSpeed | None]:
+        worst: list[ZoneSpeed | None] = [None] * len(self.places)
+        whole = Whole(self.scene, self.course, self.spans)
+        for watch in self.watches:
+            limit = watch.zone.speed
+            if watch.zone.rule != "slow" or limit is None:
+                continue
+            found = fastest_inside(self.scene, self.course, self.spans, watch, whole=whole)
+            for row in np.flatnonzero(found.segment >= 0).tolist():
+                speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
+                had = worst[row]
+                if had is None or speed.share > had.share:
+                    worst[row] = speed
+                if not speed.share <= 1.0 + KEPT:
+                    self._too_fast(row, speed, float(found.time[row]))
+        return worst
+
+    def _too_fast(self, row: int, speed: ZoneSpeed, time: float) -> None:
+        place = self.places[row]
+        after = time - self.sweep.starts(row)
+        message = (
+            f"{speed.part} goes at {speed.largest / MM:.4g} mm/s in the zone {speed.zone}, where {speed.limit / MM:.4g} mm/s are allowed, "
+            f"{after:.3f} s after its start, {pose_text(self.robot, place.motion.origin, self._at(time))}"
+        )
+        self._find(
+            "Y0911",
+            message,
+            place,
+            "give the motion more time, or [MIN]; or change the zone in the cell.toml",
+        )
+
+    def _break(self, row: int, stays: list[tuple[Watch, Beyond]]) -> None:
+        """A finding about a zone that a command breaks: of what is worst, and the names of the others."""
+        place = self.places[row]
+        watch, found = min(stays, key=lambda one: one[1].slack)
+        q = self._at(self.sweep.starts(row) + found.worst)
+        code, how = self._how(watch, found, q)
+        others = dict.fromkeys(_called(one) for one, _ in stays if _called(one) != _called(watch))
+        more = f"; as well: {', '.join(others)}" if others else ""
+        message = (
+            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} s, "
+            f"{pose_text(self.robot, place.motion.origin, q)}{more}"
+        )
+        when = (min(one.begin for _, one in stays), max(one.end for _, one in stays))
+        self._find(code, message, place, *remedy(place.motion, _REMEDIES[code], when, self.sweep.lasts(row)))
+
+    def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
+        """The code of a breach, and what is wrong where it is worst."""
+        zone = watch.zone
+        if isinstance(zone.region, JointWindow):
+            if zone.rule == "allowed":
+                return "Y0909", f"{self._joint(zone.region, q)} of the zone {zone.name}"
+            (joints,) = np.nonzero(np.isfinite(zone.region.lower) | np.isfinite(zone.region.upper))
+            names = " and ".join(self.robot.joint_names[joint] for joint in joints)
+            return (
+                "Y0909",
+                f"{names} {'is' if len(joints) == 1 else 'are'} in the forbidden window of the zone {zone.name}",
+            )
+        part = _called(watch)
+        if zone.posture is not None:
+            return "Y0910", f"{self._joint(zone.posture, q)} of the zone {zone.name} while {part} is in it"
+        code = "Y0907" if zone.rule == "allowed" else "Y0908"
+        apart = found.slack + zone.margin
+        if apart > 0.0:
+            kept_off = f"from whose border it stays {zone.margin / MM:.4g} mm away"
+            return (
+                code,
+                f"{part} comes within {_mm(apart)} of the border of the zone {zone.name}, {kept_off}",
+            )
+        way = "out of" if zone.rule == "allowed" else "into"
+        return code, f"{part} goes {_mm(max(-apart, 1e-5))} {way} the zone {zone.name}"
+
+    def _joint(self, window: JointWindow, q: Array) -> str:
+        """The joint that is farthest out of a window, and by how much."""
+        out = -room(window, q[None])[0] / self.robot.axis_units
+        joint = int(np.argmax(out))
+        unit, scale = self.robot.axis_unit_names[joint], self.robot.axis_units[joint]
+        return f"{self.robot.joint_names[joint]} is at {q[joint] / scale:.4g} {unit}, {max(out[joint], 1e-4):.3g} {unit} outside of the window"
+
+    def _at(self, time: float) -> Array:
+        q: Array = self.course.at(np.array([time]))[0]
+        return q
+
+    def _find(self, code: str, message: str, place: Place, help_: str, fix: Fix | None = None) -> None:
+        origin = place.motion.origin
+        self.findings.append(
+            Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
+        )
+
+
+def _mm(length: float) -> str:
+    """A length [m] in mm."""
+    return f"{length / MM:.3g} mm" if length < 1.0 else f"{length / MM:,.0f} mm"
+
+
+def _called(watch: Watch) -> str:
+    return watch.item.name if watch.item is not None else "the arm"
+
+
+_REMEDIES = {
+    "Y0907": "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
+    "Y0908": "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
+    "Y0909": "choose another configuration (NEAR) or a via pose; or correct the window in the cell.toml",
+    "Y0910": "take the posture before going in, with NEAR or a MOVEJ in front; or correct the zone in the cell.toml",
+}

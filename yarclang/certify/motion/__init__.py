@@ -1,0 +1,1 @@
+"""Proofs of single motions: limits, paths, speeds."""

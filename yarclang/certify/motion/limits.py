@@ -1,0 +1,134 @@
+"""The limits, at every instant: position, velocity, acceleration and jerk of joints, speed of motors.
+
+On a segment the jerk is constant, so each of them has its extremes in closed form; nothing is sampled.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.certificate import QUANTITIES, Loads, Peaks, Quantity
+from yarclang.certify.motion.bounds import Cubics, segment_max
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.frozen import frozen
+from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.model import Array, Robot
+
+RELATIVE = 1e-9
+"""What the comparison with a limit forgives as rounding, as a share of the limit."""
+POSITION_UNITS = 1e-9
+"""The same for positions, in axis units (deg or mm)."""
+
+
+@frozen
+class Excess:
+    """A limit that one command breaks, where it does so most: `text` says by how much; the segment begins
+    `time` [s] after the command does.
+    """
+
+    quantity: Quantity
+    name: str
+    text: str
+    time: float
+
+
+NO_LOADS = Loads(None, 0)
+
+
+def check_limits(
+    layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
+) -> list[tuple[Loads, tuple[Excess, ...]]]:
+    """Return the loads of neighbouring commands, and the limits that they break.
+
+    Args:
+        layout: the text's segments.
+        places: commands that follow each other, each with segments.
+        cubics: their segments, from the first one's to the last one's.
+        robot: whose limits count.
+    """
+    limits = robot.limits
+    base = places[0].first
+    first = np.array([place.first - base for place in places])
+    speed = cubics.velocity_peaks()
+    acceleration = cubics.acceleration_peaks()
+    motors = cubics.mapped(counts_per_joint(robot)).velocity_peaks()
+    lower, upper = cubics.position_range()
+    with np.errstate(invalid="ignore"):  # without limits: infinity minus infinity
+        middle, half = (limits.upper + limits.lower) / 2.0, (limits.upper - limits.lower) / 2.0
+        off = np.maximum(upper - middle, middle - lower)
+        position = np.where(np.isfinite(half), off / half, 0.0)
+    shares: dict[Quantity, Array] = {
+        "position": position,
+        "velocity": speed / limits.velocity,
+        "acceleration": acceleration / limits.acceleration,
+        "jerk": np.abs(cubics.j) / limits.jerk,
+        "motor_velocity": motors / robot.actuation.velocity,
+    }
+    hold = (acceleration + speed / robot.controller.hold_time) / limits.stop_acceleration
+    past = np.maximum(upper - limits.upper, limits.lower - lower) / robot.axis_units
+    peaks = {quantity: segment_max(share, first) for quantity, share in shares.items()}
+    holds, pasts = segment_max(hold, first), segment_max(past, first)
+
+    broken = {quantity: peak > 1.0 + RELATIVE for quantity, peak in peaks.items()}
+    broken["position"] = pasts > POSITION_UNITS
+    measures = {**shares, "position": past}
+    excesses: dict[int, tuple[Excess, ...]] = {}
+    for row in np.flatnonzero(np.any([joints.any(axis=1) for joints in broken.values()], axis=0)).tolist():
+        place = places[row]
+        rows = slice(place.first - base, place.last - base)
+        excesses[row] = tuple(
+            _excess(quantity, joints[row], measures[quantity][rows], robot, float(layout.time[place.first]))
+            for quantity, joints in broken.items()
+            if joints[row].any()
+        )
+    told = _largest({**peaks, "hold": holds}, robot)
+    return [(Loads(told, row), excesses.get(row, ())) for row in range(len(places))]
+
+
+def _names(quantity: Quantity, robot: Robot) -> tuple[str, ...]:
+    if quantity == "motor_velocity":
+        return tuple(f"motor {motor}" for motor in robot.controller.motors)
+    return robot.joint_names
+
+
+def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
+    """Return the largest of the shares (N, n) of each command."""
+    all_shares = np.array([shares[quantity] for quantity in QUANTITIES])
+    joints = np.argmax(all_shares, axis=2)
+    most = np.take_along_axis(all_shares, joints[:, :, None], axis=2)[:, :, 0]
+    names = tuple(_names(quantity, robot) for quantity in QUANTITIES)
+    return Peaks(names, array("h", joints.T.ravel().tolist()), array("d", most.T.ravel().tolist()))
+
+
+def _excess(
+    quantity: Quantity, joints: NDArray[np.bool_], measure: Array, robot: Robot, segment_time: float
+) -> Excess:
+    """The worst place of one broken limit.
+
+    Args:
+        quantity: of which limit.
+        joints: (n,) which joints or motors break it.
+        measure: (segments, n) shares of the limit; for positions the axis units past it.
+        robot: whose limits count.
+        segment_time: [s].
+    """
+    segment, joint = np.unravel_index(int(np.argmax(np.where(joints, measure, -np.inf))), measure.shape)
+    worst = float(measure[segment, joint])
+    unit = robot.axis_unit_names[joint]
+    if quantity == "position":
+        text = f"goes {worst:.6g} {unit} past its limit"
+    else:
+        if quantity == "motor_velocity":
+            limit, unit = float(robot.actuation.velocity[joint]), "counts/s"
+        else:
+            limit = float(getattr(robot.limits, quantity)[joint] / robot.axis_units[joint])
+            unit += {"velocity": "/s", "acceleration": "/s2", "jerk": "/s3"}[quantity]
+        word = "velocity" if quantity == "motor_velocity" else quantity
+        text = (
+            f"has a peak {word} of {worst * limit:.6g} {unit}, {worst:.2%} of its limit of {limit:.6g} {unit}"
+        )
+    return Excess(quantity, _names(quantity, robot)[joint], text, int(segment) * segment_time)

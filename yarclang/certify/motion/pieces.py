@@ -1,0 +1,111 @@
+"""Segments of a motion cut into pieces, the moving frames between them, and what bounds them there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.certify.motion.bounds import Cubics, arm_fourth, reaches
+from yarclang.certify.motion.programmed import Motion, Rows
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.kinematics.fk import poses_and_jacobians
+from yarclang.robot.model import Array, Chain, Robot
+
+_AT_ONCE = 8_192
+"""Points at which frames and Jacobians are computed at a time."""
+
+
+@frozen(eq=False)
+class Pieces:
+    """Segments cut into pieces: `segment` (P,), duration `d` (P,) [s], and `command` (P,), in order.
+
+    Piece k lies between the points `left`[k] and `left`[k] + 1; those of one command are one more than its pieces. `owner`
+    (N,), `q` and `rate` (N, n) [rad or m, and per s] are the points'.
+    """
+
+    segment: Rows
+    d: Array
+    command: Rows
+    left: Rows
+    owner: Rows
+    q: Array
+    rate: Array
+
+    @staticmethod
+    def cut(cubics: Cubics, command: Rows, pieces: Rows) -> Pieces:
+        """Cut each segment of the commands `command` (N,) into `pieces` (N,) equal ones."""
+        segment = np.repeat(np.arange(len(pieces)), pieces)
+        number = np.arange(len(segment)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        d = (cubics.h / pieces)[segment]
+        of = command[segment]
+        begins = np.flatnonzero(np.diff(of, prepend=-1))
+        left = np.arange(len(segment)) + of
+        last = np.append(begins[1:], len(segment)) + np.arange(len(begins))
+        q, rate = (np.empty((len(segment) + len(begins), cubics.x.shape[1])) for _ in range(2))
+        for begin in range(0, len(segment), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            q[left[part]], rate[left[part]] = cubics.take(segment[part]).at((number * d)[part])
+        closing = np.append(np.flatnonzero(np.diff(command)), len(command) - 1)
+        q[last], rate[last] = cubics.take(closing).at(cubics.h[closing])
+        owner = np.empty(len(q), dtype=np.int64)
+        owner[left], owner[last] = of, np.arange(len(begins))
+        return Pieces(segment, d, of, left, owner, q, rate)
+
+
+def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion:
+    """Moving frames at the points between pieces, each on its owner's `flange_from_moving` (C, 4, 4)."""
+    count = len(cut.q)
+    motion = Motion(
+        np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3)), cut.d
+    )
+    for begin in range(0, count, _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        flange, jacobian = poses_and_jacobians(chain, cut.q[part], np.eye(4))
+        go_on()
+        moving = flange_from_moving[cut.owner[part]]
+        twist = (jacobian @ cut.rate[part, :, None])[:, :, 0]
+        arm = (flange[:, :3, :3] @ moving[:, :3, 3:])[:, :, 0]
+        motion.p[part] = flange[:, :3, 3] + arm
+        motion.velocity[part] = twist[:, :3] + np.cross(twist[:, 3:], arm)
+        motion.rotation[part] = flange[:, :3, :3] @ moving[:, :3, :3]
+        motion.angular[part] = twist[:, 3:]
+    return motion
+
+
+def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: Robot) -> tuple[Array, Array]:
+    """Bounds (N,) of the fourth time derivatives of the frames' origins and rotations, segment by segment.
+
+    Args:
+        cubics: N segments.
+        command: (N,) which of the frames each moves.
+        flange_from_moving: (C, 4, 4).
+        robot: the arm.
+    """
+    size = robot.chain.size
+    low, high = cubics.position_range()
+    # of each command by itself: what is proved of it must not depend on which others there are
+    begins = np.flatnonzero(np.diff(command, prepend=-1))
+    travel = np.zeros((len(flange_from_moving), size))
+    farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)
+    np.maximum.at(travel, command[begins], farthest * robot.chain.is_prismatic)
+    w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
+    origin, rotation = np.empty(len(command)), np.empty(len(command))
+    reached = np.concatenate([travel, flange_from_moving.reshape(-1, 16)], axis=1)
+    kinds, group = np.unique(reached, axis=0, return_inverse=True)
+    kind_of = group.ravel()[command]
+    for i, kind in enumerate(kinds):
+        chosen = kind_of == i
+        reach = reaches(robot.chain, kind[size:].reshape(4, 4), kind[:size])
+        bound = arm_fourth(reach, robot.chain.is_prismatic, w[chosen], a[chosen], j[chosen])
+        origin[chosen], rotation[chosen] = bound.origin, bound.rotation
+    return origin, rotation
+
+
+def hull(e: Array, rate: Array, left: Rows, right: Rows, d: Array) -> Array:
+    """The largest Bezier point of each piece, of errors e (N, m) and their rates at the points."""
+    ends = np.linalg.norm(e, axis=1)
+    third = (d / 3.0)[:, None]
+    inner = np.linalg.norm(e[left] + third * rate[left], axis=1)
+    outer = np.linalg.norm(e[right] - third * rate[right], axis=1)
+    largest: Array = np.maximum(np.maximum(ends[left], ends[right]), np.maximum(inner, outer))
+    return largest

@@ -1,0 +1,344 @@
+"""The curve of the moving frame through poses: natural cubic splines of position and quaternion, the quaternion normalised.
+
+R = M(Q) / |Q|^2, and M and n = |Q|^2 are polynomials of degree 6 on a span. With bounds M_k and N_k of their
+derivatives and n >= n_min, Leibniz' rule for R n = M bounds those of R, one after the other:
+G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min. The bounds are those of Bernstein coefficients on
+cells of each span.
+"""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang import hir
+from yarclang.certify.motion.programmed import Bounds, Motion, Poses, Rows
+from yarclang.certify.motion.project import guess_by_length, places_of, project
+from yarclang.certify.motion.spline import NaturalSpline
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array
+
+FEWEST_CELLS, CELLS = 4, 16
+"""Into how many cells each span is cut, at least and at most."""
+
+CELLS_IN_ALL = 16_384
+"""Cells of a curve, as long as its spans have fewer than the most: the more way-points, the shorter are spans, and the less bent."""
+
+_CELLS_AT_ONCE = 1_024
+"""Cells that are bounded at a time: their polynomials stay in the processor's cache."""
+SAME = 1e-6
+"""Poses whose chord [m] isn't longer count once."""
+STILL = 1e-9
+"""The origin of a frame that goes no farther than this [m] stands still."""
+HALF_TURN = np.pi - 1e-9
+"""Neighbours that are turned by more than this have no short way between them."""
+
+
+@frozen(eq=False)
+class PoseSpline:
+    """One such curve, over s = u / u_total.
+
+    `spline` has position and quaternion (x, y, z, w) as (m, 7) over u; of the bounds, `cells` (K + 1, 4, 2) are those of position and
+    rotation over u on each cell, the last one twice, as many on each span; `jumps` (m + 1, 2) are those of the third derivatives at the way-points before each one, added up.
+    """
+
+    flange_from_moving: Array
+    goal: Array
+    spline: NaturalSpline
+    cells: Array
+    jumps: Array
+    lawful: NDArray[np.bool_]
+    free: tuple[bool, bool]
+
+    @staticmethod
+    def through(
+        poses: Array, flange_from_moving: Array, free: tuple[bool, bool] = (False, False)
+    ) -> PoseSpline | None:
+        """The curve through poses (m, 4, 4) of a frame on the flange; None where all are equal.
+
+        `free` says whether it is joined, and left, elsewhere than at its start and its end.
+        """
+        q = _aligned(_quaternions(poses[:, :3, :3]))
+        # half the turn between neighbours is the angle between their quaternions
+        apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
+        turn = 4.0 * np.arctan2(*apart)
+        steps = np.hypot(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1), hir.TURN_CHORD * turn)
+        if (steps <= SAME).any():
+            kept = np.concatenate([[True], steps > SAME])
+            return PoseSpline.through(poses[kept], flange_from_moving, free) if kept.sum() > 1 else None
+        spline = NaturalSpline.over(steps, np.concatenate([poses[:, :3, 3], q], axis=1))
+        lawful = np.array([bool((turn < HALF_TURN).all())])
+        cells = _cells(spline)
+        jumps = np.concatenate([np.zeros((1, 2)), np.cumsum(_jumps(spline), axis=0)])
+        return PoseSpline(
+            flange_from_moving[None],
+            poses[-1:],
+            spline,
+            np.concatenate([cells, cells[-1:]]),
+            jumps,
+            lawful,
+            free,
+        )
+
+    @property
+    def total(self) -> float:
+        """The last u [m]."""
+        return float(self.spline.s[-1])
+
+    def at(self, owner: Rows, s: Array) -> Poses:  # noqa: ARG002 - there is only one
+        """The curve at `s` (N,)."""
+        parts = [self._at(s[begin : begin + _AT_ONCE]) for begin in range(0, len(s), _AT_ONCE)]
+        if len(parts) == 1:
+            return parts[0]
+        return Poses(
+            np.concatenate([part.p for part in parts] or [np.zeros((0, 3))]),
+            np.concatenate([part.along for part in parts] or [np.zeros((0, 3))]),
+            np.concatenate([part.rotation for part in parts] or [np.zeros((0, 3, 3))]),
+            np.concatenate([part.spin for part in parts] or [np.zeros((0, 3, 3))]),
+        )
+
+    def _at(self, s: Array) -> Poses:
+        go_on()
+        y, slope = self.spline.at(s * self.total)
+        q, rate = y[:, 3:], slope[:, 3:]
+        n = np.einsum("ni,ni->n", q, q)[:, None, None]
+        rotation = _matrix(q, q) / n
+        n_rate = 2.0 * np.einsum("ni,ni->n", q, rate)[:, None, None]
+        spin = (2.0 * _matrix(q, rate) - rotation * n_rate) / n
+        return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
+
+    def _lengths(self) -> tuple[Array, Array]:
+        """Places s (N,) and about the way of the frame's origin up to them [m]: by Simpson's rule."""
+        s = places_of(self.spline.s / self.total)
+        way = np.zeros(len(s))
+        for begin in range(0, len(s) - 1, _AT_ONCE):
+            go_on()
+            u = s[begin : begin + _AT_ONCE + 1] * self.total
+            middle = (u[1:] + u[:-1]) / 2.0
+            at, between = (np.linalg.norm(self.spline.at(one)[1][:, :3], axis=1) for one in (u, middle))
+            way[begin + 1 : begin + len(u)] = np.diff(u) * (at[:-1] + 4.0 * between + at[1:]) / 6.0
+        return s, np.cumsum(way)
+
+    def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - there is only one
+        """The largest of the cells between; the polynomials of the ends go on beyond them, and are bounded only up to there."""
+        count = len(self.cells) - 1
+        each = count // (len(self.spline.s) - 1)
+        u = np.stack([low, high]) * self.total
+        span = self.spline.span(u)
+        share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
+        cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
+        # to the neighbours as well: the floor of a quotient may be one off
+        first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
+        most = _range_max(self.cells, first, last)
+        before, behind = _margins(self.spline)
+        beyond = (u[0] < -before) | (u[1] > self.total + behind)
+        most = np.where(beyond[:, None, None], np.inf, most) * self.total ** np.arange(1.0, 5.0)[:, None]
+        knot = (
+            np.searchsorted(self.spline.s, u[0], side="left"),
+            np.searchsorted(self.spline.s, u[1], side="right"),
+        )
+        jump = np.maximum(self.jumps[knot[1]] - self.jumps[knot[0]], 0.0) * self.total**3
+        return Bounds(most[:, :, 0], most[:, :, 1], jump[:, 0], jump[:, 1])
+
+    def project(
+        self,
+        motion: Motion,
+        owner: Rows,  # noqa: ARG002 - there is only one
+        position: Array,
+        angle: Array,
+        share: Array | None = None,
+    ) -> tuple[Array, Array]:
+        """Least squares of the differences of position and rotation matrix, each against its tolerance."""
+        weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle[0]))])
+        y, rate = (np.empty((len(motion.p), 12)) for _ in range(2))
+        y[:, :3], y[:, 3:] = motion.p, motion.rotation.reshape(-1, 9)
+        rate[:, :3] = motion.velocity
+        for begin in range(0, len(y), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            turning = np.cross(motion.angular[part, :, None], motion.rotation[part], axis=1)
+            rate[part, 3:] = turning.reshape(-1, 9)
+        y *= weights
+        rate *= weights
+        curve = _Weighed(self, weights)
+        s, lengths = (None, np.zeros(1)) if share is None else self._lengths()
+        if s is None or share is None or lengths[-1] < STILL:
+            guess, pace = guess_by_length(curve, y, self.spline.s / self.total, self.free)
+        else:
+            guess = np.interp(share * lengths[-1], lengths, s)
+            pace = float(np.linalg.norm(np.diff(y, axis=0), axis=1).sum())
+        return project(curve, y, rate, guess, pace, motion.d)
+
+
+_AT_ONCE = 8_192
+"""Places of a curve that are computed between two looks at whether to go on: some 10 ms."""
+
+BEYOND = 1e-3
+"""How far beyond its ends, as a share of the whole, a curve is bounded at most."""
+
+BEYOND_SHORT = 1e-4
+"""How far beyond a span at an end that is shorter than this [m]: cubics grow without bound."""
+
+
+@frozen(eq=False)
+class _Weighed:
+    """A curve of poses in coordinates that count the same."""
+
+    path: PoseSpline
+    weights: Array
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        """Position and rotation matrix, and their derivatives, (N, 12) each."""
+        poses = self.path.at(np.zeros(len(s), dtype=np.int64), s)
+        y = np.concatenate([poses.p, poses.rotation.reshape(-1, 9)], axis=1)
+        slope = np.concatenate([poses.along, poses.spin.reshape(-1, 9)], axis=1)
+        return y * self.weights, slope * self.weights
+
+
+def _quaternions(rotations: Array) -> Array:
+    """Unit quaternions (m, 4), (x, y, z, w), of rotations (m, 3, 3): the eigenvector to the eigenvalue 3 (Bar-Itzhack 2000)."""
+    r = rotations
+    k = np.empty((len(r), 4, 4))
+    k[:, :3, :3] = r + r.transpose(0, 2, 1)
+    k[:, :3, :3] -= np.trace(r, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+    vee = np.stack(
+        [r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]],
+        axis=1,
+    )
+    k[:, :3, 3] = k[:, 3, :3] = vee
+    k[:, 3, 3] = np.trace(r, axis1=1, axis2=2)
+    vectors: Array = np.linalg.eigh(k)[1][:, :, 3]
+    return vectors
+
+
+def _aligned(q: Array) -> Array:
+    """The same with each one's sign nearer to the one before."""
+    signs = np.where(np.einsum("ni,ni->n", q[1:], q[:-1]) < 0.0, -1.0, 1.0)
+    aligned: Array = q * np.concatenate([[1.0], np.cumprod(signs)])[:, None]
+    return aligned
+
+
+def _matrix(a: Array, b: Array) -> Array:
+    """The symmetric bilinear form (..., 3, 3) of quaternions (..., 4) that is |q|^2 times the rotation matrix for a = b = q."""
+    v, w = a[..., :3], a[..., 3]
+    x, y = b[..., :3], b[..., 3]
+    outer = v[..., :, None] * x[..., None, :]
+    inner = w * y - np.einsum("...i,...i->...", v, x)
+    cross = w[..., None] * x + y[..., None] * v
+    matrix: Array = outer + outer.swapaxes(-1, -2)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        matrix[..., i, i] += inner
+        matrix[..., k, j] += cross[..., i]
+        matrix[..., j, k] -= cross[..., i]
+    return matrix
+
+
+def _cells(spline: NaturalSpline) -> Array:
+    """Bounds (K, 4, 2) of the first four derivatives over u, of position and rotation, on the cells of all spans, as many on each; those at
+    the ends reach a little beyond them.
+    """
+    spans = len(spline.s) - 1
+    each = min(CELLS, max(FEWEST_CELLS, CELLS_IN_ALL // spans))
+    size = max(1, _CELLS_AT_ONCE // each)
+    parts = [_cells_of(spline, begin, min(begin + size, spans), each) for begin in range(0, spans, size)]
+    return np.concatenate(parts)
+
+
+def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
+    """Those on `each` cells of the spans from `first` up to `last` (not included)."""
+    go_on()
+    widths = np.diff(spline.s[first : last + 1])
+    edge = np.arange(each + 1) / each
+    start = np.tile(edge[:-1], (len(widths), 1))
+    width = np.full((len(widths), each), 1.0 / each)
+    before, behind = _margins(spline)
+    if first == 0:
+        start[0, 0] -= 2.0 * before / widths[0]
+        width[0, 0] += 2.0 * before / widths[0]
+    if last == len(spline.s) - 1:
+        width[-1, -1] += 2.0 * behind / widths[-1]
+    u0 = start * widths[:, None]
+    size = (width * widths[:, None])[:, :, None]
+    chord = widths[:, None]
+    y, b0, b1 = spline.y[first : last + 1], spline.bend[first:last], spline.bend[first + 1 : last + 1]
+    slope = np.diff(y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    power = np.stack([y[:-1], slope, b0 / 2.0, (b1 - b0) / chord / 6.0])[:, :, None]
+    t = u0[:, :, None]
+    # the cubics about the start of each cell, over the share of the cell
+    local = np.stack(
+        [
+            power[0] + t * (power[1] + t * (power[2] + t * power[3])),
+            (power[1] + t * (2.0 * power[2] + t * 3.0 * power[3])) * size,
+            (power[2] + t * 3.0 * power[3]) * size**2,
+            np.broadcast_to(power[3], (*u0.shape, y.shape[1])) * size**3,
+        ]
+    ).reshape(4, -1, y.shape[1])
+    size = size.reshape(-1)
+    q = local[..., 3:]
+    n, matrices = np.zeros((7, len(size))), np.zeros((7, len(size), 3, 3))
+    for i in range(4):
+        for k in range(4):
+            n[i + k] += np.einsum("ni,ni->n", q[i], q[k])
+            matrices[i + k] += _matrix(q[i], q[k])
+    n_min = _bernstein(n[..., None])[..., 0].min(axis=0)
+    n_top = [np.abs(_bernstein(_derivative(n[..., None], k))).max(axis=(0, 2)) for k in range(5)]
+    m = matrices.reshape(7, -1, 9)
+    m_top = [np.linalg.norm(_bernstein(_derivative(m, k)), axis=2).max(axis=0) for k in range(5)]
+    bound = [np.full(len(size), np.sqrt(3.0))]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for k in range(1, 5):
+            total = m_top[k] + sum(comb(k, j) * bound[j] * n_top[k - j] for j in range(k))
+            bound.append(np.where(n_min > 1e-6, total / n_min, np.inf))
+    p = local[..., :3]
+    cells = np.zeros((len(size), 4, 2))
+    for k in range(1, 5):
+        if k < 4:
+            top = np.linalg.norm(_bernstein(_derivative(p, k)), axis=2).max(axis=0)
+            cells[:, k - 1, 0] = top / size**k
+        cells[:, k - 1, 1] = bound[k] / size**k
+    return cells
+
+
+def _margins(spline: NaturalSpline) -> tuple[float, float]:
+    """How far before its start and beyond its end a curve is bounded, in u."""
+    first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
+    most = BEYOND * float(spline.s[-1])
+    return min(most, max(first, BEYOND_SHORT)), min(most, max(last, BEYOND_SHORT))
+
+
+def _derivative(power: Array, times: int) -> Array:
+    """The coefficients of a derivative of polynomials (degree + 1, ...)."""
+    for _ in range(times):
+        power = power[1:] * np.arange(1.0, len(power)).reshape(-1, *(1,) * (power.ndim - 1))
+    return power
+
+
+def _bernstein(power: Array) -> Array:
+    """Bernstein coefficients on [0, 1] of polynomials with the coefficients `power` (degree + 1, ...)."""
+    degree = len(power) - 1
+    matrix = np.array([[comb(i, k) / comb(degree, k) for k in range(degree + 1)] for i in range(degree + 1)])
+    coefficients: Array = np.tensordot(matrix, power, 1)
+    return coefficients
+
+
+def _jumps(spline: NaturalSpline) -> Array:
+    """How much the third derivatives of position and rotation jump at the way-points (m, 2); not at the ends, where the cubics go on."""
+    third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
+    jumps = np.zeros((len(spline.s), 2))
+    step, q = np.diff(third, axis=0), spline.y[1:-1, 3:]
+    jumps[1:-1, 0] = np.linalg.norm(step[:, :3], axis=1)
+    n = np.einsum("ni,ni->n", q, q)[:, None, None]
+    # of R n = M, only terms with the third derivative of Q jump
+    across = 2.0 * np.einsum("ni,ni->n", q, step[:, 3:])[:, None, None]
+    turn = (2.0 * _matrix(q, step[:, 3:]) - _matrix(q, q) / n * across) / n
+    jumps[1:-1, 1] = np.linalg.norm(turn, axis=(1, 2))
+    return jumps
+
+
+def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
+    """The largest of the rows `first` up to `last` (not included) of a table, for each pair; the table has one row more, which is never the last."""
+    pairs = np.stack([first, last], axis=1).ravel()
+    most: Array = np.maximum.reduceat(padded, pairs, axis=0)[::2]
+    return most

@@ -1,0 +1,130 @@
+"""Programmed speeds that aren't reached: said once for each region of a chain, with the place where it is slowest, and what is used up there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+
+from yarclang.certify.certificate import Loads, Quantity, ToolSpeed
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.diagnostics import Diagnostic, grouped
+from yarclang.hir import Origin
+from yarclang.written import slower
+
+TOLD = 0.99
+"""A share of a programmed speed above which nothing is said: a rounded corner takes a little of it."""
+
+_USED_UP = 0.85
+"""A limit of which a larger share is used where it is slowest is the reason for it."""
+
+_KINDS: dict[Quantity, str] = {
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "jerk": "jerk",
+    "motor_velocity": "motor speed",
+}
+
+
+def slowed(
+    layout: Layout,
+    speeds: Mapping[int, ToolSpeed | None],
+    shares: Callable[[int], float],
+    loads: Mapping[int, Loads],
+) -> tuple[Diagnostic, ...]:
+    """Return a warning for each region in which a programmed speed isn't reached.
+
+    Args:
+        layout: the text's commands.
+        speeds: what was proved, by steps.
+        shares: the share of its programmed speed to which a motion is held, by its step.
+        loads: what is used of the limits, by steps.
+    """
+
+    def share_of(place: Place) -> float:
+        speed = speeds.get(place.step)
+        if speed is None or math.isnan(speed.programmed):
+            return 1.0
+        claimed = shares(place.step)
+        # what was proved may be more than what was claimed
+        proved = claimed * speed.least / speed.programmed
+        return min(proved, 1.0) if proved > claimed else claimed
+
+    found = []
+    for stretch in _stretches(layout):
+        told = [share_of(place) for place in stretch]
+        first, last = _between_ramps(stretch, told)
+        for begin, end in _regions(told, first, last):
+            at = min(range(begin, end), key=told.__getitem__)
+            place, others = stretch[at], None
+            if end - begin > 1:
+                others = stretch[begin].motion.origin, stretch[end - 1].motion.origin
+            found.append(_warning(place.motion.origin, told[at], others, loads.get(place.step)))
+    return grouped(found)
+
+
+def _stretches(layout: Layout) -> Iterator[list[Place]]:
+    """Yield the motions from rest to rest."""
+    stretch: list[Place] = []
+    for place in layout.places:
+        if not place.size:
+            continue
+        if stretch and place.before is None:
+            yield stretch
+            stretch = []
+        stretch.append(place)
+    if stretch:
+        yield stretch
+
+
+def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]:
+    """Return the motions, from and up to, that aren't still getting to their speed, or coming to rest from it, over several motions."""
+    first, last = 0, len(stretch)
+    if max(shares) <= TOLD:
+        return first, last
+    while shares[first] <= TOLD and stretch[first].behind == 0 and shares[first + 1] >= shares[first]:
+        first += 1
+    while shares[last - 1] <= TOLD and stretch[last - 1].before == 0 and shares[last - 2] >= shares[last - 1]:
+        last -= 1
+    # a dip isn't a ramp
+    return (first if shares[first] > TOLD else 0), (last if shares[last - 1] > TOLD else len(stretch))
+
+
+def _regions(shares: list[float], first: int, last: int) -> Iterator[tuple[int, int]]:
+    """Yield the runs of motions, from and up to, that don't reach their speed."""
+    begin = None
+    for at in range(first, last):
+        if shares[at] <= TOLD:
+            begin = at if begin is None else begin
+        elif begin is not None:
+            yield begin, at
+            begin = None
+    if begin is not None:
+        yield begin, last
+
+
+def _warning(
+    origin: Origin, share: float, others: tuple[Origin, Origin] | None, loads: Loads | None
+) -> Diagnostic:
+    text, fix = slower(share, origin)
+    of_kinds = {} if loads is None else {kind: loads.of(kind) for kind in _KINDS}
+    used = {kind: load for kind, load in of_kinds.items() if load.share >= _USED_UP}
+    why = ""
+    if used:
+        kind = max(used, key=lambda one: used[one].share)
+        why = f", where {used[kind].name} uses {used[kind].share:.0%} of its limit of {_KINDS[kind]}"
+    if others is None:
+        message = (
+            "the limits leave no room to get to this speed on this way: "
+            f"the moving frame goes at {share * 100:.3g} % of it{why}"
+        )
+        help_ = f"{text} is reached; a longer way, gentler corners and larger blends make room"
+    else:
+        first, last = (one.label or one.name for one in others)
+        message = (
+            f"the limits leave no room to keep this speed from {first} to {last}: "
+            f"the moving frame goes at {share * 100:.3g} % of it here, where it is slowest{why}"
+        )
+        help_ = f"{text} is kept; gentler corners, larger blends and a larger TOL make room"
+        fix = None
+    span = origin.time_span or origin.span
+    return Diagnostic("Y0610", message, origin.source, span, help_, fix, origin.place)

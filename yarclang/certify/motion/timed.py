@@ -1,0 +1,235 @@
+"""How far all joints are from a timetable at the same time.
+
+Between two rows the table asks for a polynomial in time, and each segment of the text is one. On each interval that neither a row nor a knot divides, the difference of both is a
+polynomial as well, and lies in the convex hull of its Bezier points: nothing is sampled. Where the hull is larger than what is allowed, the interval is
+halved, which brings the hull nearer to the curve; not where the curve itself is found to be beyond.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.blends.corner import Judged
+from yarclang.certify.certificate import Deviation
+from yarclang.certify.motion.bounds import Cubics
+from yarclang.certify.motion.joint import by_kind
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array, Robot, Tolerance
+
+LATE = 1e-3
+"""The times of the text may be those of the table times a factor, by which the motion takes longer or shorter by up to so much [s]."""
+
+HALVINGS = 8
+"""How often intervals are halved at most."""
+
+_SAME = 1e-9
+"""Rounding of positions [rad or m]."""
+
+
+@frozen(eq=False)
+class Way:
+    """What a table asks for: `times` (m + 1,) from 0 [s], and the Bezier points (m, d + 1, n) of the piece from each to the next [rad or m]."""
+
+    times: Array
+    bezier: Array
+
+
+def programmed(table: hir.Timetable, stands: Array) -> Way:
+    """Return the way of a table for a robot that stands at `stands` (n,) [rad or m] first."""
+    rows = slice(int(table.begins), None)
+    times = np.concatenate(([0.0], table.times[rows]))
+    q = np.vstack((stands, table.positions[rows]))
+    h = np.diff(times)[:, None]
+    rest = np.zeros((1, q.shape[1]))
+    if table.velocities is None:
+        v = _velocities_of_clamped(h[:, 0], q)
+    else:
+        v = np.vstack((rest, table.velocities[rows]))
+    if table.accelerations is None:
+        of_cubic = (q[:-1], q[:-1] + v[:-1] * h / 3.0, q[1:] - v[1:] * h / 3.0, q[1:])
+        return Way(times, np.stack(of_cubic, axis=1))
+    first = table.accelerations[:1] if table.begins else rest
+    a = np.vstack((first, table.accelerations[rows]))
+    left, right = v[:-1] * h / 5.0, v[1:] * h / 5.0
+    of_quintic = (
+        q[:-1],
+        q[:-1] + left,
+        q[:-1] + 2.0 * left + a[:-1] * h**2 / 20.0,
+        q[1:] - 2.0 * right + a[1:] * h**2 / 20.0,
+        q[1:] - right,
+        q[1:],
+    )
+    return Way(times, np.stack(of_quintic, axis=1))
+
+
+def _velocities_of_clamped(h: Array, q: Array) -> Array:
+    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` (m + 1, n) that rests at both ends, from its second derivatives there."""
+    from scipy.linalg import solve_banded
+
+    slope = np.diff(q, axis=0) / h[:, None]
+    right = 6.0 * np.diff(np.vstack((np.zeros((1, q.shape[1])), slope, np.zeros((1, q.shape[1])))), axis=0)
+    band = np.zeros((3, len(q)))
+    band[0, 1:], band[2, :-1] = h, h
+    band[1, :-1] += 2.0 * h
+    band[1, 1:] += 2.0 * h
+    bend = solve_banded((1, 1), band, right, check_finite=False)
+    v = np.zeros_like(q)
+    v[1:] = slope + h[:, None] * (bend[:-1] + 2.0 * bend[1:]) / 6.0
+    v[-1] = 0.0
+    return v
+
+
+def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array, Array]:
+    """Bound how far the joints are from a way at the same time.
+
+    Args:
+        cubics: the segments of one command.
+        way: what the table asks for. If both don't take the same time, its times are scaled.
+        allowed: (n,) [rad or m]; up to there the bound needn't be close.
+
+    Returns:
+        The largest difference of each joint (n,) [rad or m], proved, and when it may be there (n,) [s].
+    """
+    knots = np.concatenate(([0.0], np.cumsum(cubics.h)))
+    rows = way.times * (knots[-1] / way.times[-1])
+    rows[-1] = knots[-1]
+    times = np.unique(np.concatenate((knots, rows)))
+    begin, end = times[:-1], times[1:]
+    middle = (begin + end) / 2.0
+    segment = np.clip(np.searchsorted(knots, middle, side="right") - 1, 0, len(cubics.h) - 1)
+    piece = np.clip(np.searchsorted(rows, middle, side="right") - 1, 0, len(way.bezier) - 1)
+    executed = _part(_bezier_of(cubics)[segment], *_shares(knots, segment, begin, end))
+    asked = _part(way.bezier[piece], *_shares(rows, piece, begin, end))
+    go_on()
+    while executed.shape[1] < asked.shape[1]:
+        executed = _elevated(executed)
+    off = executed - asked
+    most, when = np.zeros(off.shape[2]), np.zeros(off.shape[2])
+    for _ in range(HALVINGS + 1):
+        hull = np.abs(off).max(axis=1)
+        # where it is too far at an end already, a closer bound changes nothing
+        is_beyond = (np.abs(off[:, [0, -1]]) > allowed).any(axis=(1, 2))
+        far = (hull > allowed).any(axis=1) & ~is_beyond
+        is_last = _ == HALVINGS
+        near = hull if is_last else hull[~far]
+        if len(near):
+            at = np.argmax(near, axis=0)
+            own = near[at, np.arange(near.shape[1])]
+            starts = begin if is_last else begin[~far]
+            when = np.where(own > most, starts[at], when)
+            most = np.maximum(most, own)
+        if is_last or not far.any():
+            break
+        left, right = _halves(off[far])
+        half = (begin[far] + end[far]) / 2.0
+        off = np.concatenate((left, right))
+        begin, end = np.concatenate((begin[far], half)), np.concatenate((half, end[far]))
+    return most, when
+
+
+def _shares(borders: Array, number: Array, begin: Array, end: Array) -> tuple[Array, Array]:
+    """Return which shares (N,) of their pieces, between `borders`, intervals begin and end at."""
+    start = borders[number]
+    width = borders[number + 1] - start
+    return np.clip((begin - start) / width, 0.0, 1.0), np.clip((end - start) / width, 0.0, 1.0)
+
+
+def _bezier_of(cubics: Cubics) -> Array:
+    """Return the Bezier points (N, 4, n) of segments."""
+    h = cubics.h[:, None]
+    first = cubics.x + cubics.v * h / 3.0
+    second = first + cubics.v * h / 3.0 + cubics.a * h**2 / 6.0
+    last = cubics.x + h * (cubics.v + h * (cubics.a / 2.0 + h * cubics.j / 6.0))
+    return np.stack((cubics.x, first, second, last), axis=1)
+
+
+def _part(bezier: Array, begin: Array, end: Array) -> Array:
+    """Return the Bezier points (N, d + 1, n) of the parts from the share `begin` (N,) to the share `end` (N,), by de Casteljau's construction."""
+    left = bezier.copy()
+    u = end[:, None, None]
+    for level in range(1, bezier.shape[1]):  # the points before `end`
+        left[:, level:] = left[:, level - 1 : -1] * (1.0 - u) + left[:, level:] * u
+    with np.errstate(invalid="ignore", divide="ignore"):
+        u = np.where(end > 0.0, begin / end, 0.0)[:, None, None]
+    for level in range(1, bezier.shape[1]):  # those behind `begin`
+        left[:, : bezier.shape[1] - level] = (
+            left[:, : bezier.shape[1] - level] * (1.0 - u) + left[:, 1 : bezier.shape[1] - level + 1] * u
+        )
+    return left
+
+
+def _elevated(bezier: Array) -> Array:
+    """Return the same polynomials with one Bezier point more (N, d + 2, n)."""
+    degree = bezier.shape[1]
+    share = (np.arange(1, degree) / degree)[:, None]
+    inner = bezier[:, :-1] * share + bezier[:, 1:] * (1.0 - share)
+    return np.concatenate((bezier[:, :1], inner, bezier[:, -1:]), axis=1)
+
+
+def _halves(bezier: Array) -> tuple[Array, Array]:
+    """Return the Bezier points of the first and the second half of each polynomial."""
+    half, one = np.full(len(bezier), 0.5), np.ones(len(bezier))
+    return _part(bezier, np.zeros(len(bezier)), half), _part(bezier, half, one)
+
+
+def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
+    """Return how far the joints of a motion may be from its table, prismatic and revolute ones."""
+    position, angle = by_kind(motion.within, robot)
+    default = robot.tolerance
+    return Tolerance(position or default.position, angle or default.angle)
+
+
+def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Array) -> Deviation:
+    """Prove how far a motion is from its timetable, and report what is beyond its tolerance.
+
+    Args:
+        judged: by what it is judged.
+        layout: the text's commands.
+        row: the number of the motion.
+        place: the motion.
+        start: (n,) where the robot stands before it [rad or m].
+    """
+    motion, robot = place.motion, judged.robot
+    assert isinstance(motion, hir.TimedMove)
+    table, within = motion.asked, motion.within
+    if table.begins:
+        off = np.abs(table.positions[0] - start)
+        if (off > within + _SAME).any():
+            _report(
+                judged, place, "Y1159", "the table begins with {} {:.6g} {} from where the robot stands", off
+            )
+    way = programmed(table, start)
+    end = layout.ends[row] if place.size else start
+    off_at_end = np.abs(end - table.positions[-1])
+    if place.size:
+        off, when = largest_difference(layout.cubics(place.first, place.last), way, within)
+    else:
+        off, when = np.abs(way.bezier - start).max(axis=(0, 1)), np.zeros(len(start))
+    if (off_at_end > within + _SAME).any():
+        _report(
+            judged,
+            place,
+            "Y1160",
+            "the motion ends with {} {:.6g} {} from the last row of its table",
+            off_at_end,
+        )
+    elif not (off <= within + _SAME).all():
+        joint = int(np.argmax(off / within))
+        about = f", about {when[joint]:.6g} s after its start"
+        _report(judged, place, "Y1159", "{} is proved within {:.6g} {} of its timetable" + about, off)
+    position, angle = by_kind(off, robot)
+    return Deviation(position, angle, *by_kind(off_at_end, robot))
+
+
+def _report(judged: Judged, place: Place, code: str, form: str, off: Array) -> None:
+    """Report the joint that is farthest beyond what is allowed."""
+    motion, robot = place.motion, judged.robot
+    assert isinstance(motion, hir.TimedMove)
+    joint = int(np.argmax(off / motion.within))
+    unit, factor = robot.axis_unit_names[joint], robot.axis_units[joint]
+    said = form.format(robot.joint_names[joint], off[joint] / factor, unit)
+    allowed = f"allowed are {motion.within[joint] / factor:.6g} {unit}"
+    judged.find(code, f"{said}; {allowed} (TOL)", place.step)

@@ -1,0 +1,1 @@
+"""Reads a controller text: header, lines, numbers, and the segments that they make."""

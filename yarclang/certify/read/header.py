@@ -1,0 +1,170 @@
+"""Reads the comments at the top of a controller text: its header, and the map of its commands and barriers."""
+
+from __future__ import annotations
+
+import re
+from sys import intern
+
+from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
+from yarclang.certify.read.text import Barred, Entry, Unreadable
+from yarclang.emitted.header import COLUMNS, Header
+from yarclang.frozen import frozen
+from yarclang.lasting import Lasting
+
+_FIRST = re.compile(r"; yarcc (\S{1,40}): (.*)")
+_TARGET = re.compile(r"; target ([a-z]{1,20})")
+_ROBOT = re.compile(r"; robot (\S+) ([0-9a-f]{64})")
+_PROGRAM = re.compile(r"; program ([0-9a-f]{64})")
+_MADE_WITH = re.compile(r"; made with (.*)")
+_START = re.compile(r"; start ([-A-Z0-9.]+) \((.*)\)")
+_TIME = r"[0-9]{1,4}(?:\.[0-9]{1,12})?"
+_SECONDS = r"[0-9]{1,9}\.[0-9]{3}"
+_DURATION = re.compile(
+    rf"; duration (?:({_SECONDS}) to )?({_SECONDS}) s(?: and (?:([0-9]{{1,9}}) to )?([0-9]{{1,9}}) waits?)?"
+    rf"(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
+)
+_LONGEST = re.compile(rf"; longest segment asked for ({_TIME}) ms")
+_LOADING = re.compile(r"; (loading .{1,200})")
+_CERTIFICATE = re.compile(r"; certificate (.*)")
+_SEAL = re.compile(r"; sha256 (-|[0-9a-f]{64})")
+
+_ENTRY = re.compile(
+    r"; command ([0-9]{1,9}) (\S+) (\S+) ([0-9]{1,9}) "
+    r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
+)
+_BARRIER = re.compile(
+    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end) ([0-9]{1,9}) "
+    r"(-|[MPQ][0-9]{1,4}=-?[0-9]{1,9}(?:\.[0-9]{1,9})?) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
+)
+_CONDITIONAL = ("wait", "when")
+
+
+@frozen
+class Preamble:
+    """All that stands above the first line that the controller reads: the header, the map's commands, and its barriers by their lines."""
+
+    header: Header
+    entries: tuple[Entry, ...]
+    barriers: dict[int, Barred]
+
+
+def header_of(text: str) -> Preamble | Unreadable:
+    """Read the comments at the top of a controller text. The robot needn't be known, and the rest of the text isn't read.
+
+    Args:
+        text: what yarcc has written.
+
+    Returns:
+        What they say, or the first place that isn't what yarcc writes.
+    """
+    try:
+        check_characters(text)
+        return read_preamble(Lines(text))
+    except Refusal as refusal:
+        return Unreadable(*refusal.args)
+
+
+def read_preamble(lines: Lines) -> Preamble:
+    """Read the comments at the top, from the first line on.
+
+    Raises:
+        Refusal: a line isn't what yarcc writes in its place.
+    """
+    header = _read_header(lines)
+    entries: list[Entry] = []
+    while lines.peek().startswith("; command"):
+        entries.append(_read_entry(lines))
+    barriers: dict[int, Barred] = {}
+    still = {entry.step for entry in entries if entry.first is None}
+    while lines.peek().startswith("; barrier"):
+        barrier = _read_barrier(lines)
+        if barrier.line in barriers:
+            lines.refuse(f"names a second barrier for line {barrier.line}", back=1)
+        if barrier.step not in still:
+            lines.refuse(
+                f"gives a barrier to command {barrier.step}: the map has no such command without moves",
+                back=1,
+            )
+        still.remove(barrier.step)
+        barriers[barrier.line] = barrier
+    if lines.peek().startswith(";"):
+        lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
+    return Preamble(header, tuple(entries), barriers)
+
+
+def _read_header(lines: Lines) -> Header:
+    version, source = _matched(lines, _FIRST, "the name of the program")
+    (target,) = _matched(lines, _TARGET, "the target")
+    robot, robot_fingerprint = _matched(lines, _ROBOT, "the robot")
+    (program,) = _matched(lines, _PROGRAM, "the program's hash")
+    (made_with,) = _matched(lines, _MADE_WITH, "what the text was made with")
+    start, units = _matched(lines, _START, "the start")
+    shortest, known, fewest, waits, least, most = _matched(lines, _DURATION, "the duration")
+    longest = ""
+    if lines.peek().startswith("; longest"):
+        (longest,) = _matched(lines, _LONGEST, "the longest segment that was asked for")
+    (loading,) = _matched(lines, _LOADING, "what loading does")
+    if (line := lines.peek()) != f"; {COLUMNS}":
+        lines.refuse(f"is {shown(line)} where the map of commands begins")
+    lines.skip()
+    (certificate,) = _matched(lines, _CERTIFICATE, "the certificate's summary")
+    (seal,) = _matched(lines, _SEAL, "the seal")
+    return Header(
+        version=version,
+        source=source,
+        target=target,
+        loading=loading,
+        robot=robot,
+        robot_fingerprint=robot_fingerprint,
+        program_fingerprint=program,
+        made_with=made_with,
+        start=start,
+        units=units,
+        lasting=Lasting(float(shortest or known), float(known), int(fewest or waits or 0), int(waits or 0)),
+        segments=tuple(one for one in (least, most) if one),
+        longest=longest,
+        certificate=certificate,
+        seal=seal,
+    )
+
+
+def _matched(lines: Lines, form: re.Pattern[str], what: str) -> tuple[str, ...]:
+    """The groups of a line that must have a form; what is missing is empty."""
+    line = lines.peek()
+    found = form.fullmatch(line)
+    if found is None:
+        lines.refuse(f"is {shown(line)} where the header has {what}")
+    lines.skip()
+    return tuple(one or "" for one in found.groups())
+
+
+def _read_entry(lines: Lines) -> Entry:
+    at = lines.line
+    found = _ENTRY.fullmatch(lines.peek())
+    if found is None:
+        lines.refuse(f"is no line of the map of commands: {shown(lines.peek())}")
+    lines.skip()
+    step, index, name, source_line, first, last, blend, any_jerk = found.groups()
+    return Entry(
+        at,
+        int(step),
+        "" if index == "-" else index,
+        intern(name),
+        int(source_line),
+        int(first) if first else None,
+        int(last) if last else None,
+        int(blend) if blend else None,
+        bool(any_jerk),
+    )
+
+
+def _read_barrier(lines: Lines) -> Barred:
+    found = _BARRIER.fullmatch(lines.peek())
+    if found is None:
+        lines.refuse(f"is no line of the map of barriers: {shown(lines.peek())}")
+    line, kind, step, condition, timeout, name = found.groups()
+    if (condition == "-") == (kind in _CONDITIONAL) or (timeout != "-" and kind != "wait"):
+        lines.refuse(f"names a condition or a time that no '{kind}' has: {shown(lines.peek())}")
+    lines.skip()
+    seconds = None if timeout == "-" else float(timeout)
+    return Barred(int(line), kind, int(step), condition, seconds, "" if name == "-" else name)

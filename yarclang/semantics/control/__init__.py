@@ -1,0 +1,1 @@
+"""Loops, conditions and calls, carried out to a flat list of steps."""

@@ -1,0 +1,205 @@
+"""The parameters of a SUB, and what a CALL gives for them."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+import numpy as np
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import Output
+from yarclang.robot.model import Robot
+from yarclang.semantics.control.arguments import Given, names_in
+from yarclang.semantics.declared.meanings import frame_may_be_declared, may_be_declared
+from yarclang.semantics.files import values_of
+from yarclang.semantics.names.frames import known_frame
+from yarclang.semantics.names.scope import KINDS, Frame, Input, JointPosition, Named, Scope, Where
+from yarclang.semantics.values.amounts import Amount, AmountError, no_unit
+from yarclang.semantics.values.units import amount
+from yarclang.source import SourceFile
+from yarclang.subjects import unknown
+from yarclang.syntax.ast import Computed, FrameName, Number, Parameter, Quantity, Statement, Value, Word
+from yarclang.units import UNITS, Unit
+
+
+def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
+    """Names of parameters are declared as others are, and their units are units; `scope` is what the SUB sees."""
+    seen = Scope(scope)
+    for parameter in parameters_of(head):
+        if isinstance(parameter, FrameName):
+            if frame_may_be_declared(head, parameter, seen, findings):
+                seen.declare_frame(parameter.name, Frame(np.eye(4), on_flange=False))
+            continue
+        word = _word(parameter)
+        if word is not None and may_be_declared(head, word, seen, robot, findings, may_hide=True):
+            seen.declare(word.name, Amount(0.0), Where(findings.source, head.span(word.place)))
+        if isinstance(parameter, Parameter) and (unit := parameter.unit) and unit.text.lower() not in UNITS:
+            findings.add_error(no_unit(unit.text), head.span(unit.place))
+
+
+def bind(
+    statement: Statement, scope: Scope, findings: Collector, head: Statement, source: SourceFile, inner: Scope
+) -> bool:
+    """Declare the parameters of a SUB as what a CALL gives for them.
+
+    Args:
+        statement: the CALL.
+        scope: what is known there.
+        findings: of the CALL's file; one says where an argument doesn't fit.
+        head: the SUB's first line.
+        source: its file.
+        inner: the scope of its body.
+
+    Returns:
+        Whether all arguments fit.
+    """
+    wanted, given = parameters_of(head), values_of(statement)[1:]
+    if len(given) != len(wanted):
+        listed = " ".join(value.text for value in wanted) or "nothing"
+        message = (
+            f"{values_of(head)[0].text} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), "
+            f"{len(given)} given"
+        )
+        findings.add("Y0411", message, statement.whole_span)
+        return False
+    fine = True
+    for parameter, value in zip(wanted, given, strict=True):
+        where = Where(source, head.span(parameter.place))
+        fine &= _bind_one(parameter, value, inner, statement, scope, where, findings)
+    return fine
+
+
+def bind_some(
+    statement: Statement,
+    scope: Scope,
+    source: SourceFile,
+    head: Statement,
+    inner: Scope,
+    names: Container[str],
+) -> tuple[Named | None, ...] | None:
+    """Declare some parameters of a SUB as what a CALL gives for them, without findings.
+
+    Args:
+        statement: the CALL.
+        scope: the names that are known there.
+        source: the CALL's file.
+        head: the SUB's first line.
+        inner: the scope of its body.
+        names: the parameters, in upper case; frames are never declared.
+
+    Returns:
+        What they mean, or None if an argument doesn't fit.
+    """
+    wanted, given = parameters_of(head), values_of(statement)[1:]
+    if len(given) != len(wanted):
+        return None
+    where, silent = Where(source, head.whole_span), Collector(source)
+    found: list[Named | None] = []
+    for name, parameter, value in zip(names_of_parameters(head), wanted, given, strict=True):
+        if name in names:
+            if not _bind_one(parameter, value, inner, statement, scope, where, silent):
+                return None
+            found.append(inner.declared(name))
+    return tuple(found)
+
+
+def names_of_parameters(head: Statement) -> list[str]:
+    """Return the names of a SUB's parameters in upper case; empty for a frame."""
+    words = map(_word, parameters_of(head))
+    return [word.name if word is not None else "" for word in words]
+
+
+def _bind_one(
+    parameter: Value,
+    value: Value,
+    inner: Scope,
+    statement: Statement,
+    scope: Scope,
+    where: Where,
+    findings: Collector,
+) -> bool:
+    """One parameter, declared at `where`; a finding where the argument is of another kind."""
+    span = statement.span(value.place)
+    if isinstance(parameter, FrameName):
+        if not isinstance(value, FrameName):
+            message = f"a frame is wanted for {parameter.text}, not {value.text}"
+            findings.add("Y0411", message, span, subject=unknown(value.text))
+            return False
+        frame = known_frame(statement, value, scope, findings)
+        if frame is not None:
+            inner.declare_frame(parameter.name, frame)
+        return frame is not None
+    word = parameter.word if isinstance(parameter, Parameter) else parameter
+    unit = _unit_of(parameter)
+    meaning: Named | None
+    if isinstance(value, FrameName):
+        findings.add("Y0411", f"{word.text} isn't a frame", span, subject=unknown(value.text))
+        return False
+    if isinstance(value, Word):
+        meaning = scope.name(value.name)
+        if isinstance(meaning, Amount):
+            help_ = f"write ${value.text} for its value"
+            findings.add("Y0411", f"{value.text} is a number", span, help_, subject=unknown(value.text))
+            return False
+        if not isinstance(meaning, JointPosition | Input | Output):
+            known = sorted(set(scope.names(JointPosition, Input, Output)))
+            subject = unknown(value.text, known)
+            message = (
+                f"{value.text} is {KINDS[type(meaning)]}" if meaning else f"nothing is named {value.text}"
+            )
+            findings.add("Y0411", message, span, subject.question, subject=subject)
+            return False
+        if unit is not None:
+            message = f"{word.text} is a number of {unit.name}, not {KINDS[type(meaning)]}"
+            findings.add("Y0411", message, span, subject=unknown(value.text))
+            return False
+    elif isinstance(value, Number | Computed | Quantity):
+        found = amount(value, scope, statement, findings)
+        if found is None:
+            return False
+        try:
+            meaning = found if unit is None else Amount(found.in_unit(unit), unit)
+        except AmountError as error:
+            message = f"{word.text}: {error.message}"
+            findings.add("Y0411", message, span, error.help, subject=unknown(value.text))
+            return False
+    else:
+        findings.add("Y0411", f"`{value.text}` is no argument", span, subject=unknown(value.text))
+        return False
+    inner.declare(word.text.upper(), meaning, where)
+    return True
+
+
+def given_by(
+    statement: Statement, caller: SourceFile, head: Statement, source: SourceFile, outer: Given
+) -> Given:
+    """Return what a CALL in the file `caller` gives for each parameter, as findings in the SUB's file, `source`, speak of it; what was given for the CALL's own
+    parameters, `outer`, follows.
+    """
+    told: dict[str, str] = {}
+    for parameter, value in zip(parameters_of(head), values_of(statement)[1:], strict=True):
+        word = _word(parameter)
+        if word is not None:
+            line = Where(caller, statement.span(value.place)).seen_from(source)
+            said = [f"{word.text} is `{value.text}` in {line}"]
+            if isinstance(value, Computed):
+                said += (outer[name] for name in dict.fromkeys(names_in(value.expression)) if name in outer)
+            told[word.name] = ", and there ".join(said)
+    return told
+
+
+def parameters_of(head: Statement) -> list[Value]:
+    """What stands behind the name in the first line of a SUB."""
+    return values_of(head)[1:]
+
+
+def _word(parameter: Value) -> Word | None:
+    if isinstance(parameter, Parameter):
+        return parameter.word
+    return parameter if isinstance(parameter, Word) else None
+
+
+def _unit_of(parameter: Value) -> Unit | None:
+    if not isinstance(parameter, Parameter) or parameter.unit is None:
+        return None
+    return UNITS.get(parameter.unit.text.lower())

@@ -1,0 +1,50 @@
+"""How often a REPEAT repeats."""
+
+from __future__ import annotations
+
+from yarclang.diagnostics import Collector
+from yarclang.semantics.files import values_of
+from yarclang.semantics.names.scope import Scope
+from yarclang.semantics.values.units import amount, number_fault
+from yarclang.syntax.ast import Computed, Number, Statement, Value, Word
+
+MOST_COMMANDS = 1_000_000
+"""Unrolled commands of a program."""
+
+MOST_ROUNDS = 200_000
+"""Rounds of all loops of a program together, also of those around no command."""
+
+AT_MOST = "the loops of a program make at most"
+"""Beginning of the sentence that names MOST_ROUNDS."""
+
+
+def counted(head: Statement) -> tuple[Word | None, list[Value]]:
+    """Return the name that a REPEAT counts with, if it has one, and the values after the name."""
+    values = values_of(head)
+    word = values[0] if values and isinstance(values[0], Word) else None
+    return word, values[1:] if word else values
+
+
+def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:
+    """The number behind REPEAT and its name, `values`; None with a finding where there is none."""
+    example = "for example REPEAT I 4, or REPEAT $ROWS"
+    if len(values) != 1 or not isinstance(values[0], Number | Computed):
+        findings.add("Y0401", "REPEAT wants a name and a number, or a number", head.whole_span, example)
+        return None
+    span = head.span(values[0].place)
+    if (fault := number_fault(values[0])) is not None:
+        findings.add(fault[0], fault[1], span, fault[2])
+        return None
+    found = amount(values[0], scope, head, findings)
+    if found is None:
+        return None
+    whole = round(found.value)
+    # 3 * 0.1 * 10 is meant as 3
+    if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
+        findings.add("Y0414", f"REPEAT {found}: a whole number, 0 or more, is wanted", span, example)
+        return None
+    if whole > MOST_ROUNDS:
+        message = f"REPEAT {whole:,}: {AT_MOST} {MOST_ROUNDS:,} rounds"
+        findings.add("Y1004", message, span, "make the loop shorter")
+        return None
+    return whole

@@ -1,0 +1,364 @@
+"""Loops, conditions and calls carried out: a file's blocks to a flat list of steps.
+
+Every command knows its place: what led to it, from outside in, as `P0020(I=2)>P0010`. What a loop or a call comes to is counted before
+(counting.py). Where a program has errors, or only a first look at it is wanted, loops and calls are carried out up to a number of lines (extent.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from yarclang.cell.model import Cell
+from yarclang.commands.registry import actions
+from yarclang.diagnostics import Diagnostic, has_errors
+from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
+from yarclang.memory import Forgetful
+from yarclang.semantics.actions import read_action, read_when
+from yarclang.semantics.context import Context, Defaults
+from yarclang.semantics.control.arguments import name_arguments, said_of_time
+from yarclang.semantics.control.calling import Calls
+from yarclang.semantics.control.counting import (
+    DEEPEST,
+    Count,
+    Counter,
+    TooMuch,
+    Uncounted,
+    too_deep,
+    too_much_so_far,
+)
+from yarclang.semantics.control.extent import ENOUGH_WITH_ERRORS, Extent
+from yarclang.semantics.control.places import Place, at, index_of, looped, shown
+from yarclang.semantics.control.repeats import counted, repeats
+from yarclang.semantics.declared.declaring import Declaring
+from yarclang.semantics.declared.meanings import may_be_declared
+from yarclang.semantics.files import File, Sub
+from yarclang.semantics.motions.to_hir import origin_of, to_step
+from yarclang.semantics.names.commands import CommandNames, ResolvedName
+from yarclang.semantics.names.scope import Scope, Where
+from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
+from yarclang.semantics.recalling import step_before
+from yarclang.semantics.values.amounts import Amount
+from yarclang.semantics.values.evaluate import EvaluationError, evaluate
+from yarclang.syntax.ast import Block, Module, Node, Statement, Text
+from yarclang.syntax.words import DECLARATIONS
+
+
+@dataclass(slots=True)
+class Unrolled:
+    """What comes of a file: steps, the start that it gives, its outputs, and all findings.
+
+    `is_cut` is True if not all rounds of loops and not all calls were carried out.
+    """
+
+    steps: list[Step]
+    start: Array | None
+    outputs: list[Output]
+    cell: Cell | None
+    findings: list[Diagnostic]
+    is_cut: bool
+
+
+def unroll(module: Module, context: Context) -> Unrolled:
+    """Carry out a program's declarations, loops, conditions and calls.
+
+    A long program is carried out in part at first: what is wrong with it is mostly found there.
+    """
+    least = context.enough or ENOUGH_WITH_ERRORS
+    unrolled = _Unroller(context, least).program(module)
+    if not unrolled.is_cut or context.enough is not None or has_errors(unrolled.findings):
+        return unrolled
+    return _Unroller(context, None).program(module)
+
+
+def declared_names(module: Module, context: Context) -> Scope:
+    """What the names mean that a file declares outside of blocks, and the SUBs; what is wrong with them is left unsaid.
+
+    Nothing else is carried out: this is for whoever shows what a name means, in a program that may have errors.
+    """
+    declaring = Declaring(context, CommandNames(context.profiles), [])
+    file = declaring.file(module, is_program=True)
+    declaring.begin(file)
+    for node in declaring.arranged(module, file):
+        word = node.head.name.name if isinstance(node, Block) else node.name.name
+        if word == "SUB" or (isinstance(node, Statement) and node.index is None and word in DECLARATIONS):
+            declaring.declare_only(node, file)
+    return file.scope
+
+
+_NO_COMMANDS = DECLARATIONS - {"WHEN"}
+"""Words of lines that don't count as a command."""
+
+
+class _Unroller:
+    """Carries out a program: of loops and SUBs `enough` lines, or all of them (None)."""
+
+    def __init__(self, context: Context, enough: int | None) -> None:
+        self._context = context
+        self._steps: list[Step] = []
+        self._names = CommandNames(context.profiles)
+        self._declaring = Declaring(context, self._names, self._steps)
+        self._calls = Calls()
+        self._counter = Counter(context.enough)
+        self._extent = Extent(self._declaring.collectors, enough)
+        self._shown_once: set[Sub] = set()
+        """The SUBs that were called since the extent was reached."""
+        self._commands = 0
+        self._counted = Count()
+        """The commands, lines and rounds up to here, those of loops and calls as they were counted."""
+        self._depth = 0
+        """Blocks and calls that are being carried out."""
+        self._whens = 0
+        self._ended: str | None = None
+        self._told_unreachable = False
+        self._is_too_much = False
+
+    def program(self, module: Module) -> Unrolled:
+        """The whole program."""
+        declaring, cells = self._declaring, self._declaring.cells
+        file = declaring.file(module, is_program=True)
+        declaring.begin(file)
+        nodes = declaring.arranged(module, file)
+        if module.unreadable_lines:
+            self._extent.expect_syntax_errors()
+        self._nodes(nodes, file, file.scope, ())
+        if module.unreadable_lines:
+            self._steps.append(Gap())
+        if cells.broken or self._is_too_much:
+            self._steps[:] = [Gap()]  # what isn't whole, or not what it should be, needn't be planned
+        found = [one for collector in declaring.collectors for one in collector.found]
+        told = cells.without_followers(found)
+        return Unrolled(
+            self._steps, declaring.start, declaring.outputs, cells.cell, told, self._extent.is_reached
+        )
+
+    def _nodes(self, nodes: tuple[Node, ...], file: File, scope: Scope, place: Place) -> None:
+        where, source = shown(place), file.findings.source
+        for node in nodes:
+            file.findings.place = where
+            head = node.head if isinstance(node, Block) else node
+            size = self._counter.size(head, source)
+            self._extent.add(size, again=bool(place))
+            if not place and head.name.name not in (
+                "REPEAT",
+                "CALL",
+            ):  # which are counted with all that is in them
+                is_command = head.index is not None or head.name.name not in _NO_COMMANDS
+                self._add_counted(Count(int(is_command), size), head, file)
+            if isinstance(node, Block):
+                self._block(node, file, scope, place)
+            elif node.index is None and node.name.name in DECLARATIONS:
+                self._declaring.declare(node, file, scope)
+            else:
+                self._command(node, file, scope, place)
+
+    def _block(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        self._depth += 1
+        match block.head.name.name:
+            case "SUB":
+                self._declaring.declare_sub(block, file, scope)
+            case "REPEAT":
+                self._repeat(block, file, scope, place)
+            case "IF":
+                self._if(block, file, scope, place)
+            case _:
+                self._when(block, file, scope, place)
+        self._depth -= 1
+
+    def _if(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        head = block.head
+        assert head.expression is not None
+        try:
+            holds = bool(evaluate(head.expression, scope).value)
+        except EvaluationError as error:
+            file.findings.add_error(error, head.span(error.place))
+            self._steps.append(Gap())
+            return
+        chosen = block.body if holds else (block.otherwise or ())
+        self._nodes(chosen, file, Scope(scope), place)
+
+    def _repeat(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        head = block.head
+        refuse_parts(head, NOT_FOR_BLOCKS, file.findings)
+        word, values = counted(head)
+        count = repeats(head, values, scope, file.findings)
+        if word is not None and not may_be_declared(head, word, scope, self._context.robot, file.findings):
+            word = None
+        if count is None:
+            self._steps.append(Gap())
+            return
+        self._count(block, file, scope, place)
+        where = None if word is None else Where(file.findings.source, head.span(word.place))
+        for number in range(count):
+            inner = Scope(scope)
+            if word is not None:
+                inner.declare(word.name, Amount(float(number)), where)
+            label = f"{word.name}={number}" if word is not None else f"#{number}"
+            before = self._commands
+            self._nodes(block.body, file, inner, looped(place, label))
+            if self._commands == before:
+                self._count_command(head, file)  # loops around nothing end as well
+                self._extent.add(1, again=True)
+            if self._told_unreachable:
+                break
+            if self._extent.is_reached and number + 1 < count:
+                self._steps.append(Gap())
+                break
+
+    def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
+        """Count what a loop or a CALL comes to that is in no other; a finding if it is too much."""
+        if place or self._is_too_much or self._ended is not None:
+            return
+        head = node.head if isinstance(node, Block) else node
+        try:
+            count = self._counter.count(node, file, scope, self._depth)
+        except TooMuch as error:
+            # a line elsewhere says nothing about how it was come to
+            is_own = error.file is file and head.line <= error.statement.line <= _last_line(node)
+            self._tell_too_much(error, "" if is_own else index_of(head))
+            return
+        except Uncounted:
+            return
+        self._extent.expect(count.lines)
+        self._add_counted(count, head, file)
+
+    def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
+        """Add what a line comes to that is in no loop and no SUB; a finding if the program then has too much."""
+        self._counted += count
+        error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
+        if error is not None:
+            self._tell_too_much(error)
+
+    def _tell_too_much(self, error: TooMuch, place: str = "") -> None:
+        """Add a finding, and carry out as little as there can be of what follows."""
+        findings = error.file.findings
+        before, findings.place = findings.place, place
+        findings.add_error(error, error.statement.whole_span)
+        findings.place = before
+        self._is_too_much = True
+        self._extent.reach()
+
+    def _when(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        when = read_when(block.head, scope, file.findings)
+        if when is None:
+            self._steps.append(Gap())
+            return
+        self._steps.append(when)
+        self._count_command(block.head, file)
+        self._whens += 1
+        self._nodes(block.body, file, Scope(scope), place)
+        if block.otherwise is not None:
+            head = block.otherwise_head or block.head
+            self._steps.append(Else(replace(origin_of(head, "ELSE", file.findings), place=when.origin.place)))
+            self._nodes(block.otherwise, file, Scope(scope), place)
+        self._whens -= 1
+        end = block.end or block.head
+        self._steps.append(EndWhen(replace(origin_of(end, "END", file.findings), place=when.origin.place)))
+
+    def _call(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
+        findings = file.findings
+        findings.place = shown(at(place, statement)) if place else ""
+        refuse_parts(statement, NOT_FOR_BLOCKS, findings)
+        self._count(statement, file, scope, place)
+        begun = self._calls.begin(statement, file, scope)
+        if begun is None:
+            self._steps.append(Gap())
+            return
+        sub, inner = begun
+        try:
+            if self._is_left_out(sub, statement, file):
+                self._steps.append(Gap())
+            else:
+                self._depth += 1
+                self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
+                self._depth -= 1
+        finally:
+            self._calls.end()
+
+    def _is_left_out(self, sub: Sub, statement: Statement, file: File) -> bool:
+        """Return True if a SUB isn't carried out: it was, and that is enough; or it is too deep in others."""
+        if self._depth >= DEEPEST:
+            if not self._is_too_much:
+                self._tell_too_much(too_deep(file, statement), file.findings.place)
+            return True
+        if self._extent.is_reached:
+            if sub in self._shown_once:
+                return True
+            self._shown_once.add(sub)
+        return False
+
+    def _command(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
+        file.command_seen = True
+        self._count_command(statement, file)
+        if self._ended is not None:
+            if not self._told_unreachable:
+                message = f"this is never reached: {self._ended} ends the program"
+                file.findings.add(
+                    "Y1001", message, statement.head_span, "move STOP to the end, or take it away"
+                )
+            self._told_unreachable = True
+            return
+        word = statement.name.name
+        if word == "CALL":
+            self._call(statement, file, scope, place)
+            return
+        file.findings.place = shown(at(place, statement)) if place else ""
+        given, before = self._calls.given, len(file.findings.found)
+        if (action := actions().get(word)) is not None:
+            steps: tuple[Step, ...] = (
+                read_action(statement, action, scope, file.defaults, file.findings) or ()
+            )
+        else:
+            name = self._names.resolved(statement, file.findings)
+            step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)
+            steps = () if step is None else (step,)
+        if any(isinstance(step, Stop) for step in steps) and self._whens:
+            message = "STOP in a WHEN is not carried out by this version"
+            file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
+            steps = ()
+        if given:
+            name_arguments(statement, file.findings, before, given)
+            if told := said_of_time(statement.time, given):
+                steps = tuple(
+                    step
+                    if isinstance(step, Gap)
+                    else replace(step, origin=replace(step.origin, time_given=told))
+                    for step in steps
+                )
+        for step in steps or (Gap(),):
+            self._steps.append(step)
+            if isinstance(step, Stop):
+                self._ended = step.origin.label or "STOP"
+
+    def _read(
+        self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool
+    ) -> Step | None:
+        """The step of a command; `is_alone`: it stands in no loop and no SUB, and is worth remembering."""
+        context, findings = self._context, file.findings
+
+        def make(defaults: Defaults, names: Scope) -> Step | None:
+            return to_step(statement, name, context, defaults, names, findings)
+
+        # what a command takes from a file isn't in its text
+        if not is_alone or isinstance(context.memory, Forgetful) or _names_file(statement):
+            return make(file.defaults, scope)
+        return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
+
+    def _count_command(self, statement: Statement, file: File) -> None:
+        """Count a command that is carried out: more than were counted before there are only where lines have mistakes."""
+        self._commands += 1
+        error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))
+        if error is not None:
+            self._tell_too_much(error)
+
+
+def _names_file(statement: Statement) -> bool:
+    """Return True if a text in quotes stands instead of a command's way-points."""
+    return len(statement.waypoints) == 1 and isinstance(statement.waypoints[0].values[0], Text)
+
+
+def _last_line(node: Node) -> int:
+    """Return the last line of a statement, or of a block with all that is in it."""
+    if isinstance(node, Statement):
+        return node.line + node.rows - 1
+    last = node.end or (*node.body, *(node.otherwise or ()), node.head)[-1]
+    return last.line if isinstance(last, Statement) else _last_line(last)

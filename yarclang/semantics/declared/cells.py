@@ -1,0 +1,199 @@
+"""CELL: the names of a cell.toml, as if they were declared at this line; those of a given cell, as if in front of the first line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Collector, Diagnostic, has_errors
+from yarclang.findings import CATALOGUE
+from yarclang.frozen import frozen
+from yarclang.hir import FrameLink, Output, Signal
+from yarclang.robot.model import Robot
+from yarclang.semantics.context import Context, GivenCell
+from yarclang.semantics.declared.meanings import declared_already
+from yarclang.semantics.declared.variables import Signals
+from yarclang.semantics.names.scope import Frame, Input, JointPosition, Named, Scope, Where
+from yarclang.semantics.parts import refuse_parts
+from yarclang.source import Span
+from yarclang.syntax.ast import Statement, Text
+from yarclang.transforms import constant
+
+
+@frozen
+class CellName:
+    """The file that a CELL line names, and where it names it."""
+
+    path: str
+    span: Span
+
+
+class Cells:
+    """The one cell in which a program's robot stands, and what is wrong with it."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._told: set[str] = set()
+        self.cell: Cell | None = None
+        self._unread = False
+        self.broken = False
+        """Whether a cell has errors, so that what is made of it isn't what was meant."""
+
+    def begin(self, scope: Scope, signals: Signals, findings: Collector) -> list[Output]:
+        """Declare the names of the cell that the command line or yarc.toml names.
+
+        Args:
+            scope: of the program.
+            signals: of the program and its modules.
+            findings: of the program.
+
+        Returns:
+            The outputs of the cell; none without a given cell.
+        """
+        given = self._context.cell
+        if given is None:
+            return []
+        findings.found += given.findings
+        self.broken |= has_errors(given.loaded.diagnostics)
+        cell = given.loaded.value
+        if cell is None:
+            self.broken = self._unread = True
+            return []
+        self._told.add(cell.source.name)
+        self.cell = cell
+        outputs, clashes = declare_cell(cell, scope, self._context.robot, signals)
+        findings.found += clashes
+        self.broken |= has_errors(clashes)
+        return outputs
+
+    def read(
+        self, statement: Statement, scope: Scope, signals: Signals, findings: Collector, is_program: bool
+    ) -> list[Output]:
+        """Carry out a CELL line of the program or of a module; the outputs that it adds."""
+        line = read_cell_line(statement, findings)
+        load = self._context.load_cell
+        if line is not None and load is None:
+            findings.add("Y1302", "cells can't be read here", line.span, "give the program as a file")
+        if line is None or load is None:
+            self.broken = self._unread = True
+            return []
+        loaded = load(line.path, None if is_program else findings.source)
+        given = self._context.cell
+        if given is not None and loaded is not given.loaded:
+            self._refuse(line, given, findings)
+            return []
+        if given is not None and is_program:
+            return []  # its names are declared in front of the first line
+        cell = loaded.value
+        if cell is not None and self.cell is not None and cell is not self.cell:
+            message = (
+                f"the robot stands in {self.cell.source.name} already, it can't be in {cell.source.name} too"
+            )
+            findings.add("Y1373", message, line.span, "name the same file in the program and its modules")
+            self.broken = True
+        is_new = cell is None or cell.source.name not in self._told
+        if is_new:
+            found = loaded.diagnostics
+            findings.found += [
+                one if one.source is not None else replace(one, source=findings.source, span=line.span)
+                for one in found
+            ]
+            self.broken |= has_errors(found)
+        if cell is None:
+            self._unread = True
+            return []
+        self._told.add(cell.source.name)
+        self.cell = self.cell or cell
+        outputs, clashes = declare_cell(cell, scope, self._context.robot, signals)
+        findings.found += clashes
+        self.broken |= has_errors(clashes)
+        return outputs if is_new else []
+
+    def _refuse(self, line: CellName, given: GivenCell, findings: Collector) -> None:
+        """Add a finding about a CELL line that names another file than the given one."""
+        message = f"the CELL line names {line.path}, {given.giver} names {given.path}"
+        findings.add("Y1373", message, line.span, f"take the CELL line away, or {given.remedy}")
+        self.broken = True
+
+    def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
+        """Return the findings without those of names that aren't known, if a cell can't be read: it may declare them."""
+        return [one for one in findings if not self._unread or CATALOGUE[one.code].need != "name"]
+
+
+def read_cell_line(statement: Statement, findings: Collector) -> CellName | None:
+    """CELL "cell.toml"."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
+    values = [value for waypoint in statement.waypoints for value in waypoint.values]
+    if len(values) != 1 or not isinstance(text := values[0], Text):
+        message = "CELL takes the path of a cell.toml in quotes"
+        findings.add("Y0401", message, statement.whole_span, 'for example CELL "cell.toml"')
+        return None
+    return CellName(text.text.strip('"'), statement.span(text.place))
+
+
+def declare_cell(
+    cell: Cell, scope: Scope, robot: Robot, signals: Signals
+) -> tuple[list[Output], list[Diagnostic]]:
+    """Give the names of a cell their meanings.
+
+    Returns:
+        The outputs of the cell, and findings, in the cell's file, where a name has a meaning already.
+    """
+    findings: list[Diagnostic] = []
+    outputs: list[Output] = []
+    _declare_frames(cell, scope, findings)
+    for (table, name), span in cell.places.items():
+        if table == "frames":
+            continue
+        where, found = Where(cell.source, span), scope.name(name)
+        of_robot = isinstance(found, JointPosition) and found.q is robot.positions.get(name)
+        if found is not None and not of_robot:
+            _clash(declared_already(name, scope.where(name), cell.source), where, findings)
+            continue
+        if of_robot and table != "joints":
+            message = f"{name} is a joint position of {robot.name}, and means something else in programs with this cell"
+            findings.append(Diagnostic("Y0214", message, cell.source, span, "choose another name"))
+        meaning = _meaning(cell, table, name, robot)
+        scope.declare(name, meaning, where)
+        match meaning:
+            case Input(signal) if signal.variable:
+                findings += signals.add("input", signal, None, where)
+            case Output(signal, safe) if signal.variable:
+                findings += signals.add("output", signal, safe, where)
+                outputs.append(meaning)
+    return outputs, findings
+
+
+def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
+    """What a name of a cell means. Whatever is wrong with it, it is known: what uses it isn't wrong as well."""
+    match table:
+        case "joints":
+            return JointPosition(cell.joints.get(name, robot.home))
+        case "inputs":
+            return Input(Signal(name, cell.inputs.get(name, "")))
+        case _:
+            found = cell.outputs.get(name)
+            return Output(Signal(name, found.variable if found else ""), found.safe if found else None)
+
+
+def _declare_frames(cell: Cell, scope: Scope, findings: list[Diagnostic]) -> None:
+    for name, frame in cell.frames.items():  # parents first
+        span = cell.places["frames", name]
+        if (other := scope.frame(name)) is not None:
+            message = declared_already(f"{{{name}}}", scope.where_frame(name), cell.source)
+            if other.link is None or other.link.source is None:
+                message = f"{{{name}}} is a frame of the robot already"
+            _clash(message, Where(cell.source, span), findings)
+            continue
+        parent = scope.frame(frame.parent)
+        link = FrameLink(name, frame.parent_from_frame, parent.link if parent else None, cell.source, span)
+        scope.declare_frame(name, Frame(frame.mount.transform, frame.mount.on_flange, link))
+    for table, name in cell.places:
+        if table == "frames" and scope.frame(name) is None:
+            scope.declare_frame(name, Frame(constant(np.eye(4)), on_flange=False))
+
+
+def _clash(message: str, where: Where, findings: list[Diagnostic]) -> None:
+    findings.append(Diagnostic("Y0206", message, where.source, where.span, "choose another name"))

@@ -1,0 +1,193 @@
+"""Declarations carried out: of the program and of its modules, which are read where a USE names them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array, Gap, Output, Step
+from yarclang.robot.model import Robot
+from yarclang.semantics.context import Context, Defaults
+from yarclang.semantics.control.parameters import check_parameters
+from yarclang.semantics.declared.cells import Cells
+from yarclang.semantics.declared.meanings import (
+    declare_frame,
+    declare_joints,
+    declare_number,
+    declare_signal,
+    may_be_declared,
+)
+from yarclang.semantics.declared.variables import Signals
+from yarclang.semantics.declared.whole_file import check_robot, read_default, read_start
+from yarclang.semantics.files import File, Sub, values_of
+from yarclang.semantics.indices import check_indices, commands_of
+from yarclang.semantics.names.commands import CommandNames
+from yarclang.semantics.names.scope import Library, Routine, Scope, Where
+from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
+from yarclang.source import Span
+from yarclang.syntax.ast import Block, Module, Node, Parameter, Statement, Word
+from yarclang.syntax.blocks import arrange
+from yarclang.syntax.words import DECLARATIONS
+from yarclang.words.registry import word_specs
+
+
+class Declaring:
+    """Reads files and carries out what they declare.
+
+    Args:
+        context: robot, modules and cells.
+        names: takes the names of commands apart.
+        steps: of the program; a Gap goes there where something isn't known that its commands may need.
+    """
+
+    def __init__(self, context: Context, names: CommandNames, steps: list[Step]) -> None:
+        self.outputs: list[Output] = []
+        self.start: Array | None = None
+        self.cells = Cells(context)
+        self.collectors: list[Collector] = []
+        """The findings of each file."""
+        self._context = context
+        self._robot: Robot = context.robot
+        self._names = names
+        self._steps = steps
+        self._signals = Signals()
+        self._loading: list[str] = []
+        self._modules: dict[str, Library] = {}
+
+    def file(self, module: Module, *, is_program: bool) -> File:
+        """A file that nothing was read of yet; the program itself, or a module."""
+        findings = Collector(module.source)
+        self.collectors.append(findings)
+        scope = Scope(Scope.of_robot(self._robot))
+        return File(findings, scope, Defaults(scope), is_program)
+
+    def begin(self, file: File) -> None:
+        """Declare in the program's scope what the command line or yarc.toml gives to it."""
+        self.outputs += self.cells.begin(file.scope, self._signals, file.findings)
+
+    def arranged(self, module: Module, file: File) -> tuple[Node, ...]:
+        """Its statements in blocks; names of commands are looked up even where nothing leads to them."""
+        arranged = arrange(module)
+        file.findings.found += arranged.diagnostics
+        assert arranged.value is not None
+        if any(one.is_error for one in arranged.diagnostics):
+            self._steps.append(Gap())
+        self._names.look_up(arranged.value, file.findings)
+        return arranged.value
+
+    def declare(self, statement: Statement, file: File, scope: Scope) -> None:
+        """Carry out a declaration."""
+        word, findings = statement.name.name, file.findings
+        spec, span = word_specs()[word], statement.span(statement.name.place)
+        if spec.once and word in file.seen:
+            findings.add(
+                "Y0206", f"{word} stands in line {file.seen[word]} already", span, "leave one of them"
+            )
+            return
+        if spec.at_the_top and file.command_seen:
+            findings.add("Y0208", f"{word} stands behind a command", span, "move it above the first command")
+            return
+        file.seen.setdefault(word, statement.line)
+        if not file.is_program and spec.of_programs:
+            findings.add("Y0208", f"{word} belongs into the program, not into a module", span, "take it away")
+            return
+        match word:
+            case "ROBOT":
+                check_robot(statement, findings)
+            case "DEFAULT":
+                file.defaults = read_default(statement, scope, findings)
+            case "START":
+                self.start = read_start(statement, self._robot, scope, file.defaults, findings)
+            case "FRAME" | "FRAME_QUAT":
+                declare_frame(statement, scope, file.defaults, self._robot, findings)
+            case "JOINTS":
+                declare_joints(statement, scope, file.defaults, self._robot, findings)
+            case "LET":
+                declare_number(statement, scope, self._robot, findings)
+            case "INPUT" | "OUTPUT":
+                output = declare_signal(statement, scope, self._robot, self._signals, findings)
+                if output is not None:
+                    self.outputs.append(output)
+            case "USE":
+                self._use(statement, file, scope)
+            case "CELL":
+                self.outputs += self.cells.read(statement, scope, self._signals, findings, file.is_program)
+
+    def declare_sub(self, block: Block, file: File, scope: Scope) -> None:
+        """Give a SUB its name; its body is carried out by those who call it."""
+        values = values_of(block.head)
+        if not values or not isinstance(word := values[0], Word | Parameter):
+            message = "SUB wants a name, and what it is given"
+            file.findings.add(
+                "Y0401", message, block.head.whole_span, "for example SUB DRILL {AT} DEPTH (mm)"
+            )
+            return
+        refuse_parts(block.head, NOT_FOR_BLOCKS, file.findings)
+        word = word.word if isinstance(word, Parameter) else word
+        if may_be_declared(block.head, word, scope, self._robot, file.findings):
+            # what is declared behind it isn't known in it; its own name is, so that recursion is seen
+            sub = Sub(block, scope, file)
+            scope.declare(word.name, Routine(sub), Where(file.findings.source, block.head.span(word.place)))
+            sub.scope = scope.copy()
+            check_parameters(block.head, sub.scope, self._robot, file.findings)
+
+    def declare_only(self, node: Node, file: File) -> None:
+        """What a module may have outside its SUBs: declarations."""
+        if isinstance(node, Block) and node.head.name.name == "SUB":
+            self.declare_sub(node, file, file.scope)
+        elif isinstance(node, Statement) and node.index is None and node.name.name in DECLARATIONS:
+            self.declare(node, file, file.scope)
+        else:
+            head = node.head if isinstance(node, Block) else node
+            message = "a module has commands only in its SUBs"
+            file.findings.add("Y0208", message, head.head_span, "put it into a SUB")
+            self._steps.append(Gap())
+
+    def _use(self, statement: Statement, file: File, scope: Scope) -> None:
+        values = values_of(statement)
+        if len(values) != 1 or not isinstance(word := values[0], Word):
+            file.findings.add(
+                "Y0401", "USE wants the name of a module", statement.whole_span, "for example USE PALLET"
+            )
+            return
+        span = statement.span(word.place)
+        if word.name in self._loading:
+            chain = " > ".join((*self._loading[self._loading.index(word.name) :], word.name))
+            file.findings.add(
+                "Y0213", f"the modules use each other in a circle: {chain}", span, "take one USE away"
+            )
+            self._steps.append(Gap())
+            return
+        if not may_be_declared(statement, word, scope, self._robot, file.findings):
+            return
+        library = self._modules.get(word.name) or self._load(word, span, file)
+        if library is not None:
+            scope.declare(word.name, library, Where(file.findings.source, span))
+        else:
+            self._steps.append(Gap())
+
+    def _load(self, word: Word, span: Span, file: File) -> Library | None:
+        load = self._context.load
+        loaded = load(word.name) if load is not None else None
+        if loaded is None:
+            file.findings.add("Y0213", f"no module is named {word.name}", span, "modules can't be read here")
+            return None
+        module = loaded.value
+        if module is None:
+            file.findings.found += [
+                replace(one, source=file.findings.source, span=span) for one in loaded.diagnostics
+            ]
+            return None
+        inner = self.file(module, is_program=False)
+        inner.findings.found += loaded.diagnostics
+        check_indices(commands_of(module), inner.findings)
+        self._loading.append(word.name)
+        try:
+            nodes = self.arranged(module, inner)
+            for node in nodes:
+                self.declare_only(node, inner)
+        finally:
+            self._loading.pop()
+        library = Library(inner.scope)
+        self._modules[word.name] = library
+        return library

@@ -1,0 +1,293 @@
+"""Giving names a meaning: what may be declared, and values of declarations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from yarclang.commands.registry import actions, commands
+from yarclang.commands.spec import Values
+from yarclang.diagnostics import Collector
+from yarclang.hir import Array, FrameLink, Output, Signal
+from yarclang.robot.model import Robot
+from yarclang.semantics.context import Defaults
+from yarclang.semantics.declared.variables import Signals
+from yarclang.semantics.files import values_of
+from yarclang.semantics.names.frames import base_axes
+from yarclang.semantics.names.scope import BASE, Frame, Input, JointPosition, Scope, Where
+from yarclang.semantics.parts import refuse_parts
+from yarclang.semantics.values.amounts import Amount, AmountError, missing_unit
+from yarclang.semantics.values.evaluate import EvaluationError, evaluate
+from yarclang.semantics.values.poses import check_limits, rotation_of
+from yarclang.semantics.values.units import amount, joint_kinds, number_fault, resolve_units
+from yarclang.source import SourceFile
+from yarclang.subjects import LeftOut
+from yarclang.syntax.ast import FrameName, Statement, Value, Word
+from yarclang.syntax.words import RESERVED
+from yarclang.transforms import constant
+from yarclang.units import Kind, Unit
+
+FIXED_FRAMES = (BASE, "FLANGE", "TCP")
+"""They come from the robot."""
+
+_INDEX = re.compile(r"P[0-9]+")
+
+
+def is_word(name: str) -> bool:
+    """Whether a name in upper case has its meaning in the language already."""
+    return name in RESERVED or name in commands() or name in actions() or _INDEX.fullmatch(name) is not None
+
+
+def may_be_declared(
+    statement: Statement,
+    word: Word,
+    scope: Scope,
+    robot: Robot,
+    findings: Collector,
+    *,
+    may_hide: bool = False,
+) -> bool:
+    """Whether a name can be given a meaning here; a finding says why it can't.
+
+    With `may_hide` it may be that of a joint position of the robot without a warning.
+    """
+    span, name = statement.span(word.place), word.name
+    if is_word(name):
+        findings.add("Y0211", f"{word.text} is a word of the language", span, "choose another name")
+        return False
+    if "." in name:
+        findings.add("Y0211", f"{word.text}: a name has no point in it", span, "choose another name")
+        return False
+    found = scope.name(name)
+    of_robot = isinstance(found, JointPosition) and found.q is robot.positions.get(name)
+    if found is not None and not of_robot:
+        message = declared_already(name, scope.where(name), findings.source)
+        findings.add("Y0206", message, span, "choose another name")
+        return False
+    if of_robot and not may_hide:
+        message = f"{name} is a joint position of {robot.name}, and means something else from here on"
+        findings.add("Y0214", message, span, "choose another name")
+    return True
+
+
+def declared_already(name: str, where: Where | None, source: SourceFile) -> str:
+    """What is said, in `source`, of a name that has a meaning."""
+    return f"{name} is declared already" + (f", in {where.seen_from(source)}" if where else "")
+
+
+def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> bool:
+    """Whether a frame's name can be given a meaning here; a finding says why it can't."""
+    name, span = frame.name, statement.span(frame.place)
+    if name in FIXED_FRAMES:
+        message = f"{{{name}}} comes from the robot and can't be declared"
+        findings.add("Y0211", message, span, "choose another name")
+    elif scope.frame(name) is not None:
+        message = declared_already(f"{{{name}}}", scope.where_frame(name), findings.source)
+        findings.add("Y0206", message, span, "choose another name")
+    elif re.fullmatch(r"[A-Z_][A-Z0-9_]*", name) is None:
+        help_ = "names have letters, digits and _"
+        findings.add("Y0211", f"{frame.text} is no name of a frame", span, help_)
+    else:
+        return True
+    return False
+
+
+def declare_frame(
+    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
+) -> None:
+    """FRAME {TABLE} 800 200 300 0 0 90 {B}, and FRAME_QUAT."""
+    refuse_parts(statement, ("a motion time", "options"), findings)
+    example = "for example FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
+    if statement.moving is None:
+        findings.add(
+            "Y0302",
+            f"{statement.name.name} doesn't say which frame it declares",
+            statement.head_span,
+            example,
+            subject=LeftOut("the frame that it declares"),
+        )
+        return
+    name = statement.moving.name
+    if not frame_may_be_declared(statement, statement.moving, scope, findings):
+        return
+    values = Values.POSE_QUAT if statement.name.name == "FRAME_QUAT" else Values.POSE_RPY
+    numbers = _numbers(statement, values, tuple(values_of(statement)), scope, defaults, robot, findings)
+    base = _base(statement, scope, defaults, findings)
+    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    transform, on_flange, link = np.eye(4), False, None
+    if base is not None:
+        on_flange = base.on_flange
+        if numbers is not None:
+            rotation = rotation_of(values, numbers[3:], findings, lambda: statement.whole_span)
+            if rotation is not None:
+                transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
+            link = FrameLink(name, constant(transform), base.link, findings.source, statement.whole_span)
+        transform = base.transform @ transform
+    scope.declare_frame(name, Frame(constant(transform), on_flange, link))
+
+
+def _base(statement: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> Frame | None:
+    if statement.base is not None:
+        return base_axes(statement, statement.base, scope, True, findings)
+    if defaults.base is not None and defaults.statement is not None:
+        return base_axes(defaults.statement, defaults.base, defaults.scope, True, findings)
+    help_ = "write it behind the units, as {B}, or {FLANGE} for a tool"
+    message, subject = (
+        "FRAME doesn't say in which frame it is given",
+        LeftOut("the frame in which it is given"),
+    )
+    findings.add("Y0302", message, statement.head_span, help_, subject=subject)
+    return None
+
+
+def declare_joints(
+    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
+) -> None:
+    """JOINTS HOME 0 0 0 0 0 0 (deg)."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
+    values = values_of(statement)
+    if not values or not isinstance(word := values[0], Word):
+        help_ = "for example JOINTS PARK 0 0 0 0 0 0 (deg)"
+        findings.add("Y0401", "JOINTS wants a name and joint values", statement.whole_span, help_)
+        return
+    if not may_be_declared(statement, word, scope, robot, findings, may_hide=True):
+        return
+    numbers = _numbers(statement, Values.JOINTS, tuple(values[1:]), scope, defaults, robot, findings)
+    if numbers is not None:
+        check_limits(robot, numbers, findings, statement.whole_span)
+    position = JointPosition(robot.home if numbers is None else constant(numbers))
+    scope.declare(word.name, position, Where(findings.source, statement.span(word.place)))
+
+
+def joint_values(
+    statement: Statement,
+    values: tuple[Value, ...],
+    scope: Scope,
+    defaults: Defaults,
+    robot: Robot,
+    findings: Collector,
+) -> Array | None:
+    """Joint values of a declaration as a joint position (n,) [rad or m]."""
+    return _numbers(statement, Values.JOINTS, values, scope, defaults, robot, findings)
+
+
+def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
+    """LET PITCH = 60 (mm)."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
+    (word,) = values_of(statement)
+    assert isinstance(word, Word)
+    assert statement.expression is not None
+    allowed = may_be_declared(statement, word, scope, robot, findings)
+    try:
+        found = evaluate(statement.expression, scope)
+    except EvaluationError as error:
+        findings.add_error(error, statement.span(error.place))
+        found = Amount(1.0)
+    if allowed:
+        scope.declare(word.name, found, Where(findings.source, statement.span(word.place)))
+
+
+def declare_signal(
+    statement: Statement, scope: Scope, robot: Robot, signals: Signals, findings: Collector
+) -> Output | None:
+    """INPUT DOOR M11, OUTPUT GLUE M1 OFF; an output is given back."""
+    kind = statement.name.name
+    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
+    values = values_of(statement)
+    most = 3 if kind == "OUTPUT" else 2
+    words = values[:2]
+    if not 2 <= len(values) <= most or not all(isinstance(value, Word) for value in words):
+        example = "INPUT DOOR M11" if kind == "INPUT" else "OUTPUT GLUE M1 OFF"
+        message = f"{kind} wants a name and the controller's variable"
+        findings.add("Y0401", message, statement.whole_span, f"for example {example}")
+        return None
+    word, variable = words
+    assert isinstance(word, Word)
+    assert isinstance(variable, Word)
+    if not may_be_declared(statement, word, scope, robot, findings):
+        return None
+    span = statement.span(variable.place)
+    found = robot.controller.signal(variable.name)
+    if found.name is None:
+        findings.add("Y0413", f"{variable.text} {found.fault}", span, found.remedy)
+        return None
+    signal = Signal(word.name, found.name)
+    where = Where(findings.source, statement.span(word.place))
+    if kind == "INPUT":
+        scope.declare(word.name, Input(signal), where)
+        findings.found += signals.add("input", signal, None, where)
+        return None
+    safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
+    output = Output(signal, safe)
+    scope.declare(word.name, output, where)
+    findings.found += signals.add("output", signal, safe, where)
+    return output
+
+
+def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
+    """ON, OFF or a plain number."""
+    if isinstance(value, Word) and value.name in ("ON", "OFF"):
+        return float(value.name == "ON")
+    span = statement.span(value.place)
+    if (fault := number_fault(value)) is not None:
+        findings.add("Y0402", f"`{value.text}` is neither ON nor OFF nor a number", span, fault[2])
+        return None
+    found = amount(value, scope, statement, findings)
+    if found is None:
+        return None
+    try:
+        return found.plain("the value of an input or output")
+    except AmountError as error:
+        findings.add_error(error, span)
+        return None
+
+
+def _numbers(
+    statement: Statement,
+    values: Values,
+    given: tuple[Value, ...],
+    scope: Scope,
+    defaults: Defaults,
+    robot: Robot,
+    findings: Collector,
+) -> Array | None:
+    """The values of a declaration in SI."""
+    units = resolve_units(statement, statement.units, findings)
+    if units is None:
+        return None
+    units = {**defaults.units, **units}
+    labels = values.labels(robot.joint_names)
+    for value in given:
+        fault = number_fault(value)
+        if fault is not None:
+            findings.add(fault[0], fault[1], statement.span(value.place), fault[2])
+            return None
+    if len(given) != len(labels):
+        verb = "is" if len(given) == 1 else "are"
+        message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
+        findings.add("Y0401", message, statement.whole_span)
+        return None
+    numbers = np.empty(len(labels))
+    for place, (value, kind) in enumerate(zip(given, values.kinds(joint_kinds(robot)), strict=True)):
+        found = amount(value, scope, statement, findings)
+        if found is None:
+            return None
+        try:
+            numbers[place] = _in_si(found, kind, units)
+        except AmountError as error:
+            findings.add_error(error, statement.span(value.place))
+            return None
+    return numbers
+
+
+def _in_si(found: Amount, kind: Kind | None, units: Mapping[Kind, Unit]) -> float:
+    if kind is None:
+        return found.plain("a part of a quaternion")
+    unit = units.get(kind) or found.unit
+    if unit is None:
+        raise missing_unit(kind, f"the {kind}s")
+    if found.unit is not None and found.unit.kind != kind:
+        raise AmountError("Y0307", f"{found} is of the wrong kind: a unit of {kind} is wanted here")
+    return found.in_unit(unit) * unit.factor

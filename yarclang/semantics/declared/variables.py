@@ -1,0 +1,52 @@
+"""The controller's variables that a program, its modules and its cell name: one variable is one signal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.frozen import frozen
+from yarclang.hir import Signal
+from yarclang.semantics.names.scope import Where
+
+Kind = Literal["input", "output"]
+
+
+@frozen
+class _Declared:
+    kind: Kind
+    name: str
+    safe: float | None
+    where: Where
+
+
+@dataclass(slots=True)
+class Signals:
+    """What each variable is, by whom it was first declared."""
+
+    _first: dict[str, _Declared] = field(default_factory=dict)
+
+    def add(self, kind: Kind, signal: Signal, safe: float | None, where: Where) -> tuple[Diagnostic, ...]:
+        """Take note of a signal; a finding where its variable is another one's already."""
+        new = _Declared(kind, signal.name, safe, where)
+        first = self._first.setdefault(signal.variable, new)
+        line = first.where.seen_from(where.source)
+        if first is new or new == first:
+            return ()
+        if first.kind != kind:
+            message = f"{signal.variable} is the {first.kind} {first.name} in {line} already, and can't be an {kind} too"
+            return (Diagnostic("Y0416", message, where.source, where.span, "check the variables of both"),)
+        if first.name == signal.name and first.safe == safe:
+            return ()  # a program and its module may both say what a signal is
+        if first.name == signal.name:
+            message = (
+                f"{signal.name} has another safe value in {line}: {_shown(first.safe)}, here {_shown(safe)}"
+            )
+        else:
+            message = f"{signal.variable} has two names: {first.name} in {line}, and {signal.name}"
+        return (Diagnostic("Y0415", message, where.source, where.span, "use one of them in all places"),)
+
+
+def _shown(safe: float | None) -> str:
+    return "none" if safe is None else f"{safe:g}"

@@ -1,0 +1,1 @@
+"""Motion commands: goals, times, options, and the primitives that they become."""

@@ -1,0 +1,89 @@
+"""Which frame a motion command moves, and in which its values are given: as it says, else as DEFAULT does."""
+
+from __future__ import annotations
+
+from yarclang.commands.spec import Values
+from yarclang.diagnostics import Collector
+from yarclang.frozen import frozen
+from yarclang.hir import FrameLink
+from yarclang.semantics.motions.line import Line
+from yarclang.semantics.names.commands import ResolvedName
+from yarclang.semantics.names.frames import base_axes, known_frame, moving_frame
+from yarclang.semantics.names.scope import Frame
+from yarclang.subjects import LeftOut
+from yarclang.syntax.ast import Statement, Word
+
+
+@frozen(eq=False)
+class Moved:
+    """The frames of a command: the one on the flange that is moved and the one of its values, None for joint values or with errors.
+
+    `tool` is the frame that is moved, also by joint values, which it doesn't change.
+    """
+
+    frames: tuple[Frame, Frame] | None
+    tool: FrameLink | None
+
+    @property
+    def links(self) -> tuple[FrameLink | None, FrameLink | None]:
+        """How both are called and were declared."""
+        return (None, None) if self.frames is None else (self.frames[0].link, self.frames[1].link)
+
+
+def moved_by(line: Line) -> Moved:
+    """The frames of a command, with findings where it doesn't say them, or they can't be what they are named for."""
+    statement, defaults = line.statement, line.defaults
+    if line.values.of_joints or (takes_names(line.name) and _all_named(statement)):
+        # joint values need no frames; those given change nothing, but have to exist
+        for frame in (statement.moving, statement.base):
+            if frame is not None:
+                known_frame(statement, frame, line.scope, line.findings)
+        return Moved(None, _tool(line))
+    moving = base = None
+    if statement.moving is not None:
+        moving = moving_frame(statement, statement.moving, line.scope, line.findings)
+    elif defaults.moving is not None and defaults.statement is not None:
+        moving = moving_frame(defaults.statement, defaults.moving, defaults.scope, line.findings)
+    else:
+        help_ = "write it behind the name, as {TCP}, or in DEFAULT"
+        message = f"{line.name.full} doesn't say which frame it moves"
+        subject = LeftOut("the frame that it moves")
+        line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
+    may_move = line.name.spec.frames_may_move
+    if statement.base is not None:
+        base = base_axes(statement, statement.base, line.scope, may_move, line.findings)
+    elif defaults.base is not None and defaults.statement is not None:
+        base = base_axes(defaults.statement, defaults.base, defaults.scope, may_move, line.findings)
+    else:
+        help_ = "write the base frame behind the units, as {B}, or in DEFAULT"
+        message = f"{line.name.full} doesn't say in which frame its values are given"
+        subject = LeftOut("the frame in which its values are given")
+        line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
+    if moving is None or base is None:
+        return Moved(None, None)
+    return Moved((moving, base), moving.link)
+
+
+def _tool(line: Line) -> FrameLink | None:
+    """The frame that the line or DEFAULT names, if it sits on the flange; what is wrong with it matters only where it is needed."""
+    unheard = Collector(line.findings.source)
+    moving, statement, scope = line.statement.moving, line.statement, line.scope
+    if moving is None:
+        defaults = line.defaults
+        if defaults.moving is None or defaults.statement is None:
+            return None
+        moving, statement, scope = defaults.moving, defaults.statement, defaults.scope
+    frame = moving_frame(statement, moving, scope, unheard)
+    return None if frame is None else frame.link
+
+
+def takes_names(name: ResolvedName) -> bool:
+    """Whether names of joint positions may stand for way-points: where the command takes joint values at all."""
+    return name.spec.targets.get("") is Values.JOINTS
+
+
+def _all_named(statement: Statement) -> bool:
+    """Whether every way-point is one word: the name of a joint position."""
+    return bool(statement.waypoints) and all(
+        len(waypoint.values) == 1 and isinstance(waypoint.values[0], Word) for waypoint in statement.waypoints
+    )

@@ -1,0 +1,97 @@
+"""What stands behind the base frame of a motion: ACC, TOL and BLEND."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+from yarclang.hir import Reading, Timing
+from yarclang.semantics.motions.line import Line
+from yarclang.semantics.motions.times import acceleration_share
+from yarclang.semantics.values.amounts import AmountError
+from yarclang.semantics.values.units import amount
+from yarclang.syntax.ast import Computed, Number, Option
+from yarclang.units import Kind, Unit
+
+
+def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading | None]:
+    """The timing with what ACC says, the tolerance [m] of TOL, and the distance or angle of BLEND."""
+    tolerance, blend = None, None
+    seen: set[str] = set()
+    for option in line.statement.options:
+        word, span = option.word.name, line.statement.span(option.word.place)
+        if word in seen:
+            line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
+        seen.add(word)
+        if word == "ACC":
+            timing = replace(
+                timing, ramp=acceleration_share(option, line.statement, line.scope, line.findings)
+            )
+        elif word == "TOL":
+            tolerance = _tolerance(line, option)
+        elif word == "STRETCH":
+            message = "STRETCH stretches the times of a timetable: only MOVEJ_TIMED takes it"
+            line.findings.add("Y0412", message, span, "take it away, and write another motion time")
+        elif word == "BLEND":
+            blend = _blend(line, option)
+    return timing, tolerance, blend
+
+
+def _blend(line: Line, option: Option) -> Reading | None:
+    """BLEND 5: how far from its end the path may be left, read as a length [m] and as an angle [rad]."""
+    span = line.statement.span((option.argument or option.word).place)
+    if not isinstance(option.argument, Number | Computed):
+        line.findings.add("Y0412", "BLEND takes a distance or an angle", span, "for example BLEND 5")
+        return None
+    found = amount(option.argument, line.scope, line.statement, line.findings)
+    if found is None:
+        return None
+    if found.value < 0.0:
+        line.findings.add("Y0412", f"BLEND {found}: a distance from the corner is 0 or more", span)
+        return None
+    if found.unit is not None:
+        length, angle = (
+            found.value * found.unit.factor if found.unit.kind == kind else None
+            for kind in ("length", "angle")
+        )
+        if length is None and angle is None:
+            line.findings.add("Y0307", f"{found} is neither a length nor an angle", span)
+        return Reading(length, angle)
+    units = line.units or {}
+    metre, radian = (units[kind].factor if kind in units else None for kind in _OF_BLENDS)
+    return _reading(found.value + 0.0, metre, radian)
+
+
+_OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
+
+
+@lru_cache(maxsize=64)
+def _reading(value: float, length: float | None, angle: float | None) -> Reading:
+    """Return a number in units of so many m and rad: one value for all lines that have it."""
+    return Reading(None if length is None else value * length, None if angle is None else value * angle)
+
+
+def _tolerance(line: Line, option: Option) -> float | None:
+    span = line.statement.span((option.argument or option.word).place)
+    if not isinstance(option.argument, Number | Computed):
+        line.findings.add("Y0412", "TOL takes a distance", span, "for example TOL 0.05")
+        return None
+    found = amount(option.argument, line.scope, line.statement, line.findings)
+    unit = (line.units or {}).get("length")
+    if found is None:
+        return None
+    if unit is None and found.unit is None:
+        line.missing("length", span)
+        return None
+    try:
+        metres = found.in_unit(unit) * unit.factor if unit else found.value * (found.unit or _NONE).factor
+    except AmountError as error:
+        line.findings.add_error(error, span)
+        return None
+    if metres <= 0.0:
+        line.findings.add("Y0412", f"TOL {found}: a tolerance is above 0", span)
+        return None
+    return metres
+
+
+_NONE = Unit("", "length", 1.0)

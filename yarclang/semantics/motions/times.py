@@ -1,0 +1,220 @@
+"""Motion times: what stands in square brackets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+from yarclang.diagnostics import Collector
+from yarclang.hir import Reading, Timing
+from yarclang.semantics.context import Defaults
+from yarclang.semantics.names.scope import Scope
+from yarclang.semantics.values.amounts import AmountError, missing_unit
+from yarclang.semantics.values.evaluate import EvaluationError, evaluate
+from yarclang.semantics.values.units import amount, number_fault
+from yarclang.source import Span
+from yarclang.subjects import LeftOut
+from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Percent, Statement, Time, Word
+from yarclang.units import Kind, Unit
+
+_HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving frame, [V 250]"
+
+
+def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
+    """Whether a motion time has the form of one, whatever its unit; a finding says why it hasn't."""
+    span = statement.span(time.place)
+    text = " ".join(item.text for item in time.items)
+    if len(time.items) == 1:
+        match time.items[0]:
+            case Word(name="MIN") | Computed() | ComputedPercent():
+                return True
+            case Percent(value=value):
+                return _share_is_sound(value, text, span_of=statement, time=time, findings=findings)
+            case Number() as number:
+                if (fault := number_fault(number)) is not None:
+                    findings.add(fault[0], fault[1], span)
+                    return False
+                if number.value <= 0:
+                    message = f"a motion can't take {number.text}: the time has to be positive"
+                    findings.add("Y0407", message, span, _HELP)
+                    return False
+                return True
+    match time.items:
+        case (Word(name="V"), Computed()):
+            return True
+        case (Word(name="V"), Number() as number):
+            if (fault := number_fault(number)) is not None:
+                findings.add(fault[0], fault[1], span)
+                return False
+            return _speed_is_sound(number.value, number.text, span, findings)
+    findings.add("Y0407", f"[{text}] is no motion time", span, _HELP)
+    return False
+
+
+def _share_is_sound(value: float, text: str, *, span_of: Statement, time: Time, findings: Collector) -> bool:
+    if 0.0 < value <= 100.0:
+        return True
+    message = f"[{text}]: a share of the limits is above 0 and at most 100 %"
+    findings.add("Y0407", message, span_of.span(time.place), _HELP)
+    return False
+
+
+def _speed_is_sound(value: float, text: str, span: Span, findings: Collector) -> bool:
+    if value > 0.0:
+        return True
+    findings.add("Y0407", f"a motion can't go at {text}: the speed has to be positive", span, _HELP)
+    return False
+
+
+def resolve_time(
+    statement: Statement,
+    units: Mapping[Kind, Unit],
+    defaults: Defaults,
+    scope: Scope,
+    findings: Collector,
+    has_speed: bool,
+) -> Timing:
+    """The motion time of a command in s; [MIN] is None, and [50%] a share of the limits.
+
+    A time from DEFAULT has DEFAULT's unit, whatever the line's units are; only where DEFAULT names none, the line's.
+    `has_speed` says that the command moves a frame, whose speed may be given instead.
+    """
+    time = statement.time or defaults.time
+    if time is None:
+        if not defaults.has_bad_time:
+            help_ = "write [20] for 20 time units, [MIN] for the shortest, or give one in DEFAULT"
+            subject = LeftOut("the motion time")
+            findings.add("Y0406", "the motion time is missing", statement.head_span, help_, subject=subject)
+        return Timing(None)
+    own = time is statement.time
+    if own and not time_is_sound(statement, time, findings):
+        return Timing(None)
+    line = statement if own else (defaults.statement or statement)
+    where = scope if own else defaults.scope
+    match time.items[0]:
+        case Word(name="V"):
+            if not has_speed:
+                said = "the motion time is a speed" if own else "DEFAULT's motion time is a speed"
+                message = f"{said}, which only motions of a frame take: MOVEL and its kin, DMOVE"
+                span = statement.span(time.place) if own else statement.head_span
+                findings.add("Y0407", message, span, "write [20], [MIN] or [50%]")
+                return Timing(None)
+            chosen = units if own or statement.units is None else {**units, **defaults.units}
+            return _at(_speed(time, line, statement, own, chosen, where, findings))
+        case Percent(value=value):
+            return Timing(None, share=value / 100.0)
+        case ComputedPercent() as item:
+            share = _percentage(item, line, where, findings)
+            if share is None or not _share_is_sound(
+                share, item.text, span_of=line, time=time, findings=findings
+            ):
+                return Timing(None)
+            return Timing(None, share=share / 100.0)
+        case Number() | Computed() as item:
+            return Timing(_seconds(item, line, statement, own, units, defaults, where, findings))
+    return Timing(None)
+
+
+@lru_cache(maxsize=64)
+def _at(speed: Reading | None) -> Timing:
+    """Return what a speed says of a motion: one value for all lines that have it."""
+    return Timing(None, speed=speed)
+
+
+def _speed(
+    time: Time,
+    line: Statement,
+    statement: Statement,
+    own: bool,
+    units: Mapping[Kind, Unit],
+    scope: Scope,
+    findings: Collector,
+) -> Reading | None:
+    """A speed in m/s and in rad/s; None with a finding."""
+    item = time.items[1]
+    span = statement.span(item.place) if own else statement.head_span
+    if isinstance(item, Number):  # nearly always
+        value = item.value
+    else:
+        if not isinstance(item, Computed) or (found := amount(item, scope, line, findings)) is None:
+            return None
+        try:
+            value = found.plain("a speed")
+        except AmountError as error:
+            findings.add_error(error, span)
+            return None
+    if not _speed_is_sound(value, f"{value:.10g}", span, findings):
+        return None
+    if (second := units.get("time")) is None:
+        findings.add_error(missing_unit("time", "the speed"), span)
+        return None
+    length, angle = units.get("length"), units.get("angle")
+    return Reading(
+        value * length.factor / second.factor if length else None,
+        value * angle.factor / second.factor if angle else None,
+    )
+
+
+def _seconds(
+    item: Number | Computed,
+    line: Statement,
+    statement: Statement,
+    own: bool,
+    units: Mapping[Kind, Unit],
+    defaults: Defaults,
+    scope: Scope,
+    findings: Collector,
+) -> float | None:
+    """A motion time in s; None with a finding."""
+    found = amount(item, scope, line, findings)
+    if found is None:
+        return None
+    unit = defaults.units.get("time") if not own and "time" in defaults.units else units.get("time")
+    span = statement.span(item.place) if own else statement.head_span
+    if found.unit is None and unit is None:
+        findings.add_error(missing_unit("time", "the motion time"), span)
+        return None
+    try:
+        value = (
+            found.in_unit(unit) * unit.factor
+            if unit
+            else found.value * (found.unit.factor if found.unit else 1.0)
+        )
+        if unit is None and found.unit is not None and found.unit.kind != "time":
+            raise AmountError("Y0307", f"{found} isn't a time")
+    except AmountError as error:
+        findings.add_error(error, span)
+        return None
+    if value <= 0.0:
+        findings.add("Y0407", f"a motion can't take {found}: the time has to be positive", span, _HELP)
+        return None
+    return value
+
+
+def _percentage(
+    item: Percent | ComputedPercent, statement: Statement, scope: Scope, findings: Collector
+) -> float | None:
+    if isinstance(item, Percent):
+        return item.value
+    try:
+        return evaluate(item.expression, scope).plain("a percentage")
+    except EvaluationError as error:
+        findings.add_error(error, statement.span(error.place))
+    except AmountError as error:
+        findings.add_error(error, statement.span(item.place))
+    return None
+
+
+def acceleration_share(option: Option, statement: Statement, scope: Scope, findings: Collector) -> float:
+    """ACC 30%: the share of the acceleration and jerk limits that a motion may use."""
+    span = statement.span((option.argument or option.word).place)
+    if isinstance(option.argument, Percent | ComputedPercent):
+        share = _percentage(option.argument, statement, scope, findings)
+        if share is None:
+            return 1.0
+        if 0.0 < share <= 100.0:
+            return share / 100.0
+        findings.add("Y0412", f"ACC {share:g}%: a share of the limits is above 0 and at most 100 %", span)
+        return 1.0
+    findings.add("Y0412", "ACC takes a percentage", span, "for example ACC 30%")
+    return 1.0

@@ -1,0 +1,1 @@
+"""Meanings of names: commands, frames, signals, and scopes."""

@@ -1,0 +1,70 @@
+"""Frames: what a name in braces means, in the place where it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol
+
+from yarclang.diagnostics import Collector, Edit, Fix
+from yarclang.semantics.names.scope import BASE, Frame, Scope
+from yarclang.source import Span
+from yarclang.subjects import Name, unknown
+from yarclang.syntax.ast import FrameName, Place
+
+
+class Placed(Protocol):
+    """Text that stands somewhere: a statement, or a name alone."""
+
+    def span(self, place: Place) -> Span:
+        """Return where a part of it stands."""
+
+
+_OLD_NAMES = {"T": "TCP", "TOOL": "TCP", "ROOT": BASE}
+
+
+def moving_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
+    """The frame that a command moves: one on the flange."""
+    found = known_frame(statement, frame, scope, findings)
+    if found is None:
+        return None
+    if not found.on_flange:
+        tools = [name for name in scope.frame_names() if (one := scope.frame(name)) and one.on_flange]
+        message = f"{frame.text} stands still: it can't be moved"
+        help_ = f"move one of {_listed(tools)}"
+        findings.add("Y0303", message, statement.span(frame.place), help_, subject=Name(frame.name))
+        return None
+    return found
+
+
+def base_axes(
+    statement: Placed, frame: FrameName, scope: Scope, may_move: bool, findings: Collector
+) -> Frame | None:
+    """The axes in which a command's values are given."""
+    found = known_frame(statement, frame, scope, findings)
+    if found is not None and found.on_flange and not may_move:
+        message = f"{frame.text} moves with the robot: a pose can't be given in it"
+        help_ = "write {B}; DMOVE takes a base frame on the robot"
+        findings.add("Y0303", message, statement.span(frame.place), help_, subject=Name(frame.name))
+        return None
+    return found
+
+
+def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
+    """What a frame's name means, wherever it stands; a finding where it means nothing."""
+    if (found := scope.frame(frame.name)) is not None:
+        return found
+    span = statement.span(frame.place)
+    today = _OLD_NAMES.get(frame.name)
+    if today is not None and (found := scope.frame(today)) is not None:
+        fix = Fix(f"write {{{today}}}", (Edit(span, f"{{{today}}}"),))
+        findings.add("Y0204", f"{frame.text} is today {{{today}}}", span, f"write {{{today}}}", fix)
+        return found
+    known = tuple(dict.fromkeys(scope.frame_names()))
+    subject = unknown(frame.name, known)
+    help_ = f"{subject.question} there are the frames {_listed(known)}".lstrip()
+    findings.add("Y0301", f"no frame is named {frame.text}", span, help_, subject=subject)
+    return None
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(f"{{{name}}}" for name in names)

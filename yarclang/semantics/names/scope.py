@@ -1,0 +1,199 @@
+"""What names mean where: numbers, frames, joint positions, inputs, outputs, SUBs and modules, in nested blocks.
+
+A name is known from its declaration to the end of its block or file, and can't be declared again meanwhile. Frames have
+names of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from typing import Any
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array, FrameLink, Output, Signal
+from yarclang.robot.model import Robot
+from yarclang.semantics.values.amounts import Amount
+from yarclang.source import SourceFile, Span
+
+BASE = "B"
+FLANGE = "FLANGE"
+
+
+@frozen(eq=False)
+class Frame:
+    """A frame: `transform` (4, 4) is base_from_frame, or flange_from_frame of one that the robot carries.
+
+    `link` says what it is called, and how and where it was declared.
+    """
+
+    transform: Array
+    on_flange: bool
+    link: FrameLink | None = None
+
+
+@frozen(eq=False)
+class JointPosition:
+    """A named joint position `q` (n,) [rad or m]."""
+
+    q: Array
+
+
+@frozen
+class Input:
+    """A declared input."""
+
+    signal: Signal
+
+
+@frozen(eq=False)
+class Routine:
+    """A SUB: `sub` is what semantics/declared/declaring.py makes of it."""
+
+    sub: object
+
+
+@frozen(eq=False)
+class Library:
+    """A module that was loaded by USE; its names are read with its own in front."""
+
+    scope: Scope
+
+
+@frozen
+class Where:
+    """Where something was declared."""
+
+    source: SourceFile
+    span: Span
+
+    def seen_from(self, source: SourceFile) -> str:
+        """How a message in `source` speaks of it."""
+        line = f"line {self.span.line}"
+        return line if source.name == self.source.name else f"{line} of {self.source.called}"
+
+
+Named = Amount | JointPosition | Input | Output | Routine | Library
+
+KINDS: dict[type, str] = {
+    Amount: "a number",
+    JointPosition: "a joint position",
+    Input: "an input",
+    Output: "an output",
+    Routine: "a SUB",
+    Library: "a module",
+}
+
+
+class Scope:
+    """The names of a block, and those of the blocks around it."""
+
+    __slots__ = ("_frames", "_names", "_outer", "_places", "seen")
+
+    def __init__(self, outer: Scope | None = None) -> None:
+        self._outer = outer
+        self._names: dict[str, Named] = {}
+        self._frames: dict[str, Frame] = {}
+        self._places: dict[str, Where] = {}
+        self.seen: dict[Hashable, Any] = {}
+        """What was looked up since the last declaration, for whoever looks up the same for each command (recalling.py)."""
+
+    @classmethod
+    def of_robot(cls, robot: Robot) -> Scope:
+        """The names that a robot brings: its joint positions, and its frames on the flange and {B}."""
+        scope = cls()
+        for name, q in robot.positions.items():
+            scope._names[name] = JointPosition(q)
+        scope._frames[BASE] = Frame(np.eye(4), on_flange=False, link=FrameLink(BASE, np.eye(4)))
+        flange = FrameLink(FLANGE, np.eye(4))
+        for name, transform in robot.flange_from_frame.items():
+            link = flange if name == FLANGE else FrameLink(name, transform, flange)
+            scope._frames[name] = Frame(transform, on_flange=True, link=link)
+        return scope
+
+    def name(self, name: str) -> Named | None:
+        """What a name means; that of a module's has the module's in front."""
+        module, dot, inner = name.partition(".")
+        found = self._own(module)
+        if not dot:
+            return found
+        return found.scope.declared(inner) if isinstance(found, Library) else None
+
+    def declared(self, name: str) -> Named | None:
+        """What a name means that was declared in this very file or block."""
+        return self._names.get(name)
+
+    def frame(self, name: str) -> Frame | None:
+        """What the name of a frame means."""
+        module, dot, inner = name.partition(".")
+        if dot:
+            found = self._own(module)
+            return found.scope._frames.get(inner) if isinstance(found, Library) else None
+        scope: Scope | None = self
+        while scope is not None:
+            if (frame := scope._frames.get(name)) is not None:
+                return frame
+            scope = scope._outer
+        return None
+
+    def declare(self, name: str, meaning: Named, where: Where | None = None) -> None:
+        """Give a name a meaning from here on."""
+        self.seen.clear()
+        self._names[name] = meaning
+        if where is not None:
+            self._places[name] = where
+
+    def where(self, name: str) -> Where | None:
+        """Where a name was declared; None for those of the robot."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope._names:
+                return scope._places.get(name)
+            scope = scope._outer
+        return None
+
+    def where_frame(self, name: str) -> Where | None:
+        """Where a frame was declared; None for those of the robot."""
+        found = self.frame(name)
+        link = found.link if found is not None else None
+        return Where(link.source, link.span) if link and link.source and link.span else None
+
+    def declare_frame(self, name: str, frame: Frame) -> None:
+        """Give a frame's name a meaning from here on."""
+        self.seen.clear()
+        self._frames[name] = frame
+
+    def names(self, *kinds: type) -> list[str]:
+        """All names of some kinds that are known here."""
+        found: list[str] = []
+        scope: Scope | None = self
+        while scope is not None:
+            found += [name for name, meaning in scope._names.items() if isinstance(meaning, kinds)]
+            scope = scope._outer
+        return found
+
+    def frame_names(self) -> Iterator[str]:
+        """All names of frames that are known here, those of the robot first."""
+        scopes: list[Scope] = []
+        scope: Scope | None = self
+        while scope is not None:
+            scopes.append(scope)
+            scope = scope._outer
+        for one in reversed(scopes):
+            yield from one._frames
+
+    def _own(self, name: str) -> Named | None:
+        scope: Scope | None = self
+        while scope is not None:
+            if (found := scope._names.get(name)) is not None:
+                return found
+            scope = scope._outer
+        return None
+
+    def copy(self) -> Scope:
+        """The same names, as they are now."""
+        made = Scope(self._outer.copy() if self._outer is not None else None)
+        made._names, made._frames = dict(self._names), dict(self._frames)
+        made._places = dict(self._places)
+        return made

@@ -1,0 +1,1 @@
+"""Expressions, units and numbers: mm and deg become m and rad here."""

@@ -1,0 +1,96 @@
+"""Expressions to amounts."""
+
+from __future__ import annotations
+
+import math
+
+from yarclang.diagnostics import FindingError
+from yarclang.semantics.names.scope import KINDS, Scope
+from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, no_unit, unary
+from yarclang.subjects import Subject, unknown
+from yarclang.syntax.expressions import Binary, Bracket, Expression, Function, Name, Unary
+from yarclang.syntax.leaves import Number, Place, Quantity
+from yarclang.units import UNITS
+
+LARGEST_NUMBER = 1e9
+
+
+class EvaluationError(FindingError):
+    """An expression without a value, and the place in the statement; else as `FindingError`."""
+
+    def __init__(
+        self, place: Place, code: str, message: str, help_: str = "", subject: Subject | None = None
+    ) -> None:
+        super().__init__(code, message, help_, subject)
+        self.place = place
+
+    @classmethod
+    def at(cls, place: Place, error: AmountError) -> EvaluationError:
+        """Return what can't be computed with its place."""
+        return cls(place, error.code, error.message, error.help, error.subject)
+
+
+def evaluate(expression: Expression, scope: Scope) -> Amount:
+    """The value of an expression.
+
+    Raises:
+        EvaluationError: it has none.
+    """
+    match expression:
+        case Number(text=text, value=value, place=place):
+            if abs(value) > LARGEST_NUMBER:
+                raise EvaluationError(
+                    place, "Y0403", f"{text} is beyond the largest value, {LARGEST_NUMBER:,.0f}"
+                )
+            return Amount(value)
+        case Quantity():
+            return quantity(expression)
+        case Name():
+            return named(expression, scope)
+        case Bracket(inner=inner):
+            return evaluate(inner, scope)
+        case Unary(operator=operator, operand=operand):
+            return unary(operator, evaluate(operand, scope))
+        case Binary(operator=operator, left=left, right=right, place=place):
+            one, other = evaluate(left, scope), evaluate(right, scope)
+            try:
+                return binary(operator, one, other)
+            except AmountError as error:
+                raise EvaluationError.at(place, error) from None
+        case Function(arguments=arguments, place=place):
+            amounts = tuple(evaluate(argument, scope) for argument in arguments)
+            try:
+                return function(expression.name, amounts)
+            except AmountError as error:
+                raise EvaluationError.at(place, error) from None
+
+
+def quantity(item: Quantity) -> Amount:
+    """A number with its own unit.
+
+    Raises:
+        EvaluationError: it isn't a unit.
+    """
+    unit = UNITS.get(item.unit.text.lower())
+    if unit is None:
+        raise EvaluationError.at(item.unit.place, no_unit(item.unit.text))
+    return Amount(item.number.value, unit)
+
+
+def named(name: Name, scope: Scope) -> Amount:
+    """The number that a name stands for.
+
+    Raises:
+        EvaluationError: it stands for none.
+    """
+    if name.name == "PI":
+        return Amount(math.pi)
+    found = scope.name(name.name)
+    if isinstance(found, Amount):
+        return found
+    if found is not None:
+        raise EvaluationError(name.place, "Y0209", f"{name.text} is {KINDS[type(found)]}, not a number")
+    known = sorted(set(scope.names(Amount)))
+    subject = unknown(name.text, known)
+    help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by LET")
+    raise EvaluationError(name.place, "Y0210", f"no number is named {name.text}", help_, subject)

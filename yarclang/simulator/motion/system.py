@@ -1,0 +1,323 @@
+"""A coordinate system: runs a program, moves its motors, holds and stops them."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Protocol
+
+import numpy as np
+
+from yarclang.pmac.errors import (
+    BOTH_LIMITS,
+    BUSY_PROGRAM,
+    MOVE_IN_PROGRESS,
+    MOVED_AWAY,
+    NO_MOTORS,
+    NOT_ACTIVATED,
+    OPEN_LOOP,
+)
+from yarclang.simulator.motion import drive
+from yarclang.simulator.motion.axes import AxisDefinition, axes_of
+from yarclang.simulator.motion.drive import Drive
+from yarclang.simulator.motion.motors import Motor
+from yarclang.simulator.motion.pieces import Piece, standing
+from yarclang.simulator.motion.sequences import SEQUENCES, Sequence, rapid
+from yarclang.simulator.motion.steps import Step
+from yarclang.simulator.network.reply import Refusal
+from yarclang.simulator.programs import surroundings
+from yarclang.simulator.programs.ahead import Ahead
+from yarclang.simulator.programs.calculation import Calculation
+from yarclang.simulator.state.registers import Seen
+
+_AWAY = 1.0
+"""Counts that a motor may have been moved during a hold (assumed)."""
+
+
+class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
+    """What a coordinate system needs of the machine."""
+
+    def defined(self) -> None:
+        """Axis definitions have changed."""
+        ...
+
+
+class CoordinateSystem:
+    """Coordinate system `number`.
+
+    Attributes:
+        definitions: of axes, by motor.
+        calculation: where it is in its program.
+        ahead: steps that are calculated and not begun.
+        drive: what executes them.
+        running: whether a program runs (R), and whether by S.
+        dwell_until: the end of a DWELL [s]; infinite while there is none.
+        homing: motors that a HOME of the program waits for.
+    """
+
+    def __init__(self, number: int, variables: list[float], scope: Seen, outside: Outside) -> None:
+        self.number = number
+        self.outside = outside
+        self.calculation = Calculation(number, scope, outside)
+        self.ahead = Ahead(self.calculation, outside)
+        self.drive = Drive(number, variables, outside)
+        self.clear()
+
+    def clear(self) -> None:
+        """As at power-up: no axes, no rotary, nothing runs."""
+        self.definitions: dict[int, AxisDefinition] = {}
+        self.calculation.clear()
+        self.ahead.clear()
+        self.drive.clear()
+        self.running = False
+        self.single_step = False
+        self.resume_error = False
+        self.limit_stop = False
+        self.dwell_until = math.inf
+        self.homing: list[Motor] = []
+        self._stopping = False
+        self._sequence: Sequence | None = None
+        self._rest: deque[Piece] = deque()
+
+    @property
+    def motors(self) -> list[Motor]:
+        """Its motors, in the order of their numbers."""
+        return self.drive.motors
+
+    @property
+    def dwelling(self) -> bool:
+        """Whether a DWELL isn't over."""
+        return self.dwell_until < math.inf
+
+    @property
+    def moving(self) -> bool:
+        """Whether a move, a pause or what was calculated isn't done."""
+        return self.drive.piece is not None or self.dwelling or bool(self.homing)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a program runs, or its last moves."""
+        return self.running or self.moving
+
+    # axes
+
+    def define(self, motor: Motor, definition: AxisDefinition | None) -> None:
+        """Define a motor's axes, or take its definition away.
+
+        Raises:
+            Refusal: ERR001 while a program runs here.
+        """
+        if self.running or self.drive.piece is not None:
+            raise Refusal(BUSY_PROGRAM)
+        self.definitions.pop(motor.number, None)
+        motors = [m for m in self.motors if m is not motor]
+        if definition is not None:
+            self.definitions[motor.number] = definition
+            motors = sorted([*motors, motor], key=lambda m: m.number)
+        self.drive.connect(motors)
+        self.calculation.moves.connect(axes_of([(m.number, self.definitions[m.number]) for m in motors]))
+        self.pmatch()
+        self.outside.defined()
+
+    def pmatch(self) -> None:
+        """Axis positions from the motors' commanded positions."""
+        if self.motors:
+            self.calculation.moves.match(self.drive.places())
+
+    # commands
+
+    def run(self, single_step: bool = False) -> None:
+        """R or S.
+
+        Raises:
+            Refusal: ERR010 to ERR017, as facts 5.2 say.
+        """
+        if not self.motors:
+            raise Refusal(NO_MOTORS)
+        if self.drive.held:
+            self._resume()
+            if self.busy:
+                return
+        if self.running and not self.single_step and not single_step:
+            return
+        self._check_motors()
+        self.calculation.check()
+        if not self.moving:
+            if not self.ahead.steps:
+                self.pmatch()
+            self.drive.end = self.drive.places()
+        self.ahead.begin(single_step)
+        self.running, self.single_step = True, single_step
+        self.resume_error = self.limit_stop = self._stopping = False
+        if not self.moving:
+            self._go_on()
+
+    def _check_motors(self) -> None:
+        """Refuse to run with motors that can't move."""
+        now = self.outside.now
+        if not all(motor.activated for motor in self.motors):
+            raise Refusal(NOT_ACTIVATED)
+        if not all(motor.closed for motor in self.motors):
+            raise Refusal(OPEN_LOOP)
+        if any(all(motor.set_limits(now)) for motor in self.motors):
+            raise Refusal(BOTH_LIMITS)
+        if any(motor.jogging for motor in self.motors):
+            raise Refusal(MOVE_IN_PROGRESS)
+
+    def _resume(self) -> None:
+        """Behind a hold: the motors must stand where they were held."""
+        if any(motor.jogging for motor in self.motors):
+            raise Refusal(MOVE_IN_PROGRESS)
+        held_at = self.drive.held_at
+        if held_at is not None:
+            if np.any(np.abs(self.drive.places() - held_at) > _AWAY):
+                self.resume_error = True
+                raise Refusal(MOVED_AWAY)
+            if any(not motor.closed for motor in self.motors):
+                raise Refusal(OPEN_LOOP)
+        self.drive.go_on()
+        if self.running and not self.moving:
+            self._go_on()
+
+    def quit(self) -> None:
+        """Q: no more is calculated; what was calculated is moved."""
+        self.ahead.stop()
+        self.running = self.running and self.moving
+
+    def end_of_move(self) -> None:
+        r"""/: the executing move is the last one; R goes on with the next."""
+        self.ahead.stop()
+        self._stopping = True
+        if self._sequence is not None:
+            self._sequence.stop = True
+        self.running = self.running and self.moving
+
+    def abort(self) -> None:
+        """A: each motor stops at Ixx15, and open loops are closed."""
+        now = self.outside.now
+        for motor in self.motors:
+            if motor.closed:
+                motor.abort(now)
+            elif motor.activated and not motor.amplifier_fault:
+                motor.close(now)
+        self._leave()
+        self.outside.changed(self.motors)
+
+    def stop_program(self) -> None:
+        """The program ends, the motors stand where they are commanded to be."""
+        for motor in self.motors:
+            motor.hold(self.outside.now)
+        self._leave()
+
+    def _leave(self) -> None:
+        """Forget what was calculated; time goes on at its pace."""
+        self.running = self.single_step = False
+        self.ahead.leave()
+        self.drive.leave()
+        self._rest.clear()
+        self._sequence = None
+        self.dwell_until = math.inf
+        self.homing = []
+
+    # time
+
+    @property
+    def next_event(self) -> float:
+        """When something is to be done here [s]."""
+        return min(self.drive.next_event, self.ahead.retry_at, self.dwell_until)
+
+    def handle(self) -> None:
+        """Do what is due now."""
+        now = self.outside.now
+        if self.drive.handle():
+            self._go_on()
+        elif now >= self.dwell_until:
+            self.dwell_until = math.inf
+            self._go_on()
+        elif now >= self.ahead.retry_at:
+            self.ahead.retry_at = math.inf
+            if not self.moving:
+                self._go_on()
+
+    def wake(self) -> None:
+        """A line has come into the rotary, or a motor has come home."""
+        if self.homing and not any(motor.jogging for motor in self.homing):
+            self.homing = []
+            self._go_on()
+        elif self.running and self.ahead.calculating and not self.moving:
+            self._go_on()
+
+    # the program
+
+    def _go_on(self) -> None:
+        """Begin what comes next, at this instant: the next piece, a pause, the end, or nothing."""
+        if self.drive.held_at is not None:
+            # motors may be jogged: what comes next waits for R
+            return
+        steps = self.ahead.steps
+        while True:
+            if self._rest:
+                self.drive.execute(self._rest.popleft())
+                return
+            self.ahead.fill()
+            if self._sequence is not None:
+                if found := self._sequence.next(steps):
+                    piece, events = found
+                    for event in events:
+                        event()
+                    self.drive.execute(piece)
+                    return
+                self.drive.end = self._sequence.end
+                self._sequence = None
+            if not steps or self._stopping or not self.running:
+                self._idle()
+                return
+            if not self._start(steps[0]):
+                return
+
+    def _start(self, step: Step) -> bool:
+        """Begin a step that nothing blends into; True if it is done already."""
+        if step.kind == "move" and step.mode in SEQUENCES:
+            self.drive.start_here()
+            self._sequence = SEQUENCES[step.mode](self.drive.end, step)
+            return True
+        self.ahead.steps.popleft()
+        for event in step.events:
+            event()
+        match step.kind:
+            case "move":
+                self.drive.start_here()
+                begin = self.drive.end
+                if step.mode == "RAPID":
+                    self._rest.extend(rapid(self.motors, begin, step.target))
+                if not self._rest:
+                    self._rest.append(standing(max(step.time, self.outside.interrupt), begin))
+                self.drive.end = step.target
+                self.drive.execute(self._rest.popleft())
+                return False
+            case "dwell":
+                self.drive.stand()
+                self.dwell_until = self.outside.now + max(step.time, self.outside.interrupt)
+                return False
+            case "home":
+                return self._home(step)
+            case _:
+                self.ahead.stop()
+                self._idle()
+                return False
+
+    def _home(self, step: Step) -> bool:
+        self.drive.stand()
+        now = self.outside.now
+        homing = [motor for motor in self.motors if motor.number in step.motors]
+        for motor in homing:
+            motor.zero(now) if step.time < 0 else motor.home(now)
+        self.outside.changed(homing)
+        self.homing = [motor for motor in homing if motor.jogging]
+        return not self.homing
+
+    def _idle(self) -> None:
+        """Nothing to do: the motors stand. The program runs on if more may come."""
+        self.drive.stand()
+        if not self.ahead.calculating:
+            self.running = self.single_step = False

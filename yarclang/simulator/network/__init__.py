@@ -1,0 +1,1 @@
+"""The simulator on a network, or beside the code that uses it."""

@@ -1,0 +1,118 @@
+"""A simulator beside the code that uses it: a machine on a free loopback port, served by a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from types import TracebackType
+
+from yarclang.simulator.faults import Fault
+from yarclang.simulator.machine import Machine
+from yarclang.simulator.network.leash import Leash
+from yarclang.simulator.network.server import SimulatorServer, wall_clock
+
+_STOP_TIME = 1.0
+"""A server that needs longer to stop hangs in its machine [s]."""
+
+
+class EmbeddedSimulator:
+    """Serves a machine as long as the context lasts; until then nobody else may touch the machine.
+
+    Args:
+        machine: the machine.
+        rate: seconds of the machine a second; None is as fast as it goes.
+        faults: what shall go wrong.
+        seed: of the faults.
+        tell: gets a line for a person whenever something is odd; called in the simulator's thread.
+        leashed: whether the machine's time waits for its client where the computer has too much else to do (`leash.py`).
+
+    Attributes:
+        port: where it listens.
+        leash: for the client that looks after the robot; None if the machine isn't leashed, or is as fast as it goes.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        *,
+        rate: float | None = 1.0,
+        faults: Iterable[Fault] = (),
+        seed: int = 0,
+        tell: Callable[[str], None] | None = None,
+        leashed: bool = True,
+    ) -> None:
+        self.port = 0
+        self.leash = Leash(rate, wall_clock) if leashed and rate is not None else None
+        self._server = SimulatorServer(
+            machine, port=0, rate=rate, faults=faults, seed=seed, tell=tell, leash=self.leash
+        )
+        self._thread = threading.Thread(target=self._run, name="yarc simulator", daemon=True)
+        self._listens: Future[int] = Future()
+        self._error: Exception | None = None
+        self._loop: asyncio.AbstractEventLoop
+        self._ending: asyncio.Event
+
+    def __enter__(self) -> EmbeddedSimulator:
+        """Listen; `port` tells where.
+
+        Raises:
+            OSError: the loopback address can't be listened on.
+        """
+        self._thread.start()
+        self.port = self._listens.result()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close all connections and stop.
+
+        Raises:
+            Exception: as `check`. An error inside the machine comes before what follows from it.
+        """
+        with contextlib.suppress(RuntimeError):  # its loop has ended by an error
+            self._loop.call_soon_threadsafe(self._ending.set)
+        self._thread.join(_STOP_TIME)
+        if error is not None and not isinstance(error, Exception):
+            return  # somebody wants to leave
+        self.check()
+        if self._thread.is_alive() and error is None:
+            raise RuntimeError(f"the simulator doesn't stop within {_STOP_TIME:g} s")
+
+    def check(self) -> None:
+        """Look whether the machine is well.
+
+        Raises:
+            Exception: what went wrong inside it: a bug of ours. It isn't served any more.
+        """
+        if self._error is not None:
+            raise self._error
+
+    def _run(self) -> None:
+        """What the thread does."""
+        try:
+            asyncio.run(self._serve())
+        except Exception as error:
+            if self._listens.done():
+                self._error = error
+            else:
+                self._listens.set_exception(error)
+
+    async def _serve(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._ending = asyncio.Event()
+        await self._server.start()
+        serving = asyncio.create_task(self._server.serve())
+        ending = asyncio.create_task(self._ending.wait())
+        self._listens.set_result(self._server.port)
+        await asyncio.wait((serving, ending), return_when=asyncio.FIRST_COMPLETED)
+        if serving.done():
+            failure = serving.exception()
+            self._error = failure if isinstance(failure, Exception) else None
+        else:
+            serving.cancel()
+        await self._server.close()
+        await ending

@@ -1,0 +1,392 @@
+"""The simulator's socket and clock: serves a machine to clients, and moves its time with the wall clock.
+
+The only module of the simulator that knows time and the network.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import socket
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from types import TracebackType
+
+from yarclang.pmac import requests as pmac
+from yarclang.pmac.requests import Code
+from yarclang.simulator.faults import Fault, Troubles
+from yarclang.simulator.machine import Machine
+from yarclang.simulator.network.ethernet import Packet, PacketReader, Station
+from yarclang.simulator.network.leash import AHEAD, Leash, tick
+
+LOOPBACK = "127.0.0.1"
+"""Where the simulator listens unless it is told otherwise: nobody else can reach it."""
+
+_TICK = 0.005
+"""How often time passes while no packets come [s]."""
+
+_FINE = 0.0005
+"""A packet finds the machine's time no older than this [s of its time]."""
+
+_SLACK = 0.25
+"""Wall time that passed while the process couldn't run: more than this at once is left out [s]."""
+
+_STRIDE = 0.02
+"""How far time goes at once [s of the machine]; at the greatest rate, with every turn of the event loop."""
+
+_BURST = 0.005
+"""Wall time that the machine's time may take of the computer's at once [s]: clients come between."""
+
+_STAY = 0.0002
+"""How long a reply's reader is waited for before other work is done: one that asks again at once is answered at once [s]."""
+
+_RECEIVED = 1 << 16
+"""Most bytes that are taken from a socket at once."""
+
+_MEMORY = 1 << 14
+"""Size of the dual-ported memory [bytes]."""
+
+
+def wall_clock() -> float:
+    """Return the time of the wall clock [s], from any beginning."""
+    return time.monotonic()
+
+
+class SimulatorServer:
+    """A machine on a TCP port, in the running event loop.
+
+    Args:
+        machine: the machine; while it is served, nobody else may advance it.
+        host: address to listen on.
+        port: 0 takes any that is free; `port` tells which.
+        rate: seconds of the machine a second; None is as fast as it goes.
+        faults: what shall go wrong.
+        seed: of the faults.
+        tell: gets a line for a person whenever something happens that isn't a client's doing, or odd.
+        leash: on which the machine's time waits for its clients; the time for which it waits is left out. None: it keeps up with the wall clock.
+            Means nothing to a machine that is as fast as it goes.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        *,
+        host: str = LOOPBACK,
+        port: int = pmac.PORT,
+        rate: float | None = 1.0,
+        faults: Iterable[Fault] = (),
+        seed: int = 0,
+        tell: Callable[[str], None] | None = None,
+        leash: Leash | None = None,
+    ) -> None:
+        self.machine = machine
+        self.host = host
+        self.port = port
+        self.rate = rate
+        self._tell = tell
+        self.troubles = Troubles(machine, faults, seed, self.tell)
+        self.memory = bytearray(_MEMORY)
+        self._clients: dict[int, _Client] = {}
+        self._server: asyncio.Server | None = None
+        self._timer: asyncio.Handle | None = None
+        self._since = 0.0
+        self._leash = leash
+        self._ahead = 0.0
+        self._each = _TICK if rate is None else tick(rate)
+        self._failed: asyncio.Future[None] | None = None
+        self.loop: asyncio.AbstractEventLoop
+
+    async def start(self) -> None:
+        """Listen, and let time pass.
+
+        Raises:
+            OSError: the address can't be listened on.
+        """
+        self.loop = asyncio.get_running_loop()
+        self._failed = self.loop.create_future()
+        self._server = await self._listen(self.port)
+        ports = [each.getsockname()[1] for each in self._server.sockets]
+        if len(set(ports)) > 1:  # each address of a name has got one of its own
+            self._server.close()
+            self._server = await self._listen(ports[0])
+        self.port = ports[0]
+        self._since = self.loop.time()
+        self._tell_time()
+        self._tick()
+
+    async def _listen(self, port: int) -> asyncio.Server:
+        return await self.loop.create_server(lambda: _Client(self), self.host, port)
+
+    async def close(self) -> None:
+        """Close all connections and stop the time."""
+        self._let_go()
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._failed is not None and not self._failed.done():
+            self._failed.cancel()
+        if self._server is not None:
+            self._server.close()
+            self.drop_all()
+            await self._server.wait_closed()
+
+    async def serve(self) -> None:
+        """Wait until cancelled.
+
+        Raises:
+            Exception: what went wrong inside the machine: a bug of ours.
+        """
+        assert self._failed is not None, "start first"
+        await asyncio.shield(self._failed)
+
+    async def __aenter__(self) -> SimulatorServer:
+        await self.start()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    def catch_up(self) -> None:
+        """Let the machine's time pass up to now."""
+        if self.rate is None:
+            return
+        now = self.loop.time()
+        due = min(now - self._since, _SLACK) * self.rate
+        if due > (most := self._most()):
+            due = most
+            self._since = now - due / self.rate  # what is beyond is left out
+        if due < _FINE:
+            return
+        while due > 0.0:
+            self.troubles.advance(min(due, _STRIDE))
+            self._ahead += min(due, _STRIDE)
+            due = max(0.0, due - _STRIDE)
+            if self.loop.time() - now > _BURST:
+                break
+        self._since = now - due / self.rate
+        self._tell_time()
+        self.act()
+
+    def _tell_time(self) -> None:
+        if self._leash is not None:
+            self._leash.tell(self.machine.now)
+
+    def _most(self) -> float:
+        """Return how far time may go now [s of the machine]: without bounds, unless it waits for a client."""
+        # a fault that keeps a reply back ends with time
+        if self._leash is None or not self._clients or any(one.kept for one in self._clients.values()):
+            return math.inf
+        until = self._leash.until
+        return max(0.0, AHEAD - self._ahead if until is None else until - self.machine.now)
+
+    def asked(self) -> None:
+        """A client is there, or has asked something."""
+        self._ahead = 0.0
+
+    def tell(self, text: str) -> None:
+        """Say to the person who runs the server what is odd."""
+        if self._tell is not None:
+            self._tell(text)
+
+    def wall(self, seconds: float) -> float:
+        """Seconds of the wall clock for seconds of the machine."""
+        return seconds / self.rate if self.rate is not None else seconds
+
+    def act(self) -> None:
+        """Do what faults do to connections."""
+        if self.troubles.dropped():
+            self.drop_all()
+
+    def drop_all(self) -> None:
+        """Close all connections at once."""
+        for client in list(self._clients.values()):
+            client.drop()
+
+    def fail(self, error: Exception) -> None:
+        """Something inside the machine went wrong: no more connections, and `serve` raises it."""
+        self._let_go()
+        if self._failed is not None and not self._failed.done():
+            self._failed.set_exception(error)
+        if self._timer is not None:
+            self._timer.cancel()
+        self.drop_all()
+
+    def _let_go(self) -> None:
+        if self._leash is not None:
+            self._leash.stop()
+
+    def join(self, client: _Client) -> int | None:
+        """The port of the machine for a new client; None if it has no more."""
+        free = [port for port in range(pmac.CLIENTS) if port not in self._clients]
+        if not free:
+            self.tell(f"another client is turned away: the controller keeps {pmac.CLIENTS} connections")
+            return None
+        self._clients[free[0]] = client
+        self.asked()
+        return free[0]
+
+    def leave(self, client: _Client) -> None:
+        """A client has gone."""
+        self._clients = {port: one for port, one in self._clients.items() if one is not client}
+
+    def _tick(self) -> None:
+        try:
+            if self.rate is None:
+                self.troubles.advance(_STRIDE)
+                self.act()
+            else:
+                self.catch_up()
+            for client in list(self._clients.values()):
+                client.work()
+        except Exception as error:
+            self.fail(error)
+            return
+        if self.rate is None:
+            self._timer = self.loop.call_soon(self._tick)
+        else:
+            self._timer = self.loop.call_later(self._each, self._tick)
+
+
+class _Client(asyncio.Protocol):
+    """One connection: packets are answered one after the other."""
+
+    def __init__(self, server: SimulatorServer) -> None:
+        self._server = server
+        self._reader = PacketReader()
+        self._packets: deque[Packet] = deque()
+        self._held: asyncio.TimerHandle | None = None
+        self._full = False
+        self._reading = True
+        self._transport: asyncio.Transport | None = None
+        self._wire: socket.socket | None = None
+        self._station: Station | None = None
+
+    @property
+    def kept(self) -> bool:
+        """True if a fault keeps a reply back."""
+        troubles = self._server.troubles
+        return self._held is not None or (bool(self._packets) and troubles.any and troubles.frozen)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        assert isinstance(transport, asyncio.Transport)
+        port = self._server.join(self)
+        if port is None:
+            transport.abort()
+            return
+        self._transport = transport
+        self._wire = transport.get_extra_info("socket").dup()
+        self._wire.setblocking(False)
+        self._station = Station(self._server.machine, port, self._server.memory)
+
+    def data_received(self, data: bytes) -> None:
+        begun = time.perf_counter()
+        while data:
+            self._packets += self._reader.receive(data)
+            self.work()
+            data = self._at_once() if time.perf_counter() - begun < _TICK else b""
+
+    def _at_once(self) -> bytes:
+        """What the client sends as soon as it has its reply; nothing if it doesn't.
+
+        To sleep and be woken takes longer than to answer: the event loop alone makes a third of the round trips.
+        """
+        wire, transport = self._wire, self._transport
+        if (
+            wire is None
+            or transport is None
+            or transport.is_closing()
+            or not self._reading
+            or self._server.rate is None
+        ):
+            return b""
+        if transport.get_write_buffer_size():
+            return b""
+        until = time.perf_counter() + _STAY
+        while time.perf_counter() < until:
+            try:
+                return wire.recv(_RECEIVED)
+            except BlockingIOError:
+                continue
+            except OSError:
+                break
+        return b""  # a closed connection is told by the event loop
+
+    def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (asyncio's signature)
+        self._server.leave(self)
+        self._transport = None
+        if self._wire is not None:
+            self._wire.close()
+        self._packets.clear()
+        if self._held is not None:
+            self._held.cancel()
+
+    def pause_writing(self) -> None:
+        """The client doesn't read its replies."""
+        self._full = True
+
+    def resume_writing(self) -> None:
+        self._full = False
+        self.work()
+
+    def drop(self) -> None:
+        """Close the connection at once."""
+        self._packets.clear()
+        if self._transport is not None:
+            self._transport.abort()
+
+    def work(self) -> None:
+        """Answer what can be answered now; read on only if nothing is left over."""
+        try:
+            self._answer()
+        except Exception as error:
+            self._server.fail(error)
+            return
+        if self._reader.broken is not None and not self._packets and self._held is None:
+            if self._transport is not None and not self._transport.is_closing():
+                self._server.tell(f"a connection is closed: {self._reader.broken}")
+            self.drop()
+        self._read(not self._packets and self._held is None and not self._full)
+
+    def _answer(self) -> None:
+        server, troubles = self._server, self._server.troubles
+        while self._packets and self._transport is not None and self._held is None and not self._full:
+            server.catch_up()
+            if not self._packets or (troubles.any and troubles.frozen):
+                break
+            packet = self._packets.popleft()
+            server.asked()
+            assert self._station is not None
+            delay = 0.0
+            if not troubles.any:
+                reply = self._station.answer(packet)
+            else:
+                busy = packet.code == Code.GETRESPONSE and troubles.busy
+                reply, delay = troubles.spoil(b"\x00" if busy else self._station.answer(packet))
+                troubles.lines_written(self._station.take_lines())
+                server.act()
+            if delay > 0.0:
+                self._held = server.loop.call_later(server.wall(delay), self._release, reply)
+            elif reply:
+                self._write(reply)
+
+    def _release(self, reply: bytes) -> None:
+        self._held = None
+        if self._server.troubles.frozen:  # goes out with the thaw
+            self._held = self._server.loop.call_later(_TICK, self._release, reply)
+            return
+        self._write(reply)
+        self.work()
+
+    def _write(self, reply: bytes) -> None:
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.write(reply)
+
+    def _read(self, wanted: bool) -> None:
+        if wanted != self._reading and self._transport is not None and not self._transport.is_closing():
+            self._reading = wanted
+            if wanted:
+                self._transport.resume_reading()
+            else:
+                self._transport.pause_reading()

@@ -1,0 +1,1 @@
+"""Variables, registers and status words of the simulated controller."""

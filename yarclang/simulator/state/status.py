@@ -1,0 +1,163 @@
+"""Status words of motors, coordinate systems and the controller (TSRM 281-290), from what they do now.
+
+Each word is worked out by itself. `wanted` has the bits that somebody looks at: those that take the positions
+of the motors are left 0 where none of them is among it, because a PLC asks for one bit at each of its scans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from yarclang.pmac.status import (
+    AXIS_CODES,
+    INCREMENTAL_BITS,
+    MODE_BITS,
+    MOTOR_WORD_1,
+    MOTOR_WORD_2,
+    SYSTEM_WORD_1,
+    SYSTEM_WORD_2,
+    SYSTEM_WORD_3,
+)
+from yarclang.simulator.motion.motors import Motor
+from yarclang.simulator.motion.system import CoordinateSystem
+
+if TYPE_CHECKING:
+    from yarclang.simulator.machine import Machine
+
+WHOLE = 0xFFFFFF
+
+
+def _bits(word: dict[str, int], *names: str) -> int:
+    return sum(1 << word[name] for name in names)
+
+
+_PLACED = _bits(MOTOR_WORD_1, "negative limit set", "positive limit set", "desired velocity zero")
+_MOTOR_FOLLOWS = _bits(MOTOR_WORD_2, "warning following error", "in position")
+_SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
+
+
+def digits(machine: Machine, marks: int, motor: int, system: int) -> str:
+    """What ?, ?? or ??? (`marks`) answers for a motor or a coordinate system: its words in hexadecimal."""
+    words: tuple[int, ...]
+    if marks == 1:
+        found = machine.motors[motor]
+        owner = machine.system_of(found)
+        words = motor_word_1(found, owner, machine.now), motor_word_2(found, owner, machine.now)
+    elif marks == 2:
+        one = machine.systems[system]
+        words = system_word_1(one), system_word_2(one, machine.now), system_word_3(one)
+    else:
+        words = global_word(machine), 0
+    return "".join(f"{word:06X}" for word in words)
+
+
+def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
+    """The first word of `#n?`."""
+    bits = MOTOR_WORD_1
+    dwelling = system is not None and system.dwelling
+    word = (
+        motor.activated << bits["activated"]
+        | motor.enabled << bits["amplifier enabled"]
+        | (not motor.closed) << bits["open loop"]
+        | (motor.driver is not None or dwelling) << bits["move timer active"]
+        | dwelling << bits["dwell in progress"]
+        | motor.data_error << bits["data block error"]
+        | motor.aborting << bits["abort deceleration"]
+        | motor.homing << bits["home search in progress"]
+    )
+    if wanted & _PLACED:
+        positive, negative = motor.set_limits(time)
+        word |= (
+            negative << bits["negative limit set"]
+            | positive << bits["positive limit set"]
+            | (motor.closed and not motor.place(time)[1]) << bits["desired velocity zero"]
+        )
+    return word
+
+
+def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
+    """The second word of `#n?`."""
+    bits = MOTOR_WORD_2
+    word = (
+        motor.limit_stop << bits["stopped on limit"]
+        | motor.homed << bits["home complete"]
+        | motor.amplifier_fault << bits["amplifier fault"]
+        | motor.fatal_error << bits["fatal following error"]
+    )
+    if wanted & _MOTOR_FOLLOWS:
+        warned, in_position = _following([motor], time)
+        word |= warned << bits["warning following error"] | in_position << bits["in position"]
+    if system is not None:
+        axis = system.definitions[motor.number].terms[0][0]
+        word |= 1 << bits["assigned"] | (system.number - 1) << 20 | AXIS_CODES.get(axis, 0) << 16
+    return word
+
+
+def system_word_1(system: CoordinateSystem) -> int:
+    """The first word of `&n??`."""
+    bits, moves = SYSTEM_WORD_1, system.calculation.moves
+    continuous = system.running and not system.single_step
+    word = (
+        continuous << bits["continuous motion request"]
+        | (not moves.feed) << bits["move by time"]
+        | continuous << bits["continuous motion"]
+        | system.single_step << bits["single step"]
+        | system.running << bits["running"]
+    )
+    for axis, bit in INCREMENTAL_BITS.items():
+        word |= (axis in moves.vector) << (bit + 1) | (axis in moves.incremental) << bit
+    return word
+
+
+def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) -> int:
+    """The second word of `&n??`."""
+    bits, motors, rotary = SYSTEM_WORD_2, system.motors, system.calculation.rotary
+    mode = MODE_BITS.get(system.calculation.moves.mode, 0)
+    word = (
+        (mode & 4) << 2
+        | mode & 3
+        | system.ahead.run_time_error << bits["run-time error"]
+        | bool(system.ahead.steps) << bits["move in stack"]
+        | any(motor.amplifier_fault for motor in motors) << bits["amplifier fault"]
+        | any(motor.fatal_error for motor in motors) << bits["fatal following error"]
+        | (rotary is not None and rotary.full) << bits["rotary full"]
+        | system.dwelling << bits["dwell buffered"]
+    )
+    if wanted & _SYSTEM_FOLLOWS:
+        warned, in_position = _following(motors, time)
+        word |= warned << bits["warning following error"]
+        word |= (bool(motors) and in_position) << bits["in position"]
+    return word
+
+
+def system_word_3(system: CoordinateSystem) -> int:
+    """The third word of `&n??`."""
+    bits = SYSTEM_WORD_3
+    return (
+        system.resume_error << bits["resume error"] | system.limit_stop << bits["desired position limit stop"]
+    )
+
+
+def global_word(machine: Machine) -> int:
+    """The first word of `???`: bits 20 to 16 say which buffers are open (assumed)."""
+    kinds = {port.open for port in machine.ports.values()}
+    return ("rotary" in kinds) << 16 | ("prog" in kinds) << 17 | ("plc" in kinds) << 18
+
+
+def _following(motors: Iterable[Motor], time: float) -> tuple[bool, bool]:
+    """Whether any following error is beyond Ixx12, and whether all motors are in position: closed loop, no move under way,
+    following error within Ixx28 (both 1/16 count).
+    """
+    warned, in_position = False, True
+    for motor in motors:
+        error = abs(motor.following_error(time))
+        warned = warned or 0.0 < motor.tuning(12) / 16.0 < error
+        in_position = (
+            in_position
+            and motor.closed
+            and not motor.jogging
+            and motor.driver is None
+            and error <= motor.tuning(28) / 16.0
+        )
+    return warned, in_position

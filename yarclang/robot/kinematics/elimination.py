@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import links_of, walk_with_jacobian
+from yarclang.robot.kinematics.fk import links_of, walk, walk_with_jacobian
 from yarclang.robot.kinematics.numeric import pose_columns, pose_error
 from yarclang.robot.model import Array, Chain
 
@@ -193,6 +193,14 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
         step *= np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
         trial[:, active] += step.T
     return np.ascontiguousarray(best.T), miss
+
+
+def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
+    """Return what joint positions (K, n) miss their poses (K, 4, 4) by, (K,) [m and rad together]."""
+    columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
+    error = pose_error(columns, pose_columns(base_from_flange))
+    result: Array = np.sqrt((error * error).sum(axis=0))
+    return result
 
 
 @lru_cache(maxsize=64)

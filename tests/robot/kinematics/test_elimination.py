@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from tests.robot.kinematics import arms
-from yarclang.robot.kinematics import Solutions, branches, flange_poses, follow, nearest_solutions, reaching
+from yarclang.robot.kinematics import (
+    Solutions,
+    Track,
+    branches,
+    flange_poses,
+    follow,
+    nearest_solutions,
+    reaching,
+    track,
+)
 from yarclang.robot.kinematics.elimination import (
     _bent,
     _elimination,
@@ -16,6 +25,7 @@ from yarclang.robot.kinematics.elimination import (
     polished,
 )
 from yarclang.robot.kinematics.geometry import form_of, nominal_form, parallel_arm, wristed_arm
+from yarclang.robot.kinematics.march import march
 
 POSES = 200
 
@@ -236,3 +246,51 @@ def test_odd_arms_are_answered(name):
         solved = nearest_solutions(chain, limits, pose, here)
         assert isinstance(solved, Solutions)
         assert np.abs(flange_poses(chain, solved.q[:1])[0] - pose).max() < 1e-6
+
+
+def straight(pose, way):
+    def pose_at(s):
+        poses = np.repeat(pose[None], len(s), axis=0)
+        poses[:, :3, 3] += s[:, None] * way
+        return poses
+
+    return pose_at
+
+
+def test_lines_of_three_parallel_axes_are_those_that_iteration_follows():
+    chain = arms.COBOTS["ur5"]
+    limits = arms.limits_of(np.full(6, -6.2), np.full(6, 6.2))
+    rng = np.random.default_rng(4)
+    whole = 0
+    for _ in range(30):
+        q = rng.uniform(-2.5, 2.5, 6)
+        way = rng.normal(size=3)
+        pose_at = straight(flange_poses(chain, q[None])[0], 0.15 * way / np.linalg.norm(way))
+        found, least = track(chain, limits, pose_at, q, reason="any"), march(chain, pose_at, q)
+        assert isinstance(found, Track) == (least.end == "whole")
+        if isinstance(found, Track):
+            whole += 1
+            assert np.abs(flange_poses(chain, found.q) - pose_at(found.s)).max() < 1e-9
+            assert np.abs(found.q[-1] - least.q[-1]).max() < 1e-7
+    assert whole > 10
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-7])
+def test_a_line_that_begins_where_the_last_axis_is_parallel_to_the_three(bend):
+    """Sideways from there the hand would have to swing; in the plane across the parallel axes nothing changes."""
+    chain = arms.COBOTS["ur5"]
+    limits = arms.limits_of(np.full(6, -6.2), np.full(6, 6.2))
+    q = np.array([0.0, -1.2, 1.4, 0.5, bend, 0.7])
+    pose = flange_poses(chain, q[None])[0]
+    # axis 1 stands still if the way is in the plane that the three joints move in
+    found = track(chain, limits, straight(pose, np.array([0.05, 0.0, 0.04])), q, reason="any")
+    assert isinstance(found, Track)
+    assert (
+        np.abs(
+            flange_poses(chain, found.q)[-1] - straight(pose, np.array([0.05, 0.0, 0.04]))(np.ones(1))[0]
+        ).max()
+        < 1e-9
+    )
+    assert np.abs(np.diff(found.q, axis=0)).max() <= 0.2
+    aside = track(chain, limits, straight(pose, np.array([0.0, 0.08, 0.0])), q, reason="any")
+    assert not isinstance(aside, Track) or np.abs(np.diff(aside.q, axis=0)).max() <= 0.2

@@ -1,6 +1,7 @@
-"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads, sockets, start-up."""
+"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads, sockets, start-up, circles, files that are named in texts."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -212,3 +213,67 @@ def test_a_door_opens_without_the_libraries_that_take_long(door: str, libraries:
     loaded = {name.partition(".")[0] for name in run.stdout.split()}
     assert "yarclang" in loaded
     assert loaded - sys.stdlib_module_names - {"yarclang"} == libraries
+
+
+NAMED = re.compile(r"`([a-z._][\w.-]*(?:/[\w.-]+)*/?)`")
+"""A file or folder in backticks. PMAC commands such as `J/` begin with a capital letter."""
+
+
+def lost(text: str, *rooms: Path) -> list[str]:
+    """Return the files and folders that a text names and that aren't there.
+
+    A name is looked for from the top, from the package, from `rooms`, and from folders that are named before it.
+    """
+    places, missing = [ROOT, PACKAGE, *rooms], []
+    for name in NAMED.findall(text):
+        if name.endswith(("/", ".py", ".lark")):
+            found = [place / name for place in places if (place / name).exists()]
+            folders = [one if one.is_dir() else one.parent for one in found]
+            places += [folder for folder in folders if folder not in places]
+            missing += [] if found else [name]
+    return missing
+
+
+def pieces(page: str) -> list[str]:
+    """Return the pieces of a page within which names follow each other: rows of tables, and paragraphs; sections in CONTRIBUTING.md."""
+    text = (ROOT / page).read_text()
+    if page == "CONTRIBUTING.md":
+        return text.split("\n## ")
+    return [
+        piece
+        for paragraph in text.split("\n\n")
+        for piece in (paragraph.splitlines() if paragraph.startswith("|") else [paragraph])
+    ]
+
+
+@pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
+def test_files_that_are_named_are_there(page: str):
+    assert [(name, piece[:60]) for piece in pieces(page) for name in lost(piece)] == []
+    assert sum(len(NAMED.findall(piece)) for piece in pieces(page)) > 30
+
+
+def test_rooms_of_the_package_that_pages_name_are_there():
+    rooms = {"yarclang", *(path.name for path in PACKAGE.iterdir() if path.is_dir())}
+    named = [
+        (page.name, name)
+        for page in sorted((ROOT / "docs").glob("*.md"))
+        for name in NAMED.findall(page.read_text())
+        if name.partition("/")[0] in rooms and name.endswith(("/", ".py"))
+    ]
+    assert len(named) > 30
+    assert [(page, name) for page, name in named if lost(f"`{name}`")] == []
+
+
+@pytest.mark.parametrize(
+    "path", sorted(PACKAGE.rglob("__init__.py")), ids=lambda path: str(path.relative_to(ROOT))
+)
+def test_what_a_room_says_of_itself_is_there(path: Path):
+    assert lost(ast.get_docstring(ast.parse(path.read_text())) or "", path.parent) == []
+
+
+def test_names_of_files_that_are_gone_are_seen():
+    assert lost("| `certify/` | proves (`judge.py`); `certify/read/layout.py`, `numbers.py`, `rooms/` |") == [
+        "judge.py",
+        "rooms/",
+    ]
+    assert lost("`J/` closes a loop, `yarclang/units.py` has units, `--to` and `robot.toml` are none") == []

@@ -277,3 +277,62 @@ def test_names_of_files_that_are_gone_are_seen():
         "rooms/",
     ]
     assert lost("`J/` closes a loop, `yarclang/units.py` has units, `--to` and `robot.toml` are none") == []
+
+
+def imports() -> dict[str, set[str]]:
+    """Return, for each module of the package, the modules that it imports anywhere: in functions and for types too.
+
+    Without the package's own face, which imports the pipeline and gives it its version.
+    """
+    files = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in PACKAGE.rglob("*.py")
+    }
+    found: dict[str, set[str]] = {}
+    for name, path in files.items():
+        known = found.setdefault(name, set())
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                named = [f"{node.module}.{one.name}" for one in node.names]
+                known.update(one if one in files else node.module for one in named)
+            elif isinstance(node, ast.Import):
+                known.update(one.name for one in node.names)
+        known.intersection_update(files)
+    del found[PACKAGE.name]
+    return found
+
+
+def circles(graph: dict[str, set[str]]) -> set[tuple[str, ...]]:
+    """Return the largest sets of modules in which each reaches every other one."""
+    while ends := {name for name in graph if not graph[name] & graph.keys()}:
+        graph = {name: known for name, known in graph.items() if name not in ends}
+
+    def reached(begin: str) -> set[str]:
+        seen, waiting = set(), [begin]
+        while waiting:
+            for one in (graph[waiting.pop()] & graph.keys()) - seen:
+                seen.add(one)
+                waiting.append(one)
+        return seen
+
+    reach = {name: reached(name) for name in graph}
+    return {
+        tuple(sorted({one for one in reach[name] if name in reach[one]}))
+        for name in graph
+        if name in reach[name]
+    }
+
+
+OPEN = {("yarclang.collision.placing", "yarclang.collision.scene")}
+"""Circles that there are: making a scene asks for distances, which are those of a scene."""
+
+
+def test_modules_do_not_import_in_circles():
+    graph = imports()
+    assert sum(map(len, graph.values())) > 3000
+    assert circles(graph) - OPEN == set()
+
+
+def test_circles_are_seen():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}, "e": {"e"}}) == {("a", "b", "c"), ("e",)}
+    assert circles({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == set()

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.certificate import QUANTITIES, Loads, Peaks, Quantity
+from yarclang.certify.kinematics.motors import counts_per_joint
 from yarclang.certify.motion.bounds import Cubics, segment_max
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
-from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.model import Array, Robot
 
 RELATIVE = 1e-9

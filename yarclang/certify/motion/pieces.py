@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.certify.kinematics.arm import poses_and_jacobians
 from yarclang.certify.motion.bounds import Cubics, arm_fourth, reaches
 from yarclang.certify.motion.programmed import Motion, Rows
 from yarclang.frozen import frozen
 from yarclang.progress import go_on
-from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Array, Chain, Robot
 
 _AT_ONCE = 8_192

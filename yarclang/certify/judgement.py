@@ -290,7 +290,7 @@ class Judge:
         if place.any_jerk:
             return False
         before, behind = _beside_any_jerk(place)
-        peaks = np.abs(layout.cubics(place.first + before, place.last - behind).j) / self.robot.limits.jerk
+        peaks = layout.cubics(place.first + before, place.last - behind).jerk_peaks() / self.robot.limits.jerk
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
     def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:

@@ -188,4 +188,11 @@ FINDINGS: tuple[Finding, ...] = (
         "conditions of its waits are those of the program. Its own header names the program's file: a file of that name, or of the "
         "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
     ),
+    Finding(
+        "Y1194",
+        "needs-streaming",
+        "error",
+        "a program buffer can't decide this",
+        "Registers, conditions with AND, OR, NOT and comparisons, and the ways of a CASE are decided by the runtime, which sends leg after leg. A text for a program buffer runs without it.",
+    ),
 )

@@ -27,6 +27,7 @@ Kind = Literal[
     "number",
     "joints",
     "input",
+    "register",
     "output",
     "sub",
     "module",

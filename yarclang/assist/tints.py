@@ -34,6 +34,7 @@ _OF_SYMBOL: dict[str, Tint] = {
     "frame": "frame",
     "number": "variable",
     "joints": "joints",
+    "register": "variable",
     "input": "signal",
     "output": "signal",
     "sub": "sub",

@@ -41,4 +41,11 @@ FINDINGS = (
         "yarcc --target tape",
         "yarcc --target prog",
     ),
+    Finding(
+        "Y1105",
+        "needs-streaming",
+        "error",
+        "a program buffer can't decide this",
+        "Registers, conditions with AND, OR, NOT and comparisons, and the ways of a CASE are decided by the runtime, which sends leg after leg. A text for a program buffer runs without it.",
+    ),
 )

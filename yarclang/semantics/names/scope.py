@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.decisions import Register
 from yarclang.frozen import frozen
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
@@ -74,11 +75,12 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | JointPosition | Input | Output | Routine | Library
+Named = Amount | JointPosition | Register | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
     Amount: "a number",
     JointPosition: "a joint position",
+    Register: "a register",
     Input: "an input",
     Output: "an output",
     Routine: "a SUB",

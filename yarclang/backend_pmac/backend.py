@@ -31,7 +31,7 @@ def _grid(robot: Robot, tm: float | None) -> Result[Grid]:
 def _write(plan: MotionPlan, target: str, tolerance: Tolerance, memory: Memory) -> Result[Written]:
     from yarclang.backend_pmac.writing import write
 
-    return Result(write(plan, cast("Target", target), tolerance, memory))
+    return write(plan, cast("Target", target), tolerance, memory)
 
 
 def _reader() -> Reader:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from yarclang.diagnostics import FindingError
-from yarclang.semantics.names.scope import KINDS, Scope
+from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, no_unit, unary
 from yarclang.subjects import Subject, unknown
 from yarclang.syntax.expressions import Binary, Bracket, Expression, Function, Name, Unary
@@ -89,7 +89,11 @@ def named(name: Name, scope: Scope) -> Amount:
     if isinstance(found, Amount):
         return found
     if found is not None:
-        raise EvaluationError(name.place, "Y0209", f"{name.text} is {KINDS[type(found)]}, not a number")
+        help_ = ""
+        if isinstance(found, Input):
+            help_ = f"WHEN {name.text} ON ... ELSE ... END asks an input when the program runs; numbers are computed when it is compiled"
+        message = f"{name.text} is {KINDS[type(found)]}, not a number"
+        raise EvaluationError(name.place, "Y0209", message, help_)
     known = sorted(set(scope.names(Amount)))
     subject = unknown(name.text, known)
     help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by LET")

@@ -29,11 +29,13 @@ Tint = Literal[
     "unit",
     "function",
     "constant",
+    "pose",
 ]
 _OF_SYMBOL: dict[str, Tint] = {
     "frame": "frame",
     "number": "variable",
     "joints": "joints",
+    "pose": "pose",
     "input": "signal",
     "output": "signal",
     "sub": "sub",

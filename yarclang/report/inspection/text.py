@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
+from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
@@ -21,7 +22,6 @@ from yarclang.hir import (
     WaitInput,
     When,
 )
-from yarclang.pipeline.line_map import MOVE, Stretch
 from yarclang.report.distances import distances_of
 from yarclang.report.inspection.branches import Solution
 from yarclang.report.inspection.flow import flow_lines, when_set

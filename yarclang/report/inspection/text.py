@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
 from yarclang.decisions import in_words, simple
+from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
@@ -23,7 +24,6 @@ from yarclang.hir import (
     WaitInput,
     When,
 )
-from yarclang.pipeline.line_map import MOVE, Stretch
 from yarclang.report.distances import distances_of
 from yarclang.report.inspection.branches import Solution
 from yarclang.report.inspection.flow import flow_lines, when_set

@@ -134,7 +134,7 @@ def _is_stl(content: bytes) -> bool:
     """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for one of text."""
     if len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little"):
         return True
-    return content.startswith(b"solid") and _NO_STL_LINE.search(content) is None
+    return content.startswith((b"solid ", b"solid\n", b"solid\r")) and _NO_STL_LINE.search(content) is None
 
 
 def _is_obj(content: bytes) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
+from yarclang.decisions import Register, Value
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
@@ -424,7 +425,7 @@ class TimedMove(MotionHead):
 
 @frozen
 class Signal:
-    """An input or output: its name in the program, and the controller's variable, such as M11."""
+    """An input or output: its name in the program, and the controller's variable."""
 
     name: str
     variable: str
@@ -467,16 +468,19 @@ class Hold:
 
 @frozen
 class When:
-    """The steps up to the next Else or EndWhen of the same depth are done if an input has a value."""
+    """The steps up to the next Else or EndWhen of the same depth are done if a condition holds.
+
+    With `again` it is decided with what the WHEN has read in whose second way it stands first: a CASE reads its inputs once.
+    """
 
     origin: Origin
-    input: Signal
-    value: float
+    condition: Value
+    again: bool = False
 
 
 @frozen
 class Else:
-    """The steps from here on are done if the input of the When hasn't that value."""
+    """The steps from here on are done if the condition of the When doesn't hold."""
 
     origin: Origin
 
@@ -486,6 +490,15 @@ class EndWhen:
     """Both ways meet here, at the same joint positions."""
 
     origin: Origin
+
+
+@frozen
+class SetRegister:
+    """A register takes a value when the robot stands."""
+
+    origin: Origin
+    register: str
+    value: Value
 
 
 @frozen
@@ -509,7 +522,7 @@ class Gap:
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
-Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
+Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen | SetRegister
 Step = Motion | Action | Stop | Gap
 
 
@@ -530,3 +543,4 @@ class Program:
     cell: Cell | None = None
     is_cut: bool = False
     cells: Mapping[int, Cell | None] | None = None
+    registers: tuple[Register, ...] = ()

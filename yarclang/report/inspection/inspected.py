@@ -6,6 +6,7 @@ import numpy as np
 
 from yarclang.certify.certificate import CommandCertificate
 from yarclang.diagnostics import Diagnostic
+from yarclang.emitted.purposes import Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
@@ -22,7 +23,7 @@ from yarclang.hir import (
 from yarclang.lasting import Lasting
 from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.checking import Checked
-from yarclang.pipeline.line_map import Stretch, map_lines
+from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled, Request
 from yarclang.report.carried import carried_in_plan
 from yarclang.report.inspection.branches import Solution, solutions_of

@@ -1,4 +1,4 @@
-"""What is judged of a whole text: its start, times, rest, limits and speeds; and the rows of the certificate."""
+"""The checks of a whole text: its start, times, rest, limits and speeds; and the rows of the certificate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The judgement: text, program and robot in; certificate and findings out."""
+"""Certifying: text, program and robot in; certificate and findings out."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from yarclang.certify.bodies.clearance import NOTHING_NEAR
 from yarclang.certify.bodies.zones import NO_ZONES, InZones
 from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation
 from yarclang.certify.claims import Claims
-from yarclang.certify.judgement import Judge
 from yarclang.certify.kinematics.described import ContradictionError, own_robot
 from yarclang.certify.kinematics.poses import wrong_poses
 from yarclang.certify.motion.deviations import find_deviations
@@ -24,6 +23,7 @@ from yarclang.certify.read.reader import reader_of
 from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.certify.stretches import Proved, recalled
 from yarclang.certify.unsourced import told_program, unjudged
+from yarclang.certify.whole_text import Judge
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.progress import tell

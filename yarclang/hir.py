@@ -34,6 +34,20 @@ class FrameLink:
     parent: FrameLink | None = None
     source: SourceFile | None = None
     span: Span | None = None
+    told: Array | None = field(default=None, compare=False)
+    """The numbers of `parent_from_frame` as they were written, in SI: x y z and roll pitch yaw (6,) or qx qy qz qw (7,); None for the robot's frames."""
+
+
+@frozen(eq=False)
+class Told:
+    """A pose as it was written, for readers that make the transforms themselves.
+
+    `numbers` are in SI: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,). `base` is the frame that they are seen from, `moving` the frame that is moved.
+    """
+
+    numbers: Array
+    base: FrameLink
+    moving: FrameLink
 
 
 @frozen
@@ -102,6 +116,8 @@ class PoseGoal:
     base_from_moving: Array
     flange_from_moving: Array
     near: Array | None = None
+    told: Told | None = field(default=None, compare=False)
+    """The same as it was written; None for a pose that was computed."""
 
 
 @frozen(eq=False)
@@ -118,6 +134,8 @@ class PoseDelta:
     axes: Array
     axes_on_flange: bool
     flange_from_moving: Array
+    told: Told | None = field(default=None, compare=False)
+    """The same as it was written; None for a change that was computed."""
 
 
 @frozen

@@ -171,4 +171,4 @@ def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
     """Return how a dataclass begins, and its fields; None of an Origin, which says no more than its label, and of all other values."""
     if issubclass(kind, Origin) or not is_dataclass(kind):
         return None
-    return kind.__name__.encode() + b"(", tuple(one.name for one in fields(kind))
+    return kind.__name__.encode() + b"(", tuple(one.name for one in fields(kind) if one.compare)

@@ -26,6 +26,7 @@ Kind = Literal[
     "frame",
     "number",
     "joints",
+    "pose",
     "input",
     "register",
     "output",

@@ -32,7 +32,7 @@ from yarclang.commands.spec import CommandSpec
 from yarclang.decisions import Register
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
-from yarclang.semantics.names.scope import Input, JointPosition, Routine
+from yarclang.semantics.names.scope import Input, JointPosition, Pose, Routine
 from yarclang.source import Span
 from yarclang.syntax.words import STATES
 from yarclang.units import UNITS
@@ -156,6 +156,8 @@ class _Maker(NameMaker):
                 and not values.is_delta
             ):
                 yield from self.known(JointPosition, "joints")
+            if values is not None and not values.is_delta and not spec.is_timed and not cursor.values:
+                yield from self.known(Pose, "pose")
         if cursor.text == "" or cursor.kind == "open_frame":
             yield from self.frames()
         if spec.is_motion and cursor.values:
@@ -192,6 +194,7 @@ class _Maker(NameMaker):
             return
         yield from self.frames()
         yield from self.known(JointPosition, "joints")
+        yield from self.known(Pose, "pose")
         yield from self.known(Input, "input")
         yield from self.known(Output, "output")
 

@@ -13,7 +13,7 @@ from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.lines import code_of
 
 Kind = Literal[
-    "frame", "number", "joints", "register", "input", "output", "sub", "module", "block", "command"
+    "frame", "number", "joints", "pose", "register", "input", "output", "sub", "module", "block", "command"
 ]
 
 

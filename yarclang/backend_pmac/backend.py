@@ -33,7 +33,7 @@ def _write(plan: MotionPlan, target: str, tolerance: Tolerance, memory: Memory) 
 
     if target == "prog" and (refused := streamed_only(plan.program)) is not None:
         return Result(None, (refused,))
-    return Result(write(plan, cast("Target", target), tolerance, memory))
+    return write(plan, cast("Target", target), tolerance, memory)
 
 
 def _reader() -> Reader:

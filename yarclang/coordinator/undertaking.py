@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from yarclang.coordinator.backwards import Passed, passed
 from yarclang.coordinator.history import History
@@ -11,14 +10,12 @@ from yarclang.coordinator.kept_parts import Performed
 from yarclang.coordinator.messages.events import PartBegan, Paused
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.resting import resting_place
+from yarclang.coordinator.shared import SharedRobot
 from yarclang.coordinator.signals import output_names
 from yarclang.pipeline.parts import steps_of
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
 
 TO_THE_START = "to the start"
 """What the command of an approach is called."""
@@ -40,7 +37,7 @@ class Undertaking:
         passes: how often the program was begun.
     """
 
-    def __init__(self, loaded: Loaded, coordinator: Coordinator, times: int | None = 1) -> None:
+    def __init__(self, loaded: Loaded, coordinator: SharedRobot, times: int | None = 1) -> None:
         self.loaded = loaded
         self.times = times
         self.on_the_way = False

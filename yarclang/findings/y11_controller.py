@@ -190,9 +190,10 @@ FINDINGS: tuple[Finding, ...] = (
     ),
     Finding(
         "Y1194",
-        "needs-streaming",
+        "kinematics-disagree",
         "error",
-        "a program buffer can't decide this",
-        "Registers, conditions with AND, OR, NOT and comparisons, and the ways of a CASE are decided by the runtime, which sends leg after leg. A text for a program buffer runs without it.",
+        "the kinematics of the judge and a second reading of the robot disagree",
+        "The judge reads robot.toml and URDF with a reader of its own and computes poses and torques with formulas of its own. At some places of every "
+        "motion it asks Pinocchio as well. Where they disagree, one of them has an error, and nothing is proved. Report it, with the robot's files.",
     ),
 )

@@ -19,10 +19,10 @@ from yarclang.units import UNITS, Kind
 from yarclang.words.registry import word_specs
 from yarclang.words.spec import Slot
 
-FieldKind = Literal["number", "percent", "choice", "frame", "joints", "signal", "text"]
+FieldKind = Literal["number", "percent", "choice", "frame", "joints", "pose", "signal", "text"]
 
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
-_DECLARED_POSES = ("FRAME", "FRAME_QUAT")
+_DECLARED_POSES = ("FRAME", "FRAME_QUAT", "POSE")
 _COUNTED = 64
 """Way-points whose values are fields; of longer lists only so many."""
 
@@ -147,7 +147,10 @@ class Reader:
             values = own_values(statement, point)
             front = f"{number}." if len(meant) > 1 else ""
             if len(values) == 1 and isinstance(word := values[0], Word):
-                field = Field(f"{front}target", f"{front}Target", "joints", word.text)
+                kind: FieldKind = "joints" if meaning.of_joints else "pose"
+                if (symbol := self._sketch.names.meant(word.name, False, statement.line)) is not None:
+                    kind = "pose" if symbol.kind == "pose" else "joints"
+                field = Field(f"{front}target", f"{front}Target", kind, word.text)
                 yield Placed(field, "value", word.place)
                 continue
             if len(values) == 1 and isinstance(text := values[0], Text):

@@ -10,7 +10,7 @@ from yarclang.commands.registry import actions
 from yarclang.commands.spec import ActionSpec
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile
-from yarclang.syntax.ast import Block, Node, Statement
+from yarclang.syntax.ast import Block, Node, Statement, Word
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
 from yarclang.teaching.edits import Program
@@ -145,12 +145,20 @@ class _Lister:
             one.name.name,
             title,
             detail,
-            ("joints" if _is_joints(one, targets[0].of_joints) else "pose") if targets else None,
+            ("joints" if self._is_joints(one, targets[0].of_joints) else "pose") if targets else None,
             point is not None and not (kind == "declaration" and _is_tool(one)),
             tuple(placed.field for placed in self._reader.placed(one))
             if self._first <= one.line <= self._last
             else (),
         )
+
+    def _is_joints(self, one: Statement, of_joints: bool) -> bool:
+        """Return True if a motion ends at joint values: a name stands for them after any suffix, unless it is a pose's."""
+        values = one.waypoints[-1].values if one.waypoints else ()
+        if len(values) == 1 and isinstance(word := values[0], Word):
+            symbol = self._program.sketch.names.meant(word.name, False, one.line)
+            return symbol is None or symbol.kind != "pose"
+        return of_joints
 
     def _texts(self, one: Statement) -> tuple[str, str]:
         """Return title and detail: the code in front of time, units, base frame and options, and the rest with the comment."""
@@ -177,12 +185,6 @@ class _Lister:
         part = one.time or one.units or one.base or (one.options[0].word if one.options else None)
         middle = part.place.start - 1 if part is not None else end
         return _cut(text[begin:middle]), _cut(text[middle:])
-
-
-def _is_joints(one: Statement, of_joints: bool) -> bool:
-    """Return True if a motion ends at joint values: a name stands for them after any suffix."""
-    values = one.waypoints[-1].values if one.waypoints else ()
-    return of_joints or (len(values) == 1 and type(values[0]).__name__ == "Word")
 
 
 def _is_tool(one: Statement) -> bool:

@@ -14,6 +14,7 @@ from yarclang.syntax.ast import Module
 _KINDS = {
     "FRAME": "frame",
     "JOINTS": "joint position",
+    "POSE": "pose",
     "LET": "number",
     "REGISTER": "register",
     "SUB": "SUB",

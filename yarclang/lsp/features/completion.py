@@ -23,6 +23,7 @@ _KINDS = {
     "number": types.CompletionItemKind.Variable,
     "joints": types.CompletionItemKind.EnumMember,
     "register": types.CompletionItemKind.Variable,
+    "pose": types.CompletionItemKind.EnumMember,
     "input": types.CompletionItemKind.Property,
     "output": types.CompletionItemKind.Property,
     "sub": types.CompletionItemKind.Method,

@@ -21,6 +21,7 @@ _KINDS = {
     "number": types.SymbolKind.Constant,
     "joints": types.SymbolKind.EnumMember,
     "register": types.SymbolKind.Variable,
+    "pose": types.SymbolKind.EnumMember,
     "input": types.SymbolKind.Property,
     "output": types.SymbolKind.Property,
     "sub": types.SymbolKind.Function,

@@ -15,6 +15,7 @@ from yarclang.semantics.declared.meanings import (
     declare_frame,
     declare_joints,
     declare_number,
+    declare_pose,
     declare_signal,
     may_be_declared,
 )
@@ -105,6 +106,8 @@ class Declaring:
                 declare_frame(statement, scope, file.defaults, self._robot, findings)
             case "JOINTS":
                 declare_joints(statement, scope, file.defaults, self._robot, findings)
+            case "POSE":
+                declare_pose(statement, scope, file.defaults, self._robot, findings)
             case "LET":
                 declare_number(statement, scope, self._robot, findings)
             case "INPUT" | "OUTPUT":

@@ -41,6 +41,14 @@ class JointPosition:
     q: Array
 
 
+@frozen(eq=False)
+class Pose:
+    """A named pose: `transform` (4, 4) is base_from_pose, `link` the frame in which it is given (None: not known)."""
+
+    transform: Array
+    link: FrameLink | None
+
+
 @frozen
 class Input:
     """A declared input."""
@@ -75,12 +83,13 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | JointPosition | Register | Input | Output | Routine | Library
+Named = Amount | JointPosition | Pose | Register | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
     Amount: "a number",
     JointPosition: "a joint position",
     Register: "a register",
+    Pose: "a pose",
     Input: "an input",
     Output: "an output",
     Routine: "a SUB",

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.runtime.test_legs import job, value, world
-from yarclang.runtime.notices import Remark
+from tests.runtime.test_legs import job, joints, value, world
+from yarclang.runtime.notices import Remark, Stop
 from yarclang.runtime.pmac.performance import perform
 
 COUNTED = ("REGISTER N 0..3", "INPUT JOB M70", "INPUT EMPTY M71")
@@ -117,6 +117,8 @@ def test_what_no_register_can_hold_ends_the_run_at_rest(robot, line, number, wha
     assert value(made, "M2") == 0.0  # nothing after it was done
     assert value(made, "M1") == 0.0  # the safe value
     assert dict(ended.registers) == {"N": 0}
+    told = [one.text for one in made.told if isinstance(one, Remark)]
+    assert "registers: N is 0; a run that goes on with --from begins with their first values" in told
 
 
 def test_the_log_tells_what_was_decided(robot):
@@ -126,3 +128,42 @@ def test_the_log_tells_what_was_decided(robot):
     assert "registers: N is 0" in told
     assert any("SET: N is 2" in one for one in told)
     assert any("N = 2 OR EMPTY = 1 holds, N is 2, M71 is OFF" in one for one in told)
+
+
+@pytest.mark.parametrize("when", [0.3, 1.2, 2.6])
+def test_a_stop_in_any_leg_leaves_the_registers_as_they_were_there(robot, when):
+    """Stopped in the first motion, in that of the way, and at the WAIT after it."""
+    made = world(robot)
+    for name in ("M70", "M71"):
+        made.machine.command(f"{name}->*", 7)
+        made.machine.command(f"{name}=0", 7)
+    lines = (
+        "P10 MOVEJ 5 0 0 0 0 0 [1] (deg,s)",
+        "P20 SET N = 1",
+        "WHEN N = 1 AND NOT EMPTY = ON",
+        "P30 MOVEJ 9 0 0 0 0 0 [1] (deg,s)",
+        "P40 SET N = 2",
+        "ELSE",
+        "P50 MOVEJ 9 0 0 0 0 0 [1] (deg,s)",
+        "END",
+        "P60 WAIT DOOR ON [60] (s)",
+        "P70 SET N = 3",
+    )
+    run = job(robot, *COUNTED, *lines)
+    made.at.append((made.now + when + 1.0, lambda: made.operation.orders.append(Stop())))
+    ended = made.perform(perform(made.operation, run))
+    assert not ended.well
+    reached = dict(ended.registers)["N"]
+    place = joints(made, robot)[0]
+    # what was counted is what lies behind the robot
+    assert reached == (0 if place < 5 - 1e-3 else 1 if place < 9 - 1e-3 else 2)
+
+
+def test_a_new_run_begins_anew(robot):
+    """A new run begins with the first values, whatever the one before has counted."""
+    made, ended = performed(robot, "SET N = 3", "SET LAMP 1")
+    assert ended.well
+    assert dict(ended.registers) == {"N": 3}
+    again = made.perform(perform(made.operation, job(robot, *COUNTED, "P10 SET N = N + 1")))
+    assert again.well
+    assert dict(again.registers) == {"N": 1}

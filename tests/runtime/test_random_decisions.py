@@ -52,7 +52,7 @@ class Drawn:
         return lines, carried_out
 
     def part(self, depth):
-        kind = self.chance.choice(("mark", "set", "when", "case") if depth else ("mark", "set"))
+        kind = self.chance.choice(("mark", "set", "when", "case", "repeat") if depth else ("mark", "set"))
         self.kinds.add(kind)
         return getattr(self, kind)(depth)
 
@@ -89,6 +89,15 @@ class Drawn:
 
         return [f"WHEN {text}", *first[0], "ELSE", *second[0], "END"], carried_out
 
+    def repeat(self, depth):
+        lines, does = self.block(depth - 1)
+
+        def carried_out(state, passed):
+            does(state, passed)
+            does(state, passed)
+
+        return ["REPEAT 2", *lines, "END"], carried_out
+
     def case(self, depth):
         selector = self.chance.choice(("N", "JOB"))
         bounds = [(0, 1), (2, 2), (3, 5)]
@@ -111,7 +120,7 @@ def robot(industrial6):
     return industrial6
 
 
-@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4)
+@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3)
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
         chance = random.Random(f"{seed}-{tally.drawn['whole']}")
@@ -143,3 +152,4 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
             tally.count("ends", not is_whole)
             tally.count("when", "when" in program.kinds)
             tally.count("case", "case" in program.kinds)
+            tally.count("repeat", "repeat" in program.kinds)

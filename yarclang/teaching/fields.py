@@ -201,6 +201,15 @@ class Reader:
                 yield _value(str(number), f"Argument {number}", "text", value)
         elif word == "REPEAT" and values:
             yield _value("count", "Times", "number", values[-1])
+        elif word == "CASE" and values:
+            yield _value("selector", "Register or input", "text", values[0])
+        elif word == "OF":
+            for number, value in enumerate(values, 1):
+                yield _value(str(number), "Value or range", "text", value)
+        elif word == "REGISTER" and len(values) > 1:
+            yield _value("range", "Range", "text", values[1])
+            for value in values[2:3]:
+                yield _value("first", "Begins with", "number", value)
         elif word in word_specs() and values and len(values) == len(word_specs()[word].slots):
             yield from slot_fields(word_specs()[word].slots, values)
         elif statement.expression is not None:

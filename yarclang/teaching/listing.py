@@ -86,7 +86,7 @@ class _Lister:
     def _note(self, nodes: tuple[Node, ...], depth: int) -> None:
         for node in nodes:
             if not isinstance(node, Block):
-                self._depths[node.line] = depth
+                self._depths[node.line] = depth - (node.name.name == "OF" and depth > 0)
                 continue
             self._depths[node.head.line] = depth
             for one in (node.otherwise_head, node.end):
@@ -108,7 +108,7 @@ class _Lister:
                 # what belongs to no block has no depth of its own
                 depth = self._depths.get(line, depth)
                 yield self._statement(one, depth)
-                depth += one.name.name in BLOCK_HEADS or one.name.name == "ELSE"
+                depth += one.name.name in BLOCK_HEADS or one.name.name in ("ELSE", "OF")
             elif one is not None:
                 yield Listed(line, 1, depth, "other", "", "!", _cut(one.lstrip("! ")), "", None, False)
             else:
@@ -196,7 +196,7 @@ def kind_of(one: Statement) -> ListedKind:
     word = one.name.name
     if word in BLOCK_HEADS:
         return "block"
-    if word in ("END", "ELSE"):
+    if word in ("END", "ELSE", "OF"):
         return "end"
     if word == "CALL":
         return "call"

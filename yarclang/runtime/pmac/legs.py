@@ -90,6 +90,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             begun = True
             ended = yield from perform(operation, replace(leg.job, offset=offset, clock=clock, part=part))
             if not ended.well:
+                _tell_registers(operation, held)
                 return replace(ended, ways=ways, barriers=barriers, registers=held.told)
             stands = leg.job.end
         if leg.barrier is None:
@@ -108,12 +109,19 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             if leg.barrier.kind == "when":
                 ways = (*ways, place == before + 1)
             continue
+        _tell_registers(operation, held)
         return replace(ended, ways=ways, barriers=barriers, at_barrier=True, registers=held.told)
     clock = job.clock + job.lasting.most
     done = job.offset + job.duration
     return Ended(
         True, joints=stands, done=done, clock=clock, ways=ways, barriers=barriers, registers=held.told
     )
+
+
+def _tell_registers(operation: Operation, held: Held) -> None:
+    """Tell what a run that ends early has counted: it isn't kept."""
+    if held.registers:
+        operation.remark(f"{held.in_words()}; a run that goes on with --from begins with their first values")
 
 
 def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:

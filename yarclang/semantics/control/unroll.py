@@ -271,7 +271,7 @@ class _Unroller:
         if ways is None:
             self._steps.append(Gap())
             return
-        around = shown(at(place, block.head)) if place else ""
+        around = findings.place  # the lines of the ways have places of their own
         self._whens += 1
         opened = 0
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
+
 import numpy as np
 
 from yarclang.certify.certificate import CommandCertificate
@@ -80,6 +82,7 @@ class Inspected:
         flows: the corners in motion that it has to do with.
         carries: the parts that grippers hold during a motion.
         deeds: what a SET does to parts, verb and names.
+        following: further steps of the same command, as those of a PULSE.
     """
 
     robot: Robot
@@ -99,6 +102,7 @@ class Inspected:
     flows: Flows = NO_FLOWS
     carries: tuple[str, ...] = ()
     deeds: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    following: tuple[Step, ...] = ()
 
     @property
     def origin(self) -> Origin:
@@ -118,6 +122,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
     """Look at step `number` of a program, which isn't a Gap."""
     program, request, compiled = studied.program, studied.request, studied.compiled
     step = program.steps[number]
+    assert not isinstance(step, Gap)
     way = _way(studied, number)
     motion = way.motion
     begins: float | None = None
@@ -159,6 +164,12 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         flows=flows,
         carries=() if certificate is None else certificate.carries,
         deeds=() if carried is None else carried.deeds(number),
+        following=tuple(
+            takewhile(
+                lambda one: not isinstance(one, Gap) and one.origin == step.origin,
+                program.steps[number + 1 :],
+            )
+        ),
     )
 
 

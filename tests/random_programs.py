@@ -4,6 +4,7 @@ The judge reads the emitted text with tests/independent.py. Which joint position
 checks that they are solutions.
 """
 
+import re
 from dataclasses import dataclass, replace
 
 import independent
@@ -53,6 +54,18 @@ def drawn(arm, random, most=5):
     near = 0.5 if len(middle) > 7 else 1.0
     reach *= near
 
+    poses = 0
+
+    def written(shift, rpy):
+        """The values of a pose, of every third motion under a name that stands for it."""
+        nonlocal poses
+        text = _numbers([*shift, *rpy])
+        if step % 3:
+            return text
+        poses += 1
+        lines.append(f"POSE AT{poses} {text}")
+        return f"AT{poses}"
+
     def pose(size=1.0):
         shift = np.round(point + random.uniform(-1, 1, 3) * reach * size, 3)
         rpy = np.round(turns[0].as_euler("xyz", degrees=True) + random.uniform(-25, 25, 3) * size * near, 3)
@@ -85,11 +98,15 @@ def drawn(arm, random, most=5):
             one = Said("joint_spline", goals, **common)
         elif kind == "joints_to_pose":
             shift, rpy, goal = pose()
-            words = f"MOVEJ_RPY{profile} {_numbers([*shift, *rpy])}"
+            words = (
+                f"MOVEJ{'_RPY' if step % 2 else ''}{profile} {written(shift, rpy)}"
+                if step % 3 == 0
+                else f"MOVEJ_RPY{profile} {_numbers([*shift, *rpy])}"
+            )
             one = Said("joints", [goal], **common)
         elif kind == "line":
             shift, rpy, goal = pose()
-            words, one = f"MOVEL{profile} {_numbers([*shift, *rpy])}", Said("line", [goal], **common)
+            words, one = f"MOVEL{profile} {written(shift, rpy)}", Said("line", [goal], **common)
         elif kind == "delta":
             shift = np.round(random.uniform(-1, 1, 3) * reach * 0.5, 3)
             rpy = np.round(random.uniform(-12, 12, 3) * near, 3)
@@ -99,13 +116,13 @@ def drawn(arm, random, most=5):
         elif kind == "arc":
             via = pose(0.7)[0]
             shift, rpy, goal = pose(0.7)
-            words = f"MOVEC{profile} {_numbers(via)}; {_numbers([*shift, *rpy])}"
+            words = f"MOVEC{profile} {_numbers(via)}; {written(shift, rpy)}"
             one = Said("arc", [goal], via=via, **common)
         else:
-            poses = [pose(0.6) for _ in range(random.integers(2, 5))]
-            values = "; ".join(_numbers([*shift, *rpy]) for shift, rpy, _ in poses)
+            through = [pose(0.6) for _ in range(random.integers(2, 5))]
+            values = "; ".join(written(shift, rpy) for shift, rpy, _ in through)
             words = f"MOVEL_SPLINE{profile} {values}"
-            one = Said("pose_spline", [goal for _, _, goal in poses], **common)
+            one = Said("pose_spline", [goal for _, _, goal in through], **common)
         options = ""
         if random.random() < 0.15:
             one.acc = float(random.choice([0.3, 0.6]))
@@ -118,8 +135,11 @@ def drawn(arm, random, most=5):
         said[step] = one
         step += 1
         if random.random() < 0.15:
-            lines.append(f"P{(step + 1) * 10:04d} SET LAMP {random.choice(['ON', 'OFF'])}")
-            step += 1
+            state, index = random.choice(["ON", "OFF"]), f"P{(step + 1) * 10:04d}"
+            # which makes three steps, at rest
+            is_pulse = step % 4 == 0
+            lines.append(f"{index} PULSE LAMP [0.2]" if is_pulse else f"{index} SET LAMP {state}")
+            step += 3 if is_pulse else 1
     if random.random() < 0.25:
         # from the middle, wherever the motions before lead to; into a WAIT nothing flows
         lines.append(f"P{(step + 1) * 10:04d} WAIT [0.1]")
@@ -393,9 +413,10 @@ def _off_speed(arm, one, done, in_ball, reaches):
 
 
 def told_by_step(diagnostics):
-    """The codes of findings by the step of their command: every line from the third on is one."""
+    """The codes of findings by the step of their command: its index tells which."""
     told = {}
     for one in diagnostics:
-        if one.span is not None:
-            told.setdefault(one.span.line - 3, set()).add(one.code)
+        index = None if one.span is None else re.match(r"P(\d+) ", one.source.line(one.span.line))
+        if index:
+            told.setdefault(max(int(index[1]) // 10 - 1, 0), set()).add(one.code)
     return told

@@ -176,7 +176,7 @@ def held(robot, arm, program, seed):
     request = Request(robot)
     judged = certified(plan, request)
     refused = [one.message for one in judged.diagnostics if one.is_error and one.code.startswith("Y11")]
-    text = emit(lower(plan, request.target, request.robot.tolerance)).text(())
+    text = emit(lower(plan, request.target or "rotary", request.robot.tolerance)).text(())
     chosen = {motion.step: motion.waypoints for motion in plan.motions}
     told = told_by_step((*diagnostics, *judged.diagnostics))
     found = faults(arm, program.said, text, chosen, told)

@@ -19,6 +19,7 @@ FRAME {TABLE} 800 200 300 0 0 90 {B}
 USE PICKPLACE
 LET PITCH = 60 (mm)
 JOINTS READY 0 -10 -20 0 -60 0
+POSE SPOT 0 1174.4 1176 0 0 0
 INPUT DOOR M11
 OUTPUT GRIP M1
 SUB GO {AT} DEPTH (mm)
@@ -49,7 +50,12 @@ def behind(half: str, view_of=looked_at) -> list[str]:
             ["MOVEJ_RPY", "MOVEL_AVOID"],
         ),
         ("P0100 MOVEJ_", ["MOVEJ_AVOID", "MOVEJ_RPY_AVOID_POLY5"], []),
-        ("P0100 MOVEL ", ["{TOOL}", "{TCP}"], ["READY", "BLEND", "MOVEJ"]),
+        ("P0100 MOVEL ", ["{TOOL}", "{TCP}", "SPOT"], ["READY", "BLEND", "MOVEJ"]),
+        ("P0100 MOVEL 1 ", [], ["SPOT"]),
+        ("P0100 MOVEL_SPLINE SPOT; ", ["SPOT"], []),
+        ("P0100 MOVEJ_RPY ", ["READY", "SPOT"], []),
+        ("P0100 DMOVE ", [], ["SPOT"]),
+        ("POSE OTHER 0 0 0 0 0 0 ", ["{TABLE}"], []),
         ("P0100 MOVEL {", ["{TOOL}", "{TABLE}", "{B}"], ["READY"]),
         ("P0100 MOVEL {TA", ["{TABLE}"], []),
         ("P0100 MOVEJ ", ["READY", "HOME"], ["GRIP"]),

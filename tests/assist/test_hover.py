@@ -18,6 +18,7 @@ FRAME {TABLE} 0 900 600 0 0 90 {B}
 FRAME {HOLE} 120 0 50 0 0 0 {TABLE}     ! a bore
 LET PITCH = 60 (mm)
 JOINTS READY 0 -10 -20 0 -60 0
+POSE P1 100 100 400 0 0 0 {TABLE}
 INPUT DOOR M11
 OUTPUT GRIP M1 OFF
 ! Goes up.
@@ -171,3 +172,14 @@ def test_a_motion_that_flows_has_no_shortest_time_of_its_own():
         assert "at least" not in hints[line].tooltip, place
         assert "s, at least" not in hovered(view, place)
         assert "takes" in hovered(view, place)
+
+
+def test_a_pose_tells_where_it_is_in_its_frame_and_in_the_base(planned):
+    text = hovered(planned, "POSE P1", 5)
+    assert "a pose" in text
+    assert "POSE P1 100 100 400" in text
+    inside, base = (numbers(line) for line in text.splitlines() if line.startswith("- in `{"))
+    assert np.allclose(inside, [100, 100, 400, 0, 0, 0], atol=1e-3)
+    # worked out by hand: the table is turned by 90 deg about z
+    assert np.allclose(base[:3], [-100, 900 + 100, 600 + 400], atol=1e-3)
+    assert base[5] == pytest.approx(90)

@@ -12,6 +12,7 @@ from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.emit import segment_time
 from yarclang.backend_pmac.guard import watermarks
 from yarclang.backend_pmac.move_lines import move_lines
+from yarclang.pmac.variables import signal_variable
 from yarclang.robot.actuation import counts_per_joint
 
 PROGRAM = """DEFAULT {TCP} (mm,deg,s) {B}
@@ -144,3 +145,45 @@ def test_move_lines_have_each_number_as_it_is_printed_alone(decimals, rows, cut)
     texts = list(move_lines("XY", decimals, commands))
     lines = [f"X{shortest(x, decimals)}Y{shortest(y, decimals)}\n" for x, y in values.tolist()]
     assert texts == ["".join(lines[:cut]), "".join(lines[cut:])]
+
+
+FLOWING = """DEFAULT {{TCP}} [4] (mm,deg,s) {{B}}
+OUTPUT GLUE {variable} OFF
+REPEAT 2
+  P0010 MOVEJ 10 0 0 0 30 0 BLEND 2
+  P0020 SET GLUE ON
+  P0030 MOVEJ 0 0 0 0 30 0{blend}
+  P0040 SET GLUE OFF
+END
+"""
+
+
+@pytest.mark.parametrize("variable", ["P100", "Q3"])
+def test_an_output_that_is_set_at_rest_only_is_told_at_its_line(variable):
+    made, found = compiled(FLOWING.format(variable=variable, blend=" BLEND 2"))
+    assert made is None
+    # behind the last round the robot rests
+    assert [(one.code, one.span.line, one.place) for one in found if one.is_error] == [
+        ("Y1105", 5, "P0020(#0)"),
+        ("Y1105", 7, "P0040(#0)"),
+    ]
+    assert all(f"GLUE is {variable}" in one.message for one in found if one.is_error)
+    assert "M-variable" in next(one for one in found if one.is_error).help
+
+
+def test_an_output_is_set_in_motion_only_where_the_motions_really_flow():
+    made, found = compiled(FLOWING.format(variable="M5", blend=""))
+    assert not [one for one in found if one.is_error]
+    assert len(re.findall(r"^M5==1$", made.text, re.MULTILINE)) == 2
+    made, _ = compiled(FLOWING.replace(" BLEND 2", "").format(variable="P100", blend=""))
+    assert "P100=1" in lines_of(made.text)
+    assert "==" not in "".join(lines_of(made.text))
+
+
+def test_a_variable_that_is_taken_names_those_that_are_free():
+    found = signal_variable("P1", ("P1", "P2"))
+    assert found.is_taken
+    assert found.remedy == "free are P0, P3 to P8099"
+    assert signal_variable("M8116", ()).remedy == "free are M0 to M159, M170 to M259, M270 to M359 and more"
+    for text in ("P0", "P3", "P8099", "M159", "M170", "M259"):
+        assert signal_variable(text, ("P1", "P2")).name == text

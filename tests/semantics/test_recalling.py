@@ -30,6 +30,11 @@ LINES = (
     "P0010 MOVEL 0 100 500 0 $X 0 [5] (mm,deg,s) {A}",
     "P0020 MOVEL {C} 0 100 500 0 0 0",
     "P0030 MOVEJ PARK",
+    "POSE SPOT 0 100 500 0 $X 0 (mm,deg) {A}",
+    "POSE SPOT 0 100 500 0 0 0 (mm,deg) {A}",
+    "POSE SPOT 0 100 500 0 0 0 (mm,deg) {B}",
+    "P0022 MOVEL SPOT",
+    "P0024 MOVEJ SPOT [9] (s)",
     "JOINTS HOME 0 -20 -40 0 0 0 (deg)",
     "P0032 MOVEJ HOME",
     "P0034 MOVEJ HOME [9] (s)",
@@ -110,3 +115,22 @@ def test_unchanged_commands_are_recalled_wherever_they_stand():
     moved = checked("\n".join(["! a title", *commands]), memory)
     assert memory.misses == made
     assert [step.origin.span.line for step in moved.value.steps] == list(range(2, 51))
+
+
+def test_a_motion_to_a_named_pose_is_recalled_with_the_frame_of_the_pose():
+    head = "DEFAULT {TCP} [5] (mm,deg,s) {B}\nFRAME {A} 0 900 500 0 0 0"
+    memory = Recent(1000)
+    text = f"{head}\nPOSE P1 0 100 500 0 0 0 {{A}}\nP0010 MOVEL P1"
+    checked(text, memory)
+    made = memory.misses
+    again = checked(f"! a title\n{text}", memory)
+    assert memory.misses == made
+    assert again.value.steps[0].origin.base.name == "A"
+    for old, new in (
+        ("0 100 500", "0 101 500"),
+        ("{A}\nP0010", "{B}\nP0010"),
+        ("FRAME {A} 0 900", "FRAME {A} 0 901"),
+    ):
+        other = text.replace(old, new)
+        assert other != text
+        assert said(checked(other, memory)) == said(checked(other, None))

@@ -244,3 +244,30 @@ def test_a_timetable_has_the_time_of_each_way_point_and_its_own_options():
     file = program('DEFAULT (deg,s)\nP0010 MOVEJ_TIMED "a.csv" STRETCH 2\n')
     fields = {one.field.name: one.field.value for one in Reader(file.sketch).placed(file.statement(2))}
     assert (fields["file"], fields["stretch"]) == ("a.csv", "2")
+
+
+CASE = """REGISTER N 0..3
+CASE N
+OF 0 1
+  P0010 WAIT [1] (s)
+OF 2..3
+  P0020 SET N = N - 1
+END
+"""
+
+
+def test_a_case_is_listed_with_its_ways():
+    found = listing(SourceFile("x", CASE))
+    assert [(one.line, one.depth, one.kind) for one in found] == [
+        (1, 0, "declaration"), (2, 0, "block"), (3, 0, "end"), (4, 1, "wait"), (5, 0, "end"), (6, 1, "set"), (7, 0, "end"),
+    ]  # fmt: skip
+    assert [
+        [(field.name, field.value) for field in one.fields if field.value]
+        for one in found
+        if one.line in (1, 2, 3, 5)
+    ] == [
+        [("range", "0..3")],
+        [("selector", "N")],
+        [("1", "0"), ("2", "1")],
+        [("1", "2..3")],
+    ]

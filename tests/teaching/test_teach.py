@@ -66,6 +66,8 @@ KINDS = (
     Taught("MOVEJ"),
     Taught("MOVEL"),
     Taught("MOVEL", name="PICK", time="V 100"),
+    Taught("MOVEL", name="P7"),
+    Taught("MOVEJ", name="PICK"),
     Taught("MOVEC", via=STANDS * 0.9),
     Taught("MOVEC", via=STANDS * 0.9, name="PICK"),
     Taught("DMOVE"),
@@ -145,7 +147,8 @@ def test_it_stands_where_it_may():
         (HEAD, 5, Taught("MOVEC", via=STANDS), "is the end of the arc"),
         (HEAD, 5, Taught("MOVEL", "joints"), "to a pose"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="HOME"), "declared already, by the robot"),
-        (HEAD, 5, Taught("MOVEL", name="TABLE"), "declared already, in line 2"),
+        (HEAD + "POSE PICK 0 0 0 0 0 0 (mm,deg)\n", 5, Taught("MOVEL", name="PICK"), "declared already, in line 6"),
+        (HEAD, 5, Taught("MOVEJ", "joints", name="P7"), "meaning in the language"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="A b"), "is no name"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="MOVEJ"), "meaning in the language"),
         (HEAD, 99, Taught("MOVEL"), "there is no line 99"),
@@ -187,3 +190,21 @@ def test_a_declaration_is_touched_up_and_tells_who_uses_it():
         applied("", declare(named(""), "joints", "park", STANDS).edits)
         == "JOINTS PARK 12.346 -20.1 -30.7 5.5 -40.3 7.7 (deg)\n"
     )
+
+
+def test_a_pose_is_declared_and_touched_up_by_its_name():
+    edited = declare(named(HEAD), "pose", "p7", STANDS)
+    text = applied(HEAD, edited.edits) + "P0020 MOVEL P7\nP0030 MOVEJ P7\nP0040 MOVEC 0 0 0; P7\n"
+    assert text.splitlines()[4].startswith("POSE P7 ")
+    assert "{" not in text.splitlines()[4]  # DEFAULT's frame holds
+    there = last_flange(text.partition("P0030")[0])
+    same(there, flange_poses(ROBOT.chain, STANDS[None])[0])
+    elsewhere = STANDS * 0.9
+    edited = touch_up(named(text), 7, elsewhere)
+    assert "the declaration of P7 in line 5, which 3 lines use" in edited.what
+    again = applied(text, edited.edits)
+    same(last_flange(again.partition("P0030")[0]), flange_poses(ROBOT.chain, elsewhere[None])[0])
+    with pytest.raises(Trouble, match="can't be touched up"):
+        touch_up(named(text + "P0050 MOVEC P7; 0 0 0 0 0 0\n"), 10, elsewhere, 1)
+    with pytest.raises(Trouble, match="declared already"):
+        declare(named(text), "pose", "P7", STANDS)

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from pathlib import PurePath
 
+import numpy as np
+
 from yarclang.assist.pose_lines import chain_lines, joints_text
 from yarclang.assist.sketch import Sketch
 from yarclang.assist.symbols import Symbol, Use
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import FRAMES, entry_text
-from yarclang.hir import FrameLink, Gap, Output
+from yarclang.decisions import Register
+from yarclang.hir import Array, FrameLink, Gap, Output
 from yarclang.report.inspection.inspected import chain_of
 from yarclang.report.module_text import SubText, describe_module
 from yarclang.report.pose_text import pose_text
-from yarclang.semantics.names.scope import Frame, Input, JointPosition, Named, Scope
+from yarclang.semantics.names.scope import Frame, Input, JointPosition, Named, Pose, Scope
 from yarclang.semantics.values.amounts import Amount
 
 _CALLED = {
     "frame": "a frame",
     "number": "a number",
     "joints": "a joint position",
+    "register": "a register",
+    "pose": "a pose",
     "input": "an input",
     "output": "an output",
     "sub": "a SUB",
@@ -119,13 +124,29 @@ def _value(view: View, meaning: Named | None) -> list[str]:
                 pose = tool_poses(view.robot.chain, q[None], view.robot.flange_from_frame["TCP"])[0]
                 lines.append(f"- `{{TCP}}` in `{{B}}`: {pose_text(pose)}")
             return lines
+        case Pose(transform=transform, link=link):
+            lines = []
+            if link is not None and link.parent is not None:
+                inside: Array = np.linalg.inv(_base_from(link)) @ transform
+                lines.append(f"- in `{{{link.name}}}`: {pose_text(inside)}")
+            return [*lines, f"- in `{{B}}`: {pose_text(transform)}", *(chain_lines(link) if link else ())]
         case Input(signal):
             return [f"- reads {signal.variable} of the controller"]
+        case Register(low=low, high=high, first=first):
+            return [f"- an integer from {low} to {high} that begins with {first}"]
         case Output(signal, safe):
             kept = "stays at a stop" if safe is None else f"{safe:g} at any stop, hold or fault"
             return [f"- sets {signal.variable} of the controller; {kept}"]
         case _:
             return []
+
+
+def _base_from(link: FrameLink) -> Array:
+    """Return base_from_frame (4, 4) of a frame that stands still."""
+    transform: Array = link.parent_from_frame
+    while (parent := link.parent) is not None:
+        link, transform = parent, parent.parent_from_frame @ transform
+    return transform
 
 
 def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:

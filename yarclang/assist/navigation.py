@@ -169,7 +169,7 @@ def _check(target: Target, views: list[View], name: str) -> None:
     symbol, upper = target.symbol, name.upper()
     if _NAME.fullmatch(name) is None:
         raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
-    if not symbol.is_frame and is_word(upper):
+    if not symbol.is_frame and is_word(upper, of_pose=symbol.kind == "pose"):
         raise RenameError(f"{upper} is a word of the language")
     if symbol.is_frame and upper in FIXED_FRAMES:
         raise RenameError(f"{{{upper}}} comes from the robot and can't be declared")

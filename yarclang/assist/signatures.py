@@ -32,6 +32,7 @@ _DECLARED = {
     "FRAME": Values.POSE_RPY,
     "FRAME_QUAT": Values.POSE_QUAT,
     "JOINTS": Values.JOINTS,
+    "POSE": Values.POSE_RPY,
     "START": Values.JOINTS,
 }
 _WITHOUT_ROBOT = ("J1", "J2", "J3", "J4", "J5", "J6")
@@ -73,7 +74,7 @@ def signature_at(view: View, line: int, column: int) -> Signature | None:
     given = list(cursor.values)
     if _has_frame(cursor):
         given = given[1:]
-    if cursor.head == "JOINTS":
+    if cursor.head in ("JOINTS", "POSE"):
         given = given[1:]
     active = len(given)
     return Signature(cursor.head, texts, active if active < len(texts) else None, summary)

@@ -29,11 +29,14 @@ Tint = Literal[
     "unit",
     "function",
     "constant",
+    "pose",
 ]
 _OF_SYMBOL: dict[str, Tint] = {
     "frame": "frame",
     "number": "variable",
     "joints": "joints",
+    "register": "variable",
+    "pose": "pose",
     "input": "signal",
     "output": "signal",
     "sub": "sub",

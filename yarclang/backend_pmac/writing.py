@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from yarclang.backend import Written
 from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
+from yarclang.decisions import simple
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.hir import Program, SetOutput, SetRegister, Stop, When
 from yarclang.memory import Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.pmac.program import LOADING, Target
 from yarclang.robot.model import Tolerance
+from yarclang.source import SourceFile, Span
 from yarclang.units import MS
 
 
-def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory) -> Written:
-    """Lower a plan, and print it."""
+def streamed_only(program: Program) -> Diagnostic | None:
+    """Return what is said of a program that can't be carried out by a program buffer alone; None if it can."""
+    for step in program.steps:
+        is_plain = isinstance(step, When) and not step.again and simple(step.condition) is not None
+        if isinstance(step, SetRegister | When) and not is_plain:
+            message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"
+            help_ = "leave --target prog out, or decide by one input: WHEN DOOR ON"
+            return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
+    return None
+
+
+def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory) -> Result[Written]:
+    """Lower a plan, and print it; None, with findings, if the program sets an output in motion that the controller sets at rest only."""
+    if found := tuple(_set_at_rest_only(plan)):
+        return Result(None, found)
     lowered = lower(plan, target, tolerance)
     emitted = emit(lowered, memory)
     times = {motion.curve.segment for motion in plan.motions}
     ends = sorted({min(times), max(times)}) if times else ()
-    return Written(
+    written = Written(
         target=target,
         loading=LOADING[target].format(system=lowered.coordinate_system),
         start="".join(
@@ -29,3 +48,26 @@ def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory
         time=segment_time,
         text=emitted.text,
     )
+    return Result(written)
+
+
+def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
+    """Yield a finding for each SET between motions that flow whose variable takes no synchronous assignment: all but M (TUM, synchronous assignments)."""
+    flows, told = False, set[tuple[SourceFile, Span]]()
+    flowing = {motion.step: motion.flows for motion in plan.motions}
+    for number, step in enumerate(plan.program.steps):
+        if isinstance(step, Stop):
+            return
+        if not isinstance(step, SetOutput):
+            flows = flowing.get(number, False)
+        elif flows and not step.output.variable.startswith("M"):
+            origin, output = step.origin, step.output
+            if (origin.source, origin.span) in told:  # in another round of a loop
+                continue
+            told.add((origin.source, origin.span))
+            message = (
+                f"{output.name} is {output.variable}, and motions flow into each other here: "
+                "in motion the controller sets M-variables only"
+            )
+            help_ = f"give {output.name} an M-variable, or take the BLEND of the motion before away"
+            yield Diagnostic("Y1105", message, origin.source, origin.span, help_, place=origin.place)

@@ -146,7 +146,7 @@ FINDINGS = (
         "not-in-a-block",
         "error",
         "a block can't hold this line",
-        "Blocks hold commands, FRAME, JOINTS, LET and blocks other than SUB. What holds for the whole file stands outside "
+        "Blocks hold commands, FRAME, POSE, JOINTS, LET and blocks other than SUB. What holds for the whole file stands outside "
         "of them: a loop or a condition would say it many times, or perhaps never.",
         "REPEAT 2\n  DEFAULT (deg,s)\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
         "DEFAULT (deg,s)\nREPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",

@@ -41,4 +41,21 @@ FINDINGS = (
         "yarcc --target tape",
         "yarcc --target prog",
     ),
+    Finding(
+        "Y1105",
+        "output-not-in-motion",
+        "error",
+        "the controller can't set this variable while motions flow",
+        "Between two motions that flow into each other the robot doesn't rest, so that an output there is set in step with the motion. A Turbo PMAC does that with M-variables; "
+        "a P- or Q-variable would change earlier, when the line is computed.",
+        "OUTPUT GLUE P100 OFF\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 SET GLUE ON\nP0030 MOVEJ 10 0 0 0 30 0 [5] (deg,s)",
+        "OUTPUT GLUE M1 OFF\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 SET GLUE ON\nP0030 MOVEJ 10 0 0 0 30 0 [5] (deg,s)",
+    ),
+    Finding(
+        "Y1106",
+        "needs-streaming",
+        "error",
+        "a program buffer can't decide this",
+        "Registers, conditions with AND, OR, NOT and comparisons, and the ways of a CASE are decided by the runtime, which sends leg after leg. A text for a program buffer runs without it.",
+    ),
 )

@@ -44,7 +44,7 @@ def words() -> Words:
     """All of them. A new command, profile or unit is among them by itself."""
     specs = commands().values()
     names = {name for spec in specs for name in (spec.name, spec.old_name) if name} | actions().keys()
-    blocks = BLOCK_HEADS | {"END", "ELSE"}
+    blocks = BLOCK_HEADS | {"END", "ELSE", "OF"}
     return Words(
         blocks=_ordered(blocks),
         declarations=_ordered(DECLARATIONS - blocks),

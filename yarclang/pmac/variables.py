@@ -74,6 +74,12 @@ def rotary_full(system: int) -> tuple[str, str]:
     return ROTARY_FULL, f"Y:${0x203F + 0x100 * (system - 1):06X},16,1"
 
 
+LARGEST = 8191
+"""The largest number of a variable."""
+
+_SHOWN = 3
+"""Stretches of free variables that a remedy names."""
+
 _VARIABLE = re.compile(r"([MPQ])([0-9]{1,4})")
 _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 """Variables that yarclang itself uses: the guard's, and the motors' positions."""
@@ -82,10 +88,26 @@ _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:
     """What a text in upper case names; `feedback` are the variables in which a robot tells its positions."""
     found = _VARIABLE.fullmatch(text)
-    if found is None or int(found[2]) > 8191:
+    if found is None or int(found[2]) > LARGEST:
         fault = "is no variable of the controller: M, P or Q and 0 to 8191"
         return SignalVariable(None, fault, "for example M11")
     name = f"{found[1]}{int(found[2])}"
     if _OUR_OWN.fullmatch(name) or name in feedback:
-        return SignalVariable(None, "is used by yarclang itself", "choose another variable", is_taken=True)
+        return SignalVariable(None, "is used by yarclang itself", _free(found[1], feedback), is_taken=True)
     return SignalVariable(name)
+
+
+def _free(letter: str, feedback: Container[str]) -> str:
+    """Return which variables of a letter are free, as a remedy."""
+    stretches: list[list[int]] = []
+    for number in range(LARGEST + 1):
+        name = f"{letter}{number}"
+        if _OUR_OWN.fullmatch(name) or name in feedback:
+            continue
+        if stretches and stretches[-1][1] == number - 1:
+            stretches[-1][1] = number
+        else:
+            stretches.append([number, number])
+    told = [f"{letter}{a}" if a == b else f"{letter}{a} to {letter}{b}" for a, b in stretches[:_SHOWN]]
+    more = " and more" if len(stretches) > _SHOWN else ""
+    return f"free are {', '.join(told)}{more}"

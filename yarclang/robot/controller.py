@@ -12,18 +12,22 @@ from typing import TYPE_CHECKING, Any, Protocol
 from yarclang.frozen import frozen
 
 if TYPE_CHECKING:
-    from yarclang.robot.schema import ControllerTable
     from yarclang.toml.file import TomlFile
+    from yarclang.toml.tables import Table
 
 
 @frozen
 class SignalVariable:
-    """The controller's variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy; `is_taken` if yarclang itself uses it."""
+    """The controller's variable of an input or output in its usual form; else None, what is wrong with it, and the remedy; `is_taken` if yarclang itself uses it."""
 
     name: str | None
     fault: str = ""
     remedy: str = ""
     is_taken: bool = False
+
+
+NO_SIGNAL = SignalVariable(None, "is no variable: this controller has none", "leave it out")
+"""The answer of a kind without inputs and outputs."""
 
 
 class Controller(Protocol):
@@ -76,7 +80,7 @@ class Kind:
     Attributes:
         name: as robot.toml writes it.
         title: for people, with its article.
-        table: returns the form of `[controller]`; it imports pydantic.
+        table: returns the form of `[controller]`, a `ControllerTable` (`robot/schema.py`); it imports pydantic.
         check: says what is wrong with a table of that form, for a robot of so many joints.
         not_coupled: says what to do where the axes of joints whose motors are coupled can't be; empty: they can, or are no axes.
         controller: makes the controller of a table without mistakes, and of the motors' numbers.
@@ -87,10 +91,10 @@ class Kind:
 
     name: str
     title: str
-    table: Callable[[], type[ControllerTable]]
-    check: Callable[[TomlFile, Any, int], None]
-    not_coupled: Callable[[Sequence[str]], str]
+    table: Callable[[], type[Table]]
     controller: Callable[[Any, Sequence[int]], Controller]
     restored: Callable[[Mapping[str, Any]], Controller]
     lines: Callable[[int], Sequence[str]]
-    signal: Callable[[str], SignalVariable]
+    check: Callable[[TomlFile, Any, int], None] = lambda file, table, size: None  # noqa: ARG005
+    not_coupled: Callable[[Sequence[str]], str] = lambda axes: ""  # noqa: ARG005
+    signal: Callable[[str], SignalVariable] = lambda text: NO_SIGNAL  # noqa: ARG005

@@ -13,7 +13,7 @@ from yarclang.hir import FrameLink, Gap, Origin, Step
 from yarclang.memory import Memory, recall
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.names.scope import Frame, JointPosition, Named, Scope, Where
+from yarclang.semantics.names.scope import Frame, JointPosition, Named, Pose, Scope, Where
 from yarclang.semantics.values.amounts import Amount
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Statement
@@ -63,7 +63,9 @@ class _Watched(Scope):
 
 
 _Asked = tuple[tuple[bool, str, Hashable], ...]
-_Links = tuple[tuple[int, str] | None, tuple[int, str] | None]
+_Link = tuple[int, bool, str]
+"""In which scope a frame was found, whether by its own name or by that of a pose that is given in it, and the name."""
+_Links = tuple[_Link | None, _Link | None]
 
 
 @frozen
@@ -143,6 +145,8 @@ def _meaning(found: Named | Frame | None) -> Hashable:
             return found.transform.tobytes(), found.on_flange, _meaning_of_link(found.link)
         case JointPosition():
             return found.q.tobytes()
+        case Pose():
+            return found.transform.tobytes(), _meaning_of_link(found.link)
         case Amount():
             return repr(found.value), found.unit  # zero has two signs
     return found
@@ -170,23 +174,28 @@ def _frames_as_they_were(
         for is_frame, name, meaning in asked:
             if _meaning(one.frame(name) if is_frame else one.name(name)) != meaning:
                 return None
-    frames = [None if one is None else scopes[one[0]].frame(one[1]) for one in kept.links]
-    links = tuple([None if one is None else one.link for one in frames])
+    links = tuple([None if one is None else _link_of(scopes[one[0]], *one[1:]) for one in kept.links])
     scope.seen[key] = kept.asked, links
     return links
 
 
-_LOST = (-1, "")
+def _link_of(scope: Scope, is_frame: bool, name: str) -> FrameLink | None:
+    """The frame that a name means, or in which the pose is given that it means."""
+    found = scope.frame(name) if is_frame else scope.name(name)
+    return found.link if isinstance(found, Frame | Pose) else None
 
 
-def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> tuple[int, str] | None:
+_LOST = (-1, False, "")
+
+
+def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> _Link | None:
     """Under which name a frame was found, and in which scope."""
     if link is None:
         return None
     for number, one in enumerate(watched):
         for (is_frame, name), found in one.asked.items():
-            if is_frame and isinstance(found, Frame) and found.link is link:
-                return number, name
+            if isinstance(found, Frame | Pose) and found.link is link:
+                return number, is_frame, name
     return _LOST
 
 

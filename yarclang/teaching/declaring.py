@@ -21,11 +21,11 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
 def declare(around: Around, what: str, name: str, joints: Array) -> Edited:
-    """Declare where the robot stands as a frame or a joint position.
+    """Declare where the robot stands as a frame, a pose or a joint position.
 
     Args:
         around: the program.
-        what: "frame" or "joints".
+        what: "frame", "pose" or "joints".
         name: of the declaration.
         joints: (n,) where the robot stands [rad or m].
 
@@ -82,7 +82,7 @@ def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: 
     Args:
         draft: the changes.
         around: the program.
-        what: "frame" or "joints".
+        what: "frame", "pose" or "joints".
         name: of the declaration.
         joints: (n,) where the robot stands [rad or m].
         line: the first line that uses it.
@@ -94,25 +94,26 @@ def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: 
         Trouble: the name can't be declared, or a frame isn't known.
     """
     program = draft.program
-    name = check_name(around, name, is_frame=what == "frame")
+    name = check_name(around, name, is_frame=what == "frame", of_pose=what == "pose")
     after = place_of_declarations(program, line)
     holds = holding(program, after + 1, declares=True)
-    text = (
-        frame_line(around, name, joints, holds, after + 1)
-        if what == "frame"
-        else joints_line(around, name, joints, holds)
-    )
+    if what == "joints":
+        text = joints_line(around, name, joints, holds)
+    else:
+        head = f"FRAME {{{name}}}" if what == "frame" else f"POSE {name}"
+        text = place_line(around, head, joints, holds, after + 1)
     draft.add(after, indentation(program, after) + text)
     return after
 
 
-def check_name(around: Around, name: str, *, is_frame: bool) -> str:
+def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = False) -> str:
     """Return a name in upper case if it can be declared.
 
     Args:
         around: the program.
         name: that is wanted.
         is_frame: whether it is a frame's.
+        of_pose: whether it is a pose's, which may be P and digits.
 
     Raises:
         Trouble: it can't be.
@@ -123,7 +124,7 @@ def check_name(around: Around, name: str, *, is_frame: bool) -> str:
         raise Trouble(
             f"{name[:60]!r} is no name", "names have letters, digits and _, and begin with a letter", "name"
         )
-    if (is_frame and upper in FIXED_FRAMES) or (not is_frame and is_word(upper)):
+    if (is_frame and upper in FIXED_FRAMES) or (not is_frame and is_word(upper, of_pose=of_pose)):
         raise Trouble(f"{upper} has its meaning in the language already", "choose another name", "name")
     for one in around.program.sketch.names.symbols:
         if one.name == upper and one.is_frame == is_frame:
@@ -172,12 +173,12 @@ def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str
     return " ".join(("JOINTS", name, *numbers, *units_part(units, holds)))
 
 
-def frame_line(around: Around, name: str, joints: Array, holds: Holding, line: int) -> str:
-    """Return `FRAME {NAME} ...` of where the tool stands in the base frame that holds.
+def place_line(around: Around, head: str, joints: Array, holds: Holding, line: int) -> str:
+    """Return `FRAME {NAME} ...` or `POSE NAME ...` of where the tool stands in the base frame that holds.
 
     Args:
         around: the program.
-        name: of the frame.
+        head: the word and the name.
         joints: (n,) where the robot stands [rad or m].
         holds: what the line need not say.
         line: in which it stands.
@@ -189,7 +190,7 @@ def frame_line(around: Around, name: str, joints: Array, holds: Holding, line: i
     units: dict[Kind, str] = {kind: holds.unit(kind) for kind in ("length", "angle")}
     numbers = pose_numbers(around.pose(joints, moving, base, line), units)
     named = () if holds.base else (f"{{{base}}}",)
-    return " ".join(("FRAME", f"{{{name}}}", *numbers, *units_part(units, holds), *named))
+    return " ".join((head, *numbers, *units_part(units, holds), *named))
 
 
 def units_part(units: dict[Kind, str], holds: Holding) -> tuple[str, ...]:

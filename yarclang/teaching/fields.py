@@ -19,10 +19,10 @@ from yarclang.units import UNITS, Kind
 from yarclang.words.registry import word_specs
 from yarclang.words.spec import Slot
 
-FieldKind = Literal["number", "percent", "choice", "frame", "joints", "signal", "text"]
+FieldKind = Literal["number", "percent", "choice", "frame", "joints", "pose", "signal", "text"]
 
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
-_DECLARED_POSES = ("FRAME", "FRAME_QUAT")
+_DECLARED_POSES = ("FRAME", "FRAME_QUAT", "POSE")
 _COUNTED = 64
 """Way-points whose values are fields; of longer lists only so many."""
 
@@ -147,7 +147,10 @@ class Reader:
             values = own_values(statement, point)
             front = f"{number}." if len(meant) > 1 else ""
             if len(values) == 1 and isinstance(word := values[0], Word):
-                field = Field(f"{front}target", f"{front}Target", "joints", word.text)
+                kind: FieldKind = "joints" if meaning.of_joints else "pose"
+                if (symbol := self._sketch.names.meant(word.name, False, statement.line)) is not None:
+                    kind = "pose" if symbol.kind == "pose" else "joints"
+                field = Field(f"{front}target", f"{front}Target", kind, word.text)
                 yield Placed(field, "value", word.place)
                 continue
             if len(values) == 1 and isinstance(text := values[0], Text):
@@ -198,16 +201,25 @@ class Reader:
                 yield _value(str(number), f"Argument {number}", "text", value)
         elif word == "REPEAT" and values:
             yield _value("count", "Times", "number", values[-1])
+        elif word == "CASE" and values:
+            yield _value("selector", "Register or input", "text", values[0])
+        elif word == "OF":
+            for number, value in enumerate(values, 1):
+                yield _value(str(number), "Value or range", "text", value)
+        elif word == "REGISTER" and len(values) > 1:
+            yield _value("range", "Range", "text", values[1])
+            for value in values[2:3]:
+                yield _value("first", "Begins with", "number", value)
         elif word in word_specs() and values and len(values) == len(word_specs()[word].slots):
             yield from slot_fields(word_specs()[word].slots, values)
-        elif word in ("LET", "IF") and statement.expression is not None:
+        elif statement.expression is not None:
             yield self._expression(statement, word)
 
     def _expression(self, statement: Statement, word: str) -> Placed:
         assert statement.expression is not None
         place = _whole(self._sketch, statement)
         text = self._sketch.source.line(statement.line + place.row)[place.start - 1 : place.end - 1]
-        name, label = ("value", "Value") if word == "LET" else ("condition", "Condition")
+        name, label = ("value", "Value") if word in ("LET", "SET") else ("condition", "Condition")
         return Placed(Field(name, label, "text", text), "value", place)
 
 
@@ -240,12 +252,12 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression of a LET or an IF: all of the code after the equals sign or the word."""
+    """Return the place of the expression of a LET, SET, IF or WHEN: all of the code after the equals sign or the word."""
     from yarclang.syntax.lines import code_of
 
     code = code_of(sketch.source.line(statement.line)).rstrip()
     begin = statement.name.place.end - 1
-    if statement.name.name == "LET":
+    if statement.name.name in ("LET", "SET"):
         begin = code.index("=", begin) + 1
     begin += len(code[begin:]) - len(code[begin:].lstrip())
     return Place(0, begin + 1, len(code) + 1)

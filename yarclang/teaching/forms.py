@@ -12,7 +12,7 @@ from yarclang.pipeline.modules import library_folder, modules_in
 from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.names.scope import Input, JointPosition
+from yarclang.semantics.names.scope import Input, JointPosition, Pose
 from yarclang.syntax.ast import Module
 from yarclang.teaching.declaring import check_name, place_of_declarations, units_part
 from yarclang.teaching.edits import Draft, Edited
@@ -54,6 +54,7 @@ class Known:
         frames: names of frames that stand still, without braces.
         tools: names of frames that the robot moves, likewise.
         joints: names of joint positions.
+        poses: names of poses.
         subs: documentation by the modules' names; "" is the program itself.
     """
 
@@ -62,6 +63,7 @@ class Known:
     frames: tuple[str, ...] = ()
     tools: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
+    poses: tuple[str, ...] = ()
     subs: Mapping[str, ModuleText] | None = None
 
 
@@ -83,6 +85,7 @@ def known(around: Around) -> Known:
         tuple(name for name, one in frames.items() if one is not None and not one.on_flange),
         tuple(name for name, one in frames.items() if one is not None and one.on_flange),
         tuple(scope.names(JointPosition)),
+        tuple(scope.names(Pose)),
         texts,
     )
 
@@ -138,7 +141,11 @@ def _of_motion(spec: CommandSpec, names: Known, joints: tuple[str, ...]) -> Form
             front = f"{number}." if count > 1 else ""
             if meaning is Values.JOINTS:
                 label = f"{front}target"
-                fields.append(Field(label, f"{front}Target", "joints", "", choices=names.joints))
+                choices = (*names.joints, *names.poses)
+                fields.append(Field(label, f"{front}Target", "joints", "", choices=choices))
+            elif not meaning.is_delta and meaning is not Values.POSITION:
+                label = f"{front}target"
+                fields.append(Field(label, f"{front}Target", "pose", "", choices=names.poses))
             fields += [
                 Field(f"{front}{one}", f"{front}{one}", "number", "", _unit(meaning, one))
                 for one in meaning.labels(joints)
@@ -294,8 +301,14 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
     if timed and timed[0] != "percent" and given[timed[0]].upper() != "MIN":
         kinds.append("time")
     units = units_part({kind: holds.unit(kind) for kind in kinds}, holds)
-    moving = given.get("moving") or ("" if holds.moving or of_joints else around.tool)
-    base = given.get("base") or ("" if holds.base or of_joints else "B")
+    named = (given[one.name] for one in form.fields if one.name.endswith("target") and given[one.name])
+    goes_to_pose = any(isinstance(around.scope.name(name.upper()), Pose) for name in named)
+    moving = given.get("moving") or ("" if holds.moving or (of_joints and not goes_to_pose) else around.tool)
+    if not needs_numbers and given.get("base"):
+        raise Trouble(
+            "a named pose has a frame of its own", "leave the base frame empty, or write numbers", "field"
+        )
+    base = given.get("base") or ("" if holds.base or of_joints or not needs_numbers else "B")
     frames = [f"{{{name}}}" if name else "" for name in (moving, base)]
     return " ".join(filter(None, (word, frames[0], values, time, *units, frames[1])))
 

@@ -127,8 +127,8 @@ def indentation(program: Program, after: int) -> str:
         return program.indent(below.line) if below else ""
     last = above[-1]
     word = last.name.name
-    if word in BLOCK_HEADS or word == "ELSE":
-        if below is not None and below.name.name not in ("END", "ELSE"):
+    if word in BLOCK_HEADS or word in ("ELSE", "OF"):
+        if below is not None and below.name.name not in ("END", "ELSE", "OF"):
             return program.indent(below.line)
         return program.indent(last.line) + _INDENT
     return program.indent(last.line)

@@ -142,7 +142,9 @@ def move(program: Program, line: int, before: int) -> Edited:
     lines = sorted(_whole(program, {line}))
     moved = program.sketch.statement_at(line)
     if moved is not None and moved.name.name == "ELSE":
-        raise Trouble("ELSE stays between IF or WHEN and its END", "move the whole block", "block")
+        raise Trouble("ELSE stays between IF, WHEN or CASE and its END", "move the whole block", "block")
+    if moved is not None and moved.name.name == "OF":
+        raise Trouble("OF stays in its CASE", "move the lines behind it, or the whole block", "block")
     first, last = lines[0], lines[-1]
     after = before - 1
     row_end = program.last_row(after) if after else 0
@@ -171,8 +173,8 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
     above = max((one.line for one in statements if one.line <= after), default=0)
     word = next((one.name.name for one in statements if one.line == above), "")
     below = next((one for one in statements if one.line > after), None)
-    if word in BLOCK_HEADS or word == "ELSE":
-        if below is not None and below.name.name not in ("END", "ELSE"):
+    if word in BLOCK_HEADS or word in ("ELSE", "OF"):
+        if below is not None and below.name.name not in ("END", "ELSE", "OF"):
             return program.indent(below.line)
         return program.indent(above) + "  "
     if above:

@@ -10,7 +10,7 @@ from yarclang.commands.registry import actions
 from yarclang.commands.spec import ActionSpec
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile
-from yarclang.syntax.ast import Block, Node, Statement
+from yarclang.syntax.ast import Block, Node, Statement, Word
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
 from yarclang.teaching.edits import Program
@@ -86,7 +86,7 @@ class _Lister:
     def _note(self, nodes: tuple[Node, ...], depth: int) -> None:
         for node in nodes:
             if not isinstance(node, Block):
-                self._depths[node.line] = depth
+                self._depths[node.line] = depth - (node.name.name == "OF" and depth > 0)
                 continue
             self._depths[node.head.line] = depth
             for one in (node.otherwise_head, node.end):
@@ -108,7 +108,7 @@ class _Lister:
                 # what belongs to no block has no depth of its own
                 depth = self._depths.get(line, depth)
                 yield self._statement(one, depth)
-                depth += one.name.name in BLOCK_HEADS or one.name.name == "ELSE"
+                depth += one.name.name in BLOCK_HEADS or one.name.name in ("ELSE", "OF")
             elif one is not None:
                 yield Listed(line, 1, depth, "other", "", "!", _cut(one.lstrip("! ")), "", None, False)
             else:
@@ -145,12 +145,20 @@ class _Lister:
             one.name.name,
             title,
             detail,
-            ("joints" if _is_joints(one, targets[0].of_joints) else "pose") if targets else None,
+            ("joints" if self._is_joints(one, targets[0].of_joints) else "pose") if targets else None,
             point is not None and not (kind == "declaration" and _is_tool(one)),
             tuple(placed.field for placed in self._reader.placed(one))
             if self._first <= one.line <= self._last
             else (),
         )
+
+    def _is_joints(self, one: Statement, of_joints: bool) -> bool:
+        """Return True if a motion ends at joint values: a name stands for them after any suffix, unless it is a pose's."""
+        values = one.waypoints[-1].values if one.waypoints else ()
+        if len(values) == 1 and isinstance(word := values[0], Word):
+            symbol = self._program.sketch.names.meant(word.name, False, one.line)
+            return symbol is None or symbol.kind != "pose"
+        return of_joints
 
     def _texts(self, one: Statement) -> tuple[str, str]:
         """Return title and detail: the code in front of time, units, base frame and options, and the rest with the comment."""
@@ -179,12 +187,6 @@ class _Lister:
         return _cut(text[begin:middle]), _cut(text[middle:])
 
 
-def _is_joints(one: Statement, of_joints: bool) -> bool:
-    """Return True if a motion ends at joint values: a name stands for them after any suffix."""
-    values = one.waypoints[-1].values if one.waypoints else ()
-    return of_joints or (len(values) == 1 and type(values[0]).__name__ == "Word")
-
-
 def _is_tool(one: Statement) -> bool:
     return one.base is not None and one.base.name in ("FLANGE", "TCP")
 
@@ -194,7 +196,7 @@ def kind_of(one: Statement) -> ListedKind:
     word = one.name.name
     if word in BLOCK_HEADS:
         return "block"
-    if word in ("END", "ELSE"):
+    if word in ("END", "ELSE", "OF"):
         return "end"
     if word == "CALL":
         return "call"

@@ -43,7 +43,7 @@ class Taught:
         motion: what kind.
         target: how its end is written: joint values or a pose. Of the Cartesian ones: a pose.
         via: (n,) where the robot stood at the point that MOVEC goes through [rad or m].
-        name: under which the end is declared; empty: it stands in the line.
+        name: under which the end is declared, by POSE or JOINTS; empty: it stands in the line.
         axes: of DMOVE: "base" for the base frame that holds, "tool" for the moving frame.
         time: what stands in the square brackets; empty: what DEFAULT gives, else [50%].
     """
@@ -79,7 +79,7 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
     after = place_of_command(draft, after)
     holds = holding(program, after + 1)
     if taught.name:
-        what = "joints" if taught.target == "joints" else "frame"
+        what = "joints" if taught.target == "joints" else "pose"
         put_declaration(draft, around, what, taught.name, joints, _outermost(program, after))
     maker = _Maker(around, holds, after)
     code = maker.line(taught, joints)
@@ -149,13 +149,15 @@ class _Maker:
         named = taught.name.strip("{} ").upper()
         units = {"length": self._holds.unit("length"), "angle": self._holds.unit("angle")}
         pose = self._around.pose(joints, self._moving, self._base, self._after + 1)
-        values = " ".join(["0"] * 6 if named else pose_numbers(pose, units))
+        values = named or " ".join(pose_numbers(pose, units))
         word: str = taught.motion
-        base = named or ("" if self._holds.base else self._base)
-        if taught.motion == "MOVEJ":
+        base = "" if self._holds.base else self._base
+        if taught.motion == "MOVEC":
+            values = f"{self._via(taught, units, joints)}; {values}"
+        elif named:
+            units, base = {}, ""
+        elif taught.motion == "MOVEJ":
             word = "MOVEJ_RPY"
-        elif taught.motion == "MOVEC":
-            values = f"{self._via(taught, units, named, joints)}; {values}"
         elif taught.motion == "DMOVE":
             values, base = self._increment(taught, units, joints)
         frame = "" if self._holds.moving else f"{{{self._moving}}}"
@@ -185,7 +187,7 @@ class _Maker:
             return f"[{_TIME}]"
         return ""
 
-    def _via(self, taught: Taught, units: dict[Kind, str], named: str, joints: Array) -> str:
+    def _via(self, taught: Taught, units: dict[Kind, str], joints: Array) -> str:
         if taught.via is None:
             raise Trouble(
                 "an arc needs a point on its way as well",
@@ -197,8 +199,6 @@ class _Maker:
         end = around.pose(joints, self._moving, self._base, line)
         if float(np.linalg.norm(via[:3, 3] - end[:3, 3])) < 1e-6:
             raise Trouble("the via point is the end of the arc", "move on from the via point first", "via")
-        if named:  # the end is its own frame
-            via = np.linalg.inv(end) @ via
         return " ".join(position_numbers(via[:3, 3], units))
 
     def _increment(self, taught: Taught, units: dict[Kind, str], joints: Array) -> tuple[str, str]:

@@ -29,6 +29,7 @@ _DECLARED: Mapping[str, Values] = {
     "FRAME": Values.POSE_RPY,
     "FRAME_QUAT": Values.POSE_QUAT,
     "JOINTS": Values.JOINTS,
+    "POSE": Values.POSE_RPY,
 }
 
 
@@ -72,7 +73,7 @@ def point_of(
 
     Args:
         sketch: of the text.
-        statement: a motion, or a declaration of a frame or of joints.
+        statement: a motion, or a declaration of a frame, a pose or of joints.
         number: of the way-point, from 1; 0: the last.
         meant: what its way-points mean, if that is known already.
     """
@@ -84,7 +85,10 @@ def point_of(
         return None
     values = own_values(statement, waypoint)
     if len(values) == 1 and isinstance(word := values[0], Word):
-        return _declared(sketch, sketch.names.meant(word.name, False, statement.line), Values.JOINTS)
+        symbol = sketch.names.meant(word.name, False, statement.line)
+        point = _declared(sketch, symbol, None)
+        # a way-point that has no orientation takes only a part of a pose
+        return None if meaning is Values.POSITION else point
     if not all(isinstance(one, Number) for one in values) or not values:
         return None
     numbers = tuple(one for one in values if isinstance(one, Number))
@@ -100,8 +104,8 @@ def point_of(
 
 
 def own_values(statement: Statement, waypoint: WayPoint) -> tuple[Value, ...]:
-    """Return the values of a way-point; of JOINTS those after its name."""
-    if statement.index is None and statement.name.name == "JOINTS":
+    """Return the values of a way-point; of JOINTS and POSE those after the name."""
+    if statement.index is None and statement.name.name in ("JOINTS", "POSE"):
         return waypoint.values[1:]
     return waypoint.values
 

@@ -55,7 +55,7 @@ def _patterns(name: str, kind: FieldKind) -> tuple[re.Pattern[str], ...]:
         return (_UNITS,)
     if name in ("condition", "value") and kind == "text":
         return (_EXPRESSION,)
-    if kind in ("frame", "joints", "signal"):
+    if kind in ("frame", "joints", "pose", "signal"):
         return (_NAME,)
     if kind == "text":
         return (_NUMBER, _NAME, _COMPUTED, _ARGUMENT)
@@ -67,7 +67,7 @@ def _patterns(name: str, kind: FieldKind) -> tuple[re.Pattern[str], ...]:
 
 
 def _help(kind: FieldKind) -> str:
-    if kind in ("frame", "joints", "signal"):
+    if kind in ("frame", "joints", "pose", "signal"):
         return "choose a name: letters, digits and _"
     if kind == "text":
         return "write a number, a name, or $(an expression)"

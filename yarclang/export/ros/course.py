@@ -95,7 +95,7 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
         content: the text as the judge reads it.
         mapped: the same text's lines, for the names of commands.
         robot: whom it is for.
-        names: the program's names of the controller's variables, such as M1.
+        names: the program's names of the controller's variables.
     """
     made = _Making(
         mapped,
@@ -189,6 +189,7 @@ class _Making:
             "when": f"what follows is only for {said}",
             "else": "what follows is for the other case",
             "end": "both cases go on from here",
+            "set": f"set the register {item.name}",
         }[item.kind]
         entry = self._entries[item.step]
         place = " ".join(

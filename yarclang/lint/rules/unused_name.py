@@ -11,7 +11,15 @@ from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.source import Span
 from yarclang.syntax.ast import Module
 
-_KINDS = {"FRAME": "frame", "JOINTS": "joint position", "LET": "number", "SUB": "SUB", "USE": "module"}
+_KINDS = {
+    "FRAME": "frame",
+    "JOINTS": "joint position",
+    "POSE": "pose",
+    "LET": "number",
+    "REGISTER": "register",
+    "SUB": "SUB",
+    "USE": "module",
+}
 
 
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)

@@ -32,6 +32,7 @@ _TYPES = {
     "unit": "type",
     "function": "macro",
     "constant": "enum",
+    "pose": "enumMember",
 }
 """Our words for the kinds, and those that themes of editors know."""
 

@@ -32,7 +32,7 @@ class CommandField(Message):
 
     name: str
     label: str
-    kind: Literal["number", "percent", "choice", "frame", "joints", "signal", "text"]
+    kind: Literal["number", "percent", "choice", "frame", "joints", "pose", "signal", "text"]
     value: str
     unit: str
     choices: tuple[str, ...]
@@ -124,7 +124,7 @@ class DeclareName(Message):
     """A name for where the robot is now, or for `joints`."""
 
     kind: Literal["declare"]
-    what: Literal["frame", "joints"]
+    what: Literal["frame", "pose", "joints"]
     name: Name
     joints: Values | None = None
 

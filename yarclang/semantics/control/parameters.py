@@ -13,7 +13,7 @@ from yarclang.semantics.control.arguments import Given, names_in
 from yarclang.semantics.declared.meanings import frame_may_be_declared, may_be_declared
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.frames import known_frame
-from yarclang.semantics.names.scope import KINDS, Frame, Input, JointPosition, Named, Scope, Where
+from yarclang.semantics.names.scope import KINDS, Frame, Input, JointPosition, Named, Pose, Scope, Where
 from yarclang.semantics.values.amounts import Amount, AmountError, no_unit
 from yarclang.semantics.values.units import amount
 from yarclang.source import SourceFile
@@ -141,8 +141,8 @@ def _bind_one(
             help_ = f"write ${value.text} for its value"
             findings.add("Y0411", f"{value.text} is a number", span, help_, subject=unknown(value.text))
             return False
-        if not isinstance(meaning, JointPosition | Input | Output):
-            known = sorted(set(scope.names(JointPosition, Input, Output)))
+        if not isinstance(meaning, JointPosition | Pose | Input | Output):
+            known = sorted(set(scope.names(JointPosition, Pose, Input, Output)))
             subject = unknown(value.text, known)
             message = (
                 f"{value.text} is {KINDS[type(meaning)]}" if meaning else f"nothing is named {value.text}"

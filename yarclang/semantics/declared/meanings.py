@@ -16,7 +16,7 @@ from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.variables import Signals
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.frames import base_axes
-from yarclang.semantics.names.scope import BASE, Frame, Input, JointPosition, Scope, Where
+from yarclang.semantics.names.scope import BASE, Frame, Input, JointPosition, Pose, Scope, Where
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.values.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
@@ -35,9 +35,11 @@ FIXED_FRAMES = (BASE, "FLANGE", "TCP")
 _INDEX = re.compile(r"P[0-9]+")
 
 
-def is_word(name: str) -> bool:
-    """Whether a name in upper case has its meaning in the language already."""
-    return name in RESERVED or name in commands() or name in actions() or _INDEX.fullmatch(name) is not None
+def is_word(name: str, *, of_pose: bool = False) -> bool:
+    """Return True if a name in upper case has its meaning in the language already; that of a pose may look like an index."""
+    if name in RESERVED or name in commands() or name in actions():
+        return True
+    return not of_pose and _INDEX.fullmatch(name) is not None
 
 
 def may_be_declared(
@@ -48,13 +50,14 @@ def may_be_declared(
     findings: Collector,
     *,
     may_hide: bool = False,
+    of_pose: bool = False,
 ) -> bool:
     """Whether a name can be given a meaning here; a finding says why it can't.
 
-    With `may_hide` it may be that of a joint position of the robot without a warning.
+    With `may_hide` it may be that of a joint position of the robot without a warning, with `of_pose` P and digits.
     """
     span, name = statement.span(word.place), word.name
-    if is_word(name):
+    if is_word(name, of_pose=of_pose):
         findings.add("Y0211", f"{word.text} is a word of the language", span, "choose another name")
         return False
     if "." in name:
@@ -123,19 +126,23 @@ def declare_frame(
             rotation = rotation_of(values, numbers[3:], findings, lambda: statement.whole_span)
             if rotation is not None:
                 transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
-            link = FrameLink(name, constant(transform), base.link, findings.source, statement.whole_span)
+            place = findings.source, statement.whole_span
+            link = FrameLink(name, constant(transform), base.link, *place, constant(numbers))
         transform = base.transform @ transform
     scope.declare_frame(name, Frame(constant(transform), on_flange, link))
 
 
-def _base(statement: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> Frame | None:
+def _base(
+    statement: Statement, scope: Scope, defaults: Defaults, findings: Collector, *, may_move: bool = True
+) -> Frame | None:
     if statement.base is not None:
-        return base_axes(statement, statement.base, scope, True, findings)
+        return base_axes(statement, statement.base, scope, may_move, findings)
     if defaults.base is not None and defaults.statement is not None:
-        return base_axes(defaults.statement, defaults.base, defaults.scope, True, findings)
-    help_ = "write it behind the units, as {B}, or {FLANGE} for a tool"
+        return base_axes(defaults.statement, defaults.base, defaults.scope, may_move, findings)
+    word = statement.name.name
+    help_ = "write it behind the units, as {B}" + (", or {FLANGE} for a tool" if may_move else "")
     message, subject = (
-        "FRAME doesn't say in which frame it is given",
+        f"{'FRAME' if may_move else word} doesn't say in which frame it is given",
         LeftOut("the frame in which it is given"),
     )
     findings.add("Y0302", message, statement.head_span, help_, subject=subject)
@@ -159,6 +166,32 @@ def declare_joints(
         check_limits(robot, numbers, findings, statement.whole_span)
     position = JointPosition(robot.home if numbers is None else constant(numbers))
     scope.declare(word.name, position, Where(findings.source, statement.span(word.place)))
+
+
+def declare_pose(
+    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
+) -> None:
+    """POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "options"), findings)
+    values = values_of(statement)
+    if not values or not isinstance(word := values[0], Word):
+        help_ = "for example POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}"
+        message = "POSE wants a name and x y z roll pitch yaw"
+        findings.add("Y0401", message, statement.whole_span, help_)
+        return
+    if not may_be_declared(statement, word, scope, robot, findings, of_pose=True):
+        return
+    numbers = _numbers(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
+    base = _base(statement, scope, defaults, findings, may_move=False)
+    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    transform = np.eye(4)
+    if base is not None and numbers is not None:
+        rotation = rotation_of(Values.POSE_RPY, numbers[3:], findings, lambda: statement.whole_span)
+        if rotation is not None:
+            transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
+        transform = base.transform @ transform
+    pose = Pose(constant(transform), base.link if base is not None else None)
+    scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
 
 def joint_values(

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.commands.spec import Values
-from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal
+from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal, Told
 from yarclang.semantics.motions.line import Line
-from yarclang.semantics.motions.moved import takes_names
+from yarclang.semantics.motions.moved import named_poses, takes_names
 from yarclang.semantics.names.commands import ResolvedName
-from yarclang.semantics.names.scope import KINDS, Frame, JointPosition
+from yarclang.semantics.names.scope import KINDS, Frame, JointPosition, Pose
 from yarclang.semantics.values.numbers import numbers_of
 from yarclang.semantics.values.poses import check_limits, rotation_of
 from yarclang.subjects import unknown
@@ -42,9 +42,11 @@ def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ..
         line.findings.add("Y0405", message, statement.span(place), _example(name))
     goals: list[object] = []
     for number, waypoint in enumerate(statement.waypoints, 1):
-        goal = _named_goal(line, waypoint)
+        values = _values(line, number)
+        goal = _named_goal(line, waypoint, values, frames)
         if goal is None:
-            values = _values(line, number)
+            if _is_strange(line, waypoint, values):
+                continue
             numbers = numbers_of(line, waypoint, number, values)
             if numbers is None:
                 continue
@@ -62,7 +64,8 @@ def _near(line: Line) -> Array | None:
         if option.word.name != "NEAR":
             continue
         span = line.statement.span((option.argument or option.word).place)
-        if line.values.of_joints or line.name.spec.targets.get("") is not Values.JOINTS:
+        of_joints = line.values.of_joints and not named_poses(line)
+        if of_joints or line.name.spec.targets.get("") is not Values.JOINTS:
             message = "NEAR chooses among joint positions of a pose: only MOVEJ and its kin with _RPY or _QUAT take it"
             line.findings.add("Y0412", message, span, "take it away")
         elif not isinstance(word := option.argument, Word):
@@ -75,15 +78,42 @@ def _near(line: Line) -> Array | None:
     return None
 
 
-def _named_goal(line: Line, waypoint: WayPoint) -> object | None:
-    """A way-point that is one name of a joint position: for commands that take joint values, whatever the target."""
+def _named_goal(
+    line: Line, waypoint: WayPoint, values: Values, frames: tuple[Frame, Frame] | None
+) -> object | None:
+    """A way-point that is one name: of a pose, or for commands that take joint values, whatever the target, of a joint position."""
+    if (word := _one_word(waypoint)) is None:
+        return None
+    found = line.scope.name(word.name)
+    if isinstance(found, Pose) and not values.is_delta and not line.name.spec.is_timed:
+        if values is Values.POSITION:
+            return constant(found.transform[:3, 3])
+        # without frames there is an error, and the goal is never used
+        return PoseGoal(found.transform, frames[0].transform if frames is not None else _UNMOVED)
+    if not takes_names(line.name):
+        return None
+    position = _joint_position(line, word)
+    return JointGoal(line.robot.home if position is None else position.q)
+
+
+def _one_word(waypoint: WayPoint) -> Word | None:
+    """Return the name that stands alone for a way-point."""
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
-    if not takes_names(line.name) or word.name in {"NAN", "INF", "INFINITY"}:
-        return None
-    found = _joint_position(line, word)
-    # without one there is an error, and the goal is never used
-    return JointGoal(line.robot.home if found is None else found.q)
+    return None if word.name in {"NAN", "INF", "INFINITY"} else word
+
+
+def _is_strange(line: Line, waypoint: WayPoint, values: Values) -> bool:
+    """Return True, with a finding, for a name that stands for the pose of a Cartesian motion and means nothing."""
+    word = _one_word(waypoint)
+    if word is None or values.is_delta or line.name.spec.is_timed or line.scope.name(word.name) is not None:
+        return False
+    known = sorted(set(line.scope.names(Pose)))
+    subject = unknown(word.text, known)
+    help_ = subject.question or (f"there are {', '.join(known)}" if known else "declare it by POSE")
+    span = line.statement.span(word.place)
+    line.findings.add("Y0205", f"no pose is named {word.text}", span, help_, subject=subject)
+    return True
 
 
 def _joint_position(line: Line, word: Word) -> JointPosition | None:
@@ -94,7 +124,7 @@ def _joint_position(line: Line, word: Word) -> JointPosition | None:
     if found is not None:
         line.findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a joint position", span)
         return None
-    known = sorted(set(line.scope.names(JointPosition)))
+    known = sorted(set(line.scope.names(JointPosition, Pose)))
     subject = unknown(word.text, known)
     help_ = f"{subject.question} there are {', '.join(known)}".lstrip()
     line.findings.add("Y0205", f"no joint position is named {word.text}", span, help_, subject=subject)
@@ -136,11 +166,18 @@ def _goal(
             constant(axes.transform[:3, :3]),
             axes.on_flange,
             flange_from_moving,
+            _told(numbers, frames),
         )
     pose = _UNMOVED.copy()
     pose[:3, :3] = rotation
     pose[:3, 3] = numbers[:3]
-    return PoseGoal(constant(axes.transform @ pose), flange_from_moving)
+    return PoseGoal(constant(axes.transform @ pose), flange_from_moving, told=_told(numbers, frames))
+
+
+def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
+    """Return a pose as it was written; None if a frame of it isn't known."""
+    moving, base = frames[0].link, frames[1].link
+    return None if moving is None or base is None else Told(constant(numbers), base, moving)
 
 
 _UNMOVED = np.eye(4)

@@ -9,7 +9,7 @@ from yarclang.hir import FrameLink
 from yarclang.semantics.motions.line import Line
 from yarclang.semantics.names.commands import ResolvedName
 from yarclang.semantics.names.frames import base_axes, known_frame, moving_frame
-from yarclang.semantics.names.scope import Frame
+from yarclang.semantics.names.scope import Frame, Pose
 from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import Statement, Word
 
@@ -33,7 +33,8 @@ class Moved:
 def moved_by(line: Line) -> Moved:
     """The frames of a command, with findings where it doesn't say them, or they can't be what they are named for."""
     statement, defaults = line.statement, line.defaults
-    if line.values.of_joints or (takes_names(line.name) and _all_named(statement)):
+    poses = named_poses(line)
+    if not poses and (line.values.of_joints or (takes_names(line.name) and _all_named(statement))):
         # joint values need no frames; those given change nothing, but have to exist
         for frame in (statement.moving, statement.base):
             if frame is not None:
@@ -50,7 +51,9 @@ def moved_by(line: Line) -> Moved:
         subject = LeftOut("the frame that it moves")
         line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     may_move = line.name.spec.frames_may_move
-    if statement.base is not None:
+    if poses and (line.values.of_joints or _all_named(statement)):
+        base = _base_of(line, poses)
+    elif statement.base is not None:
         base = base_axes(statement, statement.base, line.scope, may_move, line.findings)
     elif defaults.base is not None and defaults.statement is not None:
         base = base_axes(defaults.statement, defaults.base, defaults.scope, may_move, line.findings)
@@ -62,6 +65,30 @@ def moved_by(line: Line) -> Moved:
     if moving is None or base is None:
         return Moved(None, None)
     return Moved((moving, base), moving.link)
+
+
+def named_poses(line: Line) -> tuple[tuple[Word, Pose], ...]:
+    """The way-points of a command that are names of poses; none of increments and timetables, which have no poses."""
+    if line.values.is_delta or line.name.spec.is_timed:
+        return ()
+    found: list[tuple[Word, Pose]] = []
+    for waypoint in line.statement.waypoints:
+        if len(waypoint.values) == 1 and isinstance(word := waypoint.values[0], Word):
+            meaning = line.scope.name(word.name)
+            if isinstance(meaning, Pose):
+                found.append((word, meaning))
+    return tuple(found)
+
+
+def _base_of(line: Line, poses: tuple[tuple[Word, Pose], ...]) -> Frame:
+    """The frame in which the first pose is given, of a command whose way-points need none of their own; a finding for one that the line names."""
+    word, pose = poses[0]
+    if line.statement.base is not None:
+        given = f"{{{pose.link.name}}}" if pose.link is not None else "a frame"
+        message = f"{word.text} is given in {given} already: {line.statement.base.text} changes nothing"
+        help_ = "take it away; a pose in another frame has a POSE line of its own"
+        line.findings.add("Y0408", message, line.statement.span(line.statement.base.place), help_)
+    return Frame(pose.transform, on_flange=False, link=pose.link)
 
 
 def _tool(line: Line) -> FrameLink | None:

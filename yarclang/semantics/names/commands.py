@@ -10,6 +10,7 @@ from yarclang.commands.spec import CommandSpec, Values
 from yarclang.diagnostics import Collector, Edit, Fix
 from yarclang.frozen import frozen
 from yarclang.progress import each
+from yarclang.semantics.names.foreign import INSTEAD
 from yarclang.subjects import unknown
 from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.words import AVOID, DECLARATIONS
@@ -76,7 +77,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     spec, suffixes, old = _longest_match(name)
     if spec is None:
         subject = unknown(name, _known(tuple(profiles)))
-        help_ = subject.question or f"the commands are {', '.join(commands())}"
+        help_ = INSTEAD.get(name) or subject.question or f"the commands are {', '.join(commands())}"
         findings.add("Y0202", f"{statement.name.text} is no command", span, help_, subject=subject)
         return None
     target, profile, avoids = "", DEFAULT_PROFILE, False

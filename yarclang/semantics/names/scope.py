@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.decisions import Register
 from yarclang.frozen import frozen
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
@@ -38,6 +39,14 @@ class JointPosition:
     """A named joint position `q` (n,) [rad or m]."""
 
     q: Array
+
+
+@frozen(eq=False)
+class Pose:
+    """A named pose: `transform` (4, 4) is base_from_pose, `link` the frame in which it is given (None: not known)."""
+
+    transform: Array
+    link: FrameLink | None
 
 
 @frozen
@@ -74,11 +83,13 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | JointPosition | Input | Output | Routine | Library
+Named = Amount | JointPosition | Pose | Register | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
     Amount: "a number",
     JointPosition: "a joint position",
+    Register: "a register",
+    Pose: "a pose",
     Input: "an input",
     Output: "an output",
     Routine: "a SUB",

@@ -7,7 +7,7 @@ import numpy as np
 from yarclang.commands.spec import Values
 from yarclang.hir import Array
 from yarclang.semantics.motions.line import WHAT, Line
-from yarclang.semantics.names.scope import JointPosition
+from yarclang.semantics.names.scope import JointPosition, Pose
 from yarclang.semantics.values.amounts import Amount, AmountError
 from yarclang.semantics.values.units import amount, joint_kinds, number_fault
 from yarclang.syntax.ast import Number, Value, WayPoint, Word
@@ -24,6 +24,10 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
             code, message, help_ = fault
             if isinstance(value, Word) and isinstance(line.scope.name(value.name), JointPosition):
                 help_ = f"{value.name} is a joint position: MOVEJ goes there"
+            elif isinstance(value, Word) and isinstance(line.scope.name(value.name), Pose):
+                help_ = (
+                    f"{value.name} is a pose: its name stands alone for a way-point, as in MOVEL {value.name}"
+                )
             elif isinstance(value, Word) and isinstance(line.scope.name(value.name), Amount):
                 help_ = f"write ${value.name} for its value"
             line.findings.add(code, message, line.statement.span(value.place), help_)

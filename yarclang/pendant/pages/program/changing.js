@@ -166,6 +166,6 @@ export class Changing {
   declare(what) {
     const name = h("input", { name: "declared", autocomplete: "off", spellcheck: "false", maxlength: 60 });
     const done = () => name.value.trim() && this.change({ kind: "declare", what, name: name.value.trim() });
-    this.page.sheet.open(what === "frame" ? "Name this pose" : "Name these joints", h("label", {}, "Name", name), [["Declare", done, "main"], ["Cancel"]], "small");
+    this.page.sheet.open({ frame: "Name this frame", pose: "Name this pose", joints: "Name these joints" }[what], h("label", {}, "Name", name), [["Declare", done, "main"], ["Cancel"]], "small");
   }
 }

@@ -2,7 +2,7 @@
 
 import { h } from "/dom.js";
 
-const LISTS = new Set(["choice", "frame", "joints", "signal"]);
+const LISTS = new Set(["choice", "frame", "joints", "pose", "signal"]);
 
 export class Fields {
   constructor(fields, id = "field") {

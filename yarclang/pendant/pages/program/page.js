@@ -81,7 +81,8 @@ class ProgramPage {
     const picks = [
       act("Renumber the commands", () => this.changing.renumber()),
       act("Format the text", () => this.format()),
-      act("Name the pose where the robot is", () => this.changing.declare("frame")),
+      act("Name the pose where the robot is", () => this.changing.declare("pose")),
+      act("Name a frame where the robot is", () => this.changing.declare("frame")),
       act("Name the joints where the robot is", () => this.changing.declare("joints")),
       act("Look what has changed", () => this.saving.save()),
       act("Take back all changes", () => this.editor.become(this.file.base)),

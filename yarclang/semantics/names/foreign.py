@@ -1,0 +1,27 @@
+"""Words of other robot languages, and what serves instead of each: what is said where one begins a line."""
+
+from types import MappingProxyType
+
+_WAYS = "WHEN DOOR ON ... ELSE ... END chooses a way by an input when the program runs, IF by numbers when it is compiled"
+_LOOPS = "REPEAT I 4 ... END repeats lines; a program that goes on for ever is run by yarc run --loop"
+_JUMPS = "no line is jumped to: lines that are used in several places stand in a SUB, which CALL carries out; WHEN and REPEAT lead the way"
+
+INSTEAD = MappingProxyType(
+    {
+        "CASE": _WAYS,
+        "SWITCH": _WAYS,
+        "SELECT": _WAYS,
+        "WHILE": _LOOPS,
+        "LOOP": _LOOPS,
+        "FOR": _LOOPS,
+        "UNTIL": _LOOPS,
+        "GOTO": _JUMPS,
+        "JMP": _JUMPS,
+        "JUMP": _JUMPS,
+        "LBL": _JUMPS,
+        "PTP": "MOVEJ goes in joint space, MOVEJ_RPY to a pose",
+        "LIN": "MOVEL goes straight",
+        "CIRC": "MOVEC goes along an arc",
+    }
+)
+"""What is written instead of a word. A word that the language gets leaves this table."""

@@ -190,7 +190,8 @@ def declare_pose(
         if rotation is not None:
             transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
         transform = base.transform @ transform
-    pose = Pose(constant(transform), base.link if base is not None else None)
+    told = None if numbers is None else constant(numbers)
+    pose = Pose(constant(transform), base.link if base is not None else None, told)
     scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
 

@@ -89,7 +89,12 @@ def _named_goal(
         if values is Values.POSITION:
             return constant(found.transform[:3, 3])
         # without frames there is an error, and the goal is never used
-        return PoseGoal(found.transform, frames[0].transform if frames is not None else _UNMOVED)
+        if frames is None:
+            return PoseGoal(found.transform, _UNMOVED)
+        moving, told = frames[0].link, None
+        if found.told is not None and found.link is not None and moving is not None:
+            told = Told(found.told, found.link, moving)
+        return PoseGoal(found.transform, frames[0].transform, told=told)
     if not takes_names(line.name):
         return None
     position = _joint_position(line, word)

@@ -47,6 +47,8 @@ class Pose:
 
     transform: Array
     link: FrameLink | None
+    told: Array | None = None
+    """The numbers of the pose as they were written in that frame, in SI."""
 
 
 @frozen

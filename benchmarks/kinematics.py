@@ -1,6 +1,7 @@
 """Figures of the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
 
-Parts: `branches` (all solutions of the closed form, in batches), `search` (random reachable poses within limits,
+Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of six joints, in batches and alone; how many there are beside what all
+eliminations together and EAIK find), `search` (random reachable poses within limits,
 without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in an
 environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left out.
 """
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import statistics
 import sys
@@ -24,9 +26,10 @@ import numpy as np
 import programs
 from measure import process
 
+from tests.robot.kinematics import arms as made
 from yarclang.robot.chain import joints_between, screws
 from yarclang.robot.description import load_robot
-from yarclang.robot.kinematics import branches, flange_poses, reaching
+from yarclang.robot.kinematics import branches, elimination, flange_poses, nearest_solutions, reaching
 from yarclang.robot.kinematics.nearest import nearest_turn
 from yarclang.robot.kinematics.search import span
 from yarclang.robot.model import Chain, Limits
@@ -77,6 +80,83 @@ def measure_branches(_: argparse.Namespace) -> Iterator[str]:
         poses = flange_poses(robot.chain, _draw(robot.chain, robot.limits, count))
         middle, least = (one / count * 1e6 for one in _median(partial(branches, robot.chain, poses)))
         yield f"| {count:,} | {middle:.2f} µs a pose | {least:.2f} µs | 3 µs |"
+
+
+def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
+    """All solutions of arms without a spherical wrist."""
+    ours = {name: made.COBOTS[name] for name in made.COBOTS} | {"offset6": made.offset6()[0]}
+    yield "| all solutions (CPU time) | a pose in a batch | alone, with limits | most | goal |\n|---|---|---|---|---|"
+    high = np.full(6, math.pi)
+    limits = made.limits_of(-high, high)
+    for name, chain in ours.items():
+        q = _draw(chain, limits, 500)
+        poses = flange_poses(chain, q)
+        branches(chain, poses[:2])
+        begun = time.process_time()
+        valid = branches(chain, poses)[1]
+        batch = (time.process_time() - begun) / len(poses)
+        begun = time.process_time()
+        for pose, near in zip(poses[:50], q[:50], strict=True):
+            nearest_solutions(chain, limits, pose, near)
+        alone = (time.process_time() - begun) / 50
+        goal = "20 µs, 0.5 ms" if name == "ur5" else "2 ms alone"
+        yield f"| {name} | {batch * 1e6:.0f} µs | {alone * 1e3:.2f} ms | {valid.sum(axis=1).max()} | {goal} |"
+    yield _random_arms()
+    if options.peer_python:
+        yield _beside_eaik(options.peer_python)
+
+
+def _random_arms(count: int = 1000) -> str:
+    """Compare how many solutions there are with what all eliminations together find, on arms by chance."""
+    random = np.random.default_rng(0)
+    total = fewer = 0
+    for _ in range(count):
+        chain = made.random6(random)
+        poses = flange_poses(chain, random.uniform(-3.0, 3.0, (1, 6)))
+        own = int(branches(chain, poses)[1].sum())
+        found = [
+            elimination.candidates(elimination._elimination(chain, order), poses)[1] for order in range(6)
+        ]
+        every = np.concatenate(found)
+        most = int(elimination.distinct(chain, poses, np.zeros(len(every), dtype=int), every)[1].sum())
+        total, fewer = total + most, fewer + max(most - own, 0)
+    return f"\n{count:,} arms by chance: {fewer} of {total:,} solutions missed"
+
+
+def _beside_eaik(python: str) -> str:
+    """Compare how many solutions a UR5 has with EAIK's, each judged by forward kinematics."""
+    base, tip, _ = TASKS["UR5"]
+    text = arms.urdf("UR5")
+    chain, limits, joints = _arm(text, base, tip, "UR5")
+    poses = flange_poses(chain, _draw(chain, limits, PEER_COUNT))
+    task = {
+        "urdf": text,
+        "base": base,
+        "tip": tip,
+        "joints": joints,
+        "poses": poses.tolist(),
+        "lower": limits.lower.tolist(),
+        "upper": limits.upper.tolist(),
+        "screws": chain.screws.tolist(),
+        "home": chain.base_from_flange.tolist(),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "task.json")
+        path.write_text(json.dumps(task), encoding="utf-8")
+        answer = process(python, str(Path(__file__).with_name("peer_search.py")), "eaik", str(path))
+    found = json.loads(answer.output)
+    own = branches(chain, poses)[1].sum(axis=1)
+    others = []
+    for pose, rows in zip(poses, found["q"], strict=True):
+        q = np.array(rows)
+        good = np.abs(flange_poses(chain, q) - pose).max(axis=(1, 2)) < 1e-8
+        zeros = np.zeros(int(good.sum()), dtype=int)
+        others.append(int(elimination.distinct(chain, pose[None], zeros, q[good])[1].sum()))
+    fewer = int((own < others).sum())
+    return (
+        f"UR5, {len(poses):,} poses: {own.sum():,} solutions, EAIK {sum(others):,} in {found['cpu'] / len(poses) * 1e6:.0f} µs a pose; "
+        f"fewer than EAIK at {fewer}, more at {int((own > others).sum())}"
+    )
 
 
 def measure_search(options: argparse.Namespace) -> Iterator[str]:
@@ -153,7 +233,12 @@ def measure_line(_: argparse.Namespace) -> Iterator[str]:
     )
 
 
-PARTS = {"branches": measure_branches, "search": measure_search, "line": measure_line}
+PARTS = {
+    "branches": measure_branches,
+    "solutions": measure_solutions,
+    "search": measure_search,
+    "line": measure_line,
+}
 
 
 def _arm(text: str, base: str, tip: str, name: str) -> tuple[Chain, Limits, list[str]]:

@@ -135,8 +135,11 @@ def drawn(arm, random, most=5):
         said[step] = one
         step += 1
         if random.random() < 0.15:
-            lines.append(f"P{(step + 1) * 10:04d} SET LAMP {random.choice(['ON', 'OFF'])}")
-            step += 1
+            state, index = random.choice(["ON", "OFF"]), f"P{(step + 1) * 10:04d}"
+            # which makes three steps, at rest
+            is_pulse = step % 4 == 0
+            lines.append(f"{index} PULSE LAMP [0.2]" if is_pulse else f"{index} SET LAMP {state}")
+            step += 3 if is_pulse else 1
     if random.random() < 0.25:
         # from the middle, wherever the motions before lead to; into a WAIT nothing flows
         lines.append(f"P{(step + 1) * 10:04d} WAIT [0.1]")

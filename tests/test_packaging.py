@@ -76,6 +76,7 @@ def test_extras(wheel: zipfile.ZipFile):
         "dev",
         "pendant",
         "view",
+        "xacro",
     }
 
 

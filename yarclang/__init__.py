@@ -168,7 +168,7 @@ def compile(  # noqa: A001  (the word that people look for)
     Args:
         text: the program.
         robot: see `check`.
-        target: `rotary` for streaming into the rotary buffer, `prog` for a program buffer to download.
+        target: what the text is for, by a name of the robot's kind of controller: of a Turbo PMAC `rotary`, to be streamed, or `prog`, a program buffer to download.
         name: see `check`.
         folder: see `check`.
         start: see `check`.
@@ -194,7 +194,7 @@ def prove(
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[Certificate]:
-    """Prove what a controller text (.pmc) does, and that it is what the program says.
+    """Prove what a controller text does, and that it is what the program says.
 
     The text is read anew, whoever wrote it or changed it since; the certificate holds for it and the robot as it is described today.
 
@@ -223,6 +223,7 @@ def prove(
         start: see `check`.
         cell: see `check`; without the program, the path of a cell.toml with the surroundings.
     """
+    from yarclang.backend import backend_of
     from yarclang.diagnostics import Result
     from yarclang.pipeline.controller_text import judge_alone, prove_against
     from yarclang.pipeline.guarding import failure
@@ -238,7 +239,8 @@ def prove(
         found = opened.diagnostics
         if opened.value is None:
             return Result(None, found)
-        proved = prove_against(SourceFile(f"{name}.pmc", controller_text), opened.value)
+        suffix = backend_of(opened.value.request.robot).suffix
+        proved = prove_against(SourceFile(f"{name}{suffix}", controller_text), opened.value)
         return Result(proved.value, (*found, *proved.diagnostics))
     except Exception as error:
         return Result(None, (*found, failure(error, SourceFile(name, text or ""))))

@@ -5,18 +5,19 @@ Neutral rooms ask it, and never which kind it is. Its `kind` is enough to read a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.emitted.purposes import Listed, Stretch, moves_alone
 from yarclang.frozen import frozen
 from yarclang.memory import Memory
 from yarclang.motion.limits import Grid
 from yarclang.motion.plan import MotionPlan
 from yarclang.robot.controller import Kind
-from yarclang.robot.kinds import module_of
+from yarclang.robot.kinds import kind_names, module_of
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile
 
@@ -85,6 +86,16 @@ class Settings:
     differences: Callable[[SourceFile, Robot], tuple[Diagnostic, ...]]
     items: Callable[[Robot], tuple[Item, ...]]
     lines: Callable[[str], tuple[str, ...]]
+
+
+NO_SETTINGS = Settings(
+    text=lambda robot: "",  # noqa: ARG005
+    judge=lambda source, robot: Result(()),  # noqa: ARG005
+    differences=lambda source, robot: (),  # noqa: ARG005
+    items=lambda robot: (),  # noqa: ARG005
+    lines=lambda text: (),  # noqa: ARG005
+)
+"""Those of a controller that has to be told nothing."""
 
 
 @frozen(eq=False)
@@ -178,10 +189,11 @@ class Backend:
         reader: returns the judge's reader of its texts.
         sendable: what of a text that was judged is streamed; a finding, if nothing is.
         scripts: returns how it is talked to.
+        simulated: a simulator with a robot that stands somewhere (n,) [rad or m], whose time passes so many times as fast, among the machines of a cell.
         settings: returns what it is told once about a robot.
         live: returns how live motions are written; None: it has none.
-        bench: returns the simulator of `yarc sim`.
-        simulated: a simulator with a robot that stands somewhere (n,) [rad or m], whose time passes so many times as fast, among the machines of a cell.
+        bench: returns the simulator of `yarc sim`; without it, there is none.
+        purposes: tells what each line of a text is for; without it, the moves that the header lists are known, and no other line.
     """
 
     kind: Kind
@@ -193,10 +205,13 @@ class Backend:
     reader: Callable[[], Reader]
     sendable: Callable[[ControllerText, Robot], Sendable | Diagnostic]
     scripts: Callable[[], Scripts]
-    settings: Callable[[], Settings]
-    live: Callable[[], LiveWriting | None]
-    bench: Callable[[], Bench]
     simulated: Callable[[Robot, Array, float, SimulatedCell | None], AbstractContextManager[Simulated]]
+    settings: Callable[[], Settings] = lambda: NO_SETTINGS
+    live: Callable[[], LiveWriting | None] = lambda: None
+    bench: Callable[[], Bench] | None = None
+    purposes: Callable[[Sequence[str], int, Sequence[Listed], Mapping[int, int]], Iterator[Stretch]] = (
+        moves_alone
+    )
 
 
 def backend_of(robot: Robot) -> Backend:
@@ -212,3 +227,14 @@ def backend_called(kind: str) -> Backend:
     """
     found: Backend = import_module(module_of(kind)).BACKEND
     return found
+
+
+def backend_for(target: str) -> Backend | None:
+    """Return the backend whose texts are for a target; None if no kind has such a target."""
+    backends = map(backend_called, kind_names())
+    return next((one for one in backends if target in one.targets), None)
+
+
+def suffixes() -> tuple[str, ...]:
+    """Return how files with the texts of all kinds end."""
+    return tuple(backend_called(name).suffix for name in kind_names())

@@ -425,7 +425,7 @@ class TimedMove(MotionHead):
 
 @frozen
 class Signal:
-    """An input or output: its name in the program, and the controller's variable, such as M11."""
+    """An input or output: its name in the program, and the controller's variable."""
 
     name: str
     variable: str

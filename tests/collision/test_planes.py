@@ -13,7 +13,7 @@ from yarclang.cell.model import Obstacle
 from yarclang.collision import proof
 from yarclang.collision.geometry import geometry_of
 from yarclang.collision.placing import distances, place, relative
-from yarclang.collision.planes import plane_gap, support
+from yarclang.collision.planes import plane_gap, proved_gaps, support
 from yarclang.collision.proof import RESOLUTION, clearances
 from yarclang.collision.scene import scene_of
 from yarclang.collision.travel import accelerations
@@ -42,6 +42,55 @@ def test_a_plane_never_says_more_than_the_distance(seed):
     other = random.normal(size=(len(pairs), 3))
     other /= np.linalg.norm(other, axis=1)[:, None]
     assert (plane_gap(scene, pairs, seen, other)[free] <= apart[free] + 1e-6).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEEDS, st.sampled_from(["right", "too far", "any direction", "none"]))
+def test_whoever_proposes_a_distance_makes_none_too_large(seed, proposal):
+    """Planes tell it by the bodies' supports alone; what is proposed wrongly is turned until it is nearly the distance."""
+    random = np.random.default_rng(seed)
+    robot = load_robot(ROBOTS[seed % 2]).value
+    scene = scene_of(robot, drawn(random)).value
+    pairs = np.arange(len(scene.first))
+    q = random.uniform(robot.limits.lower, robot.limits.upper, (1, robot.size))
+    seen, normal = relative(place(scene, q), np.zeros_like(pairs), pairs), np.empty((len(pairs), 3))
+    apart = distances(scene, pairs, seen, normal=normal)
+    proposed = apart.copy()
+    if proposal == "too far":
+        proposed[apart > 0.0] += 0.5
+    elif proposal == "any direction":
+        normal = random.normal(size=normal.shape)
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+    elif proposal == "none":
+        normal[:] = np.nan
+    found = proved_gaps(scene, pairs, seen, normal, proposed)
+    free = apart > 1e-6
+    assert (found[free] <= apart[free] + 2e-6).all()
+    assert (found[free] <= plane_gap(scene, pairs, seen, normal)[free]).all()
+    assert (found[~free] == proposed[~free]).all()
+    if proposal in ("right", "too far"):
+        assert (found[free] >= apart[free] - 2e-5).mean() > 0.95
+    assert (found[free] >= 0.9 * apart[free] - 2e-3).mean() > 0.95
+
+
+def test_a_lying_coal_hides_no_collision(industrial6, monkeypatch):
+    """A wall near which the arm passes: coal says that all is half a metre farther away."""
+    wall = Obstacle("WALL", Box(np.array([0.2, 0.2, 0.2])), mount([-0.8, 0.68, 1.764]), 0.3)
+    scene = scene_of(industrial6, cell_of(wall)).value
+    points = np.zeros((8, 6))
+    points[:, 0] = np.radians(np.linspace(40.0, 60.0, 8))
+    course = motion(points, 3.0)
+    spans = np.array([[0, len(course.x)]])
+    right = clearances(scene, course, spans)
+    assert {scene.names(one.pair) for one in right.meetings}
+
+    def lying(*given, **named):
+        found = distances(*given, **named)
+        return np.where(found > 0.0, found + 0.5, found)
+
+    monkeypatch.setattr(proof, "distances", lying)
+    wrong = clearances(scene, course, spans)
+    assert {one.pair for one in wrong.meetings} == {one.pair for one in right.meetings}
 
 
 def test_a_mesh_reaches_as_far_as_its_corners(industrial6, tmp_path):

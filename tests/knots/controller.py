@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from knots.simulator import Simulated as SimulatedTable
 
-from yarclang.backend import Backend, Sendable, Settings, Simulated, Written
+from yarclang.backend import Backend, Sendable, Simulated, Written
 from yarclang.certify.read.header import read_preamble
 from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.reader import Fault, Reader, StartPlace
@@ -22,7 +22,7 @@ from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Dwell, Motion
 from yarclang.motion.limits import Grid
-from yarclang.robot.controller import Kind, SignalVariable
+from yarclang.robot.controller import NO_SIGNAL, Kind, SignalVariable
 from yarclang.units import MS
 
 STEP = 1e-6  # [s], of segment times
@@ -44,7 +44,7 @@ class Knots:
     timing: str = "its clock"
 
     def signal(self, text: str) -> SignalVariable:
-        return SignalVariable(None, "is no variable: a table of knots has none", "leave it out")
+        return NO_SIGNAL
 
 
 def _table():
@@ -70,12 +70,9 @@ KIND = Kind(
     name="knots",
     title="a table of knots",
     table=_table,
-    check=lambda file, table, size: None,
-    not_coupled=lambda axes: "",
     controller=_made,
     restored=lambda values: Knots(**values),
     lines=lambda size: ("[controller]", 'kind = "knots"', f"axes = {[f'Q{k + 1}' for k in range(size)]}"),
-    signal=lambda text: SignalVariable(None, "is no variable", "leave it out"),
 )
 
 
@@ -210,10 +207,6 @@ def _simulated(robot, stands, rate, cell) -> Iterator[Simulated]:
         yield Simulated(simulator.port, None)
 
 
-def _no_bench():
-    raise NotImplementedError
-
-
 def _scripts():
     from knots.scripts import SCRIPTS
 
@@ -230,14 +223,5 @@ BACKEND = Backend(
     reader=lambda: Reader(_read, _start, _faults),
     sendable=_sendable,
     scripts=_scripts,
-    settings=lambda: Settings(
-        lambda robot: "",
-        lambda source, robot: Result(()),
-        lambda source, robot: (),
-        lambda robot: (),
-        lambda text: (),
-    ),
-    live=lambda: None,
-    bench=_no_bench,
     simulated=_simulated,
 )

@@ -11,7 +11,7 @@ from yarclang.runtime.notices import Abort, Hold, Override, Progress, Resume, St
 from yarclang.runtime.operation import Operation
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.sample import Sample
-from yarclang.runtime.scripts import JointPlace, Measured, Picture, Scripts
+from yarclang.runtime.scripts import JointPlace, Picture, Scripts
 from yarclang.runtime.state import Event, State
 
 
@@ -147,21 +147,11 @@ def end_leftovers(operation, robot):
     return True
 
 
-def _none(operation, *_):
-    raise Trouble("a table of knots has no variables", "leave them out")
-    yield
-
-
 def picture(operation, robot):
     state, left, place = yield from ask(operation, "where")
     joints = zip(robot.joint_names, robot.axis_unit_names, place, strict=True)
     places = tuple(JointPlace(name, unit, float(one), float(one)) for name, unit, one in joints)
     return Picture("a table of knots", "1", f"{state}, {left} rows", 100.0, 0.0, "none", {}, places)
-
-
-def measured(operation, robot):
-    yield from ask(operation, "where")
-    return Measured((), {})
 
 
 SCRIPTS = Scripts(
@@ -176,9 +166,6 @@ SCRIPTS = Scripts(
     perform_live=None,
     end_leftovers=end_leftovers,
     end_what_runs=end_what_runs,
-    read=_none,
-    write=_none,
     picture=picture,
-    measured=measured,
     patience=1.0,
 )

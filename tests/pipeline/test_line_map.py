@@ -8,8 +8,9 @@ from programs import compiled
 
 from yarclang.certify.pmac.read import read
 from yarclang.certify.read.text import Barred, Dwelt, Put, Run
+from yarclang.emitted.purposes import MOVE, OPENING
 from yarclang.pipeline.inputs import Options, open_program
-from yarclang.pipeline.line_map import HEADER, MOVE, OPENING, is_compiled_text, map_lines
+from yarclang.pipeline.line_map import HEADER, is_compiled_text, map_lines
 from yarclang.pipeline.origins import origins_of_text
 from yarclang.pipeline.stages import compile_module
 from yarclang.robot.description import load_robot

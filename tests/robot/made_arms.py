@@ -37,13 +37,17 @@ REAL = {
     "double-pendulum-continuous": ("double_pendulum_description/urdf/double_pendulum_continuous.urdf", (), 2),
     "finger-edu": ("finger_edu_description/robots/finger_edu.urdf", (), 3),
     "talos-arm": ("talos_data/robots/talos_left_arm.urdf", (), 6),
-    "talos-7": ("talos_data/robots/talos_reduced.urdf", ("--base", "torso_2_link"), 7),
-    "talos-9": ("talos_data/robots/talos_reduced.urdf", (), 9),
-    "baxter-right": ("baxter_description/urdf/baxter.urdf", (), 7),
+    "talos-7": (
+        "talos_data/robots/talos_reduced.urdf",
+        ("--base", "torso_2_link", "--tip", "wrist_left_ft_link"),
+        7,
+    ),
+    "talos-9": ("talos_data/robots/talos_reduced.urdf", ("--tip", "wrist_left_ft_link"), 9),
+    "baxter-right": ("baxter_description/urdf/baxter.urdf", ("--tip", "right_hand_link"), 7),
     "baxter-left": ("baxter_description/urdf/baxter.urdf", ("--tip", "left_hand_link"), 7),
     "tiago-8": ("tiago_description/robots/tiago.urdf", (), 8),
-    "tiago-pro": ("tiago_pro_description/robots/tiago_pro.urdf", (), 8),
-    "romeo-8": ("romeo_description/urdf/romeo_small.urdf", (), 8),
+    "tiago-pro": ("tiago_pro_description/robots/tiago_pro.urdf", ("--tip", "arm_left_tool_link"), 8),
+    "romeo-8": ("romeo_description/urdf/romeo_small.urdf", ("--tip", "l_wrist"), 8),
 }
 NEAR = 0.12
 """How far the programs go from HOME [rad, or m], at most."""

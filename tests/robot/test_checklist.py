@@ -126,3 +126,14 @@ def test_the_old_name_is_told():
     result = yarc("robots")
     assert result.exit_code == 2
     assert "Did you mean robot?" in result.output
+
+
+def test_lines_and_times_are_tried(tmp_path):
+    """With a wrist that hardly moves no line at a fixed orientation is followed."""
+    result = yarc("robot", "check", "INDUSTRIAL6")
+    assert " of 12 lines of" in result.output
+    assert "µs a pose, of 500 at once" in result.output
+    narrow = changed(tmp_path, ("position = [-120, 120]", "position = [-0.2, 0.2]"))
+    (lines,) = [item for item in check_robot(narrow).items if item.subject == "lines"]
+    assert lines.verdict == "to do"
+    assert "yarc reach" in lines.remedy

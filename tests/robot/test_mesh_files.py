@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from tests.robot.made_arms import DATA
@@ -123,6 +123,7 @@ def test_one_kind_by_the_name_of_another_is_refused(tmp_path):
 
 @settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=400), st.sampled_from([".stl", ".obj", ".dae", ".ply"]))
+@example(b"solid", ".stl")
 def test_nothing_else_is_raised(tmp_path, content, kind):
     with pytest.raises(NoMeshError):
         read(tmp_path, f"a{kind}", content)

@@ -40,6 +40,34 @@ def test_steps():
     assert (output.signal.variable, output.safe) == ("M1", 0.0)
 
 
+@pytest.mark.parametrize("time", ["[0.5]", "[500] (ms)", "[$(1/2)]"])
+def test_a_pulse_is_on_for_its_time(time):
+    program, found = checked(f"{HEAD}P0010 PULSE GLUE {time}")
+    on, stands, off = program.steps
+    assert (on.output.name, on.value, off.output.name, off.value) == ("GLUE", 1.0, "GLUE", 0.0)
+    assert isinstance(stands, Dwell)
+    assert stands.duration == pytest.approx(0.5)
+    assert on.origin == stands.origin == off.origin
+    assert codes(found) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("PULSE GLUE", "Y0406"),
+        ("PULSE GLUE [MIN]", "Y0407"),
+        ("PULSE GLUE [0]", "Y0407"),
+        ("PULSE GLUE [3601]", "Y0407"),
+        ("PULSE GLUE ON [1]", "Y0401"),
+        ("PULSE [1]", "Y0401"),
+        ("PULSE DOOR [1]", "Y0209"),
+        ("PULSE GLUE [1] BLEND 5", "Y0408"),
+    ],
+)
+def test_a_pulse_that_is_refused(line, code):
+    assert codes(checked(f"{HEAD}P0010 {line}")[1]) == [code]
+
+
 def test_when_keeps_both_ways():
     text = "WHEN DOOR OFF\nP0010 MOVEJ LOW\nELSE\nREPEAT 2\nP0020 MOVEJ LOW\nEND\nEND"
     kinds = [type(step) for step in checked(HEAD + text)[0].steps]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, cast
 
 from yarclang.backend import Backend, Bench, LiveWriting, Sendable, Settings, Simulated, Written
 from yarclang.backend_pmac.kind import KIND
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.emitted.purposes import Listed, Stretch
 from yarclang.memory import Memory
 from yarclang.motion.limits import Grid
 from yarclang.motion.plan import MotionPlan
@@ -80,6 +82,14 @@ def _simulated(
     return simulated(robot, stands, rate, cell)
 
 
+def _purposes(
+    lines: Sequence[str], begin: int, commands: Sequence[Listed], barriers: Mapping[int, int]
+) -> Iterator[Stretch]:
+    from yarclang.backend_pmac.purposes import purposes
+
+    return purposes(lines, begin, commands, barriers)
+
+
 BACKEND = Backend(
     kind=KIND,
     suffix=".pmc",
@@ -94,4 +104,5 @@ BACKEND = Backend(
     live=_live,
     bench=_bench,
     simulated=_simulated,
+    purposes=_purposes,
 )

@@ -26,6 +26,7 @@ _COMMANDS = {
     "override": "Change a run's speed.",
     "pendant": "Serve the pendant: watch, run and jog a robot from a browser or tablet.",
     "plot": "Draw a program's motion.",
+    "reach": "Draw where a robot can hold its flange.",
     "repl": "Work with a robot live.",
     "replay": "Show a recorded run as it happened.",
     "resume": "Go on behind a hold.",

@@ -44,7 +44,8 @@ class Scene:
 
     Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
     `bound` (M,) of its box; `core` (M, 3) and `disc` (M,) of its hull; `cornered` are the bodies whose hull has corners instead.
-    `of_coal` are the shapes themselves, `own_middle` (M, 3) is the middle of the box in the shape's frame, `closed` (M,) are the meshes that enclose a room.
+    `of_coal` are the shapes themselves, `own_middle` (M, 3) is the middle of the box in the shape's frame, `closed` (M,) are the meshes that enclose a room,
+    `hollow` (M,) those that aren't their hulls.
     """
 
     chain: Chain
@@ -67,6 +68,7 @@ class Scene:
     of_coal: tuple[Any, ...]
     own_middle: Array
     closed: NDArray[np.bool_]
+    hollow: NDArray[np.bool_]
 
     def names(self, pair: int) -> tuple[str, str]:
         """How messages call the two bodies of a pair, the one that moves more first."""
@@ -151,4 +153,5 @@ def assembled(
         tuple(body.geometry.of_coal for body in bodies),
         np.array([body.geometry.middle for body in bodies]).reshape(-1, 3),
         np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
+        np.array([body.geometry.is_hollow for body in bodies], dtype=np.bool_),
     )

@@ -33,6 +33,8 @@ class Geometry:
     disc: float = 0.0
     corners: Array | None = None
     skin: Array | None = None
+    is_hollow: bool = False
+    """True for triangles that needn't be all around: what is far from them may be within their hull."""
 
     @property
     def bound(self) -> float:
@@ -103,7 +105,9 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     )
     skin = _closed(corners[faces])
     outer = np.unique(corners, axis=0) - middle
-    return Geometry(model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin)
+    return Geometry(
+        model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
+    )
 
 
 def _closed(triangles: Array) -> Array | None:

@@ -53,3 +53,97 @@ def least_gap(
     gaps = [plane_gap(scene, pair, relative(placed, at, pair), normal) for placed in arms]
     least: Array = np.minimum.reduce(gaps) - slack
     return least
+
+
+ROUNDING = 1e-12
+"""More than rounding can make a plane's gap too large [m]: some thirty operations on lengths of up to 10 m."""
+POOR = 1e-6
+"""A plane that shows less than a proposed distance by more than this [m] is turned."""
+_TURNS = 60
+
+
+def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Array) -> Array:
+    """Return distances (R,) that planes prove [m], where they were only proposed.
+
+    A plane with any normal has each of both bodies on one side, by the bodies' supports: their distance isn't less than its gap. So neither an error of who proposes a distance nor one of who
+    proposes a normal makes the result too large. Planes that show too little are turned towards the nearest points of both bodies. Bodies that overlap, and meshes that aren't their hulls, keep the
+    proposed distance.
+
+    Args:
+        scene: bodies and pairs.
+        pair: (R,).
+        seen: how the bodies of each stand to each other.
+        normal: (R, 3) proposed, seen from the first body; it is replaced by the normals of the planes.
+        gap: (R,) proposed.
+    """
+    proved = gap.copy()
+    hollow = scene.hollow[scene.first[pair]] | scene.hollow[scene.second[pair]]
+    (rows,) = np.nonzero((gap > 0.0) & ~hollow)
+    if not len(rows):
+        return proved
+    pair, seen, wanted = pair[rows], seen.take(rows), gap[rows]
+    along = _directions(normal[rows], seen.middle)
+    found = plane_gap(scene, pair, seen, along)
+    (poor,) = np.nonzero(found < wanted - POOR)
+    if len(poor):
+        turned, better = _turned(scene, pair[poor], seen.take(poor), along[poor])
+        more = better > found[poor]
+        found[poor[more]], along[poor[more]] = better[more], turned[more]
+    proved[rows], normal[rows] = np.minimum(wanted, found) - ROUNDING, along
+    return proved
+
+
+def _directions(normal: Array, middle: Array) -> Array:
+    """Return unit vectors (R, 3) of proposed normals, or, where these have no direction, from one body's middle to the other's."""
+    length = np.sqrt(np.einsum("ri,ri->r", normal, normal))
+    is_good = np.isfinite(length) & (np.abs(length - 1.0) < 0.5)
+    other = np.where(np.abs(middle).max(axis=1, keepdims=True) > 0.0, middle, np.array([1.0, 0.0, 0.0]))
+    chosen = np.where(is_good[:, None], normal, other)
+    unit: Array = chosen / np.sqrt(np.einsum("ri,ri->r", chosen, chosen))[:, None]
+    return unit
+
+
+def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Array, Array]:
+    """Turn planes so that they hold pairs apart by more: the normals (R, 3) and gaps (R,) of the best ones.
+
+    Gilbert's algorithm: the difference of both bodies is convex; from a point of it towards the one that is nearest to the origin against that direction, as far as it helps.
+    """
+    best, gap = normal.copy(), plane_gap(scene, pair, seen, normal)
+    at = _difference(scene, pair, seen, normal)
+    for _ in range(_TURNS):
+        length = np.sqrt(np.einsum("ri,ri->r", at, at))
+        if not (length > 0.0).all():
+            break
+        along = at / length[:, None]
+        now = plane_gap(scene, pair, seen, along)
+        more = now > gap
+        best[more], gap[more] = along[more], now[more]
+        step = _difference(scene, pair, seen, along) - at
+        square = np.einsum("ri,ri->r", step, step)
+        share = np.clip(-np.einsum("ri,ri->r", at, step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+        at = at + share[:, None] * step
+    return best, gap
+
+
+def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> Array:
+    """Return the point (R, 3) of the second body minus one of the first, seen from the first, that lies least far in a direction."""
+    first, second = scene.first[pair], scene.second[pair]
+    own = (direction[:, None, :] @ seen.turn)[:, 0]
+    there = (seen.turn @ _farthest(scene, second, -own)[:, :, None])[:, :, 0] + seen.middle
+    difference: Array = there - _farthest(scene, first, direction)
+    return difference
+
+
+def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
+    """Return a point (R, 3) of each body, seen from the middle of its box, that lies farthest in a unit direction (R, 3) in the body's own axes."""
+    points: Array = np.copysign(scene.core[body], direction) + scene.radius[body][:, None] * direction
+    flat = np.hypot(direction[:, 0], direction[:, 1])
+    aside = direction[:, :2] / np.where(flat > 0.0, flat, 1.0)[:, None]
+    points[:, :2] += scene.disc[body][:, None] * aside
+    for one in scene.cornered:
+        (rows,) = np.nonzero(body == one)
+        corners = scene.bodies[one].geometry.corners
+        assert corners is not None  # as it is among the cornered
+        if len(rows):
+            points[rows] = corners[np.argmax(corners @ direction[rows].T, axis=0)]
+    return points

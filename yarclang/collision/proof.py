@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
 from yarclang.collision.placing import Placed, box_gaps, distances, place, relative, sphere_gaps
-from yarclang.collision.planes import least_gap
+from yarclang.collision.planes import least_gap, proved_gaps
 from yarclang.collision.travel import accelerations, travel
 from yarclang.frozen import frozen
 from yarclang.progress import go_on
@@ -188,7 +188,9 @@ class _Search:
         for turn in range(2):
             now = number if turn else self._promising(rows, number)
             part, normal = rows.take(now), np.empty((len(now), 3))
-            exact = replace(part, gap=distances(scene, part.pair, seen.take(now), normal=normal))
+            chosen_now = seen.take(now)
+            proposed = distances(scene, part.pair, chosen_now, normal=normal)
+            exact = replace(part, gap=proved_gaps(scene, part.pair, chosen_now, normal, proposed))
             self._learn(exact, middle)
             left.append(self._along_planes(exact, normal, placed, (begin, end)))
             number = np.setdiff1d(number, now, assume_unique=True)

@@ -22,6 +22,7 @@ from yarclang.handling.parts import first_parts
 from yarclang.handling.switched import Switched, parts_after
 from yarclang.pipeline.cells import CellLoader, cell_loader, is_same_file
 from yarclang.robot.description import load_robot
+from yarclang.robot.kinds import title_of
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
@@ -131,6 +132,7 @@ def model_described(robot: Robot) -> replies.Model:
     found, limits, units = made.value, robot.limits, robot.axis_units
     return replies.Model(
         name=robot.name,
+        controller=title_of(robot.controller.kind),
         urdf=found.urdf,
         base=found.base,
         flange=found.flange,

@@ -119,6 +119,15 @@ FINDINGS: tuple[Finding, ...] = (
         "The collision check can't see the link, and lets it pass through everything.",
     ),
     Finding(
+        "Y1365",
+        "limbs-left-out",
+        "error",
+        "the chain leaves out joints that have motors",
+        "A limb as long as an arm isn't in the chain that was found: a robot with fewer joints than it has is another robot.",
+        "yarc robot new two_arms.urdf --yes",
+        "yarc robot new two_arms.urdf --yes --tip left_tool0",
+    ),
+    Finding(
         "Y1362",
         "not-ignorable",
         "error",

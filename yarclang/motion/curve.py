@@ -9,7 +9,7 @@ points, at knot k (time k h):
 
 Acceleration is linear between knots and jerk constant in each segment. The velocity anywhere lies in the convex hull of the
 first differences over h: limits of velocity, acceleration and jerk hold at all instants where they hold for the differences
-(Turbo PMAC User Manual pp. 289-290; de Boor, B-spline basics).
+(de Boor, B-spline basics).
 """
 
 from __future__ import annotations

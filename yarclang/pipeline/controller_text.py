@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from yarclang.backend import backend_called
+from yarclang.backend import suffixes
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.certifying import certify, certify_text
@@ -35,7 +35,6 @@ from yarclang.pipeline.origins import start_values
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import LARGEST_DATA, name_of, read_content
 from yarclang.pipeline.stages import check_program, claims_of, plan_checked, plan_module
-from yarclang.robot.kinds import kind_names
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import GivenCell
 from yarclang.source import SourceFile, Span
@@ -71,7 +70,7 @@ class JudgedText:
 
 def is_compiled(file: str) -> bool:
     """Return True if a file is called as what yarcc writes for some kind of controller."""
-    return file.lower().endswith(tuple(backend_called(name).suffix for name in kind_names()))
+    return file.lower().endswith(suffixes())
 
 
 def read_controller_text(path: str) -> Result[SourceFile]:

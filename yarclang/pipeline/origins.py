@@ -12,11 +12,11 @@ from pathlib import Path
 from yarclang.certify.read.header import header_of
 from yarclang.certify.read.text import Unreadable
 from yarclang.emitted.header import Header
+from yarclang.emitted.purposes import Listed
 from yarclang.frozen import frozen
 from yarclang.hir import Gap, Origin, Program
 from yarclang.identity import fingerprint
 from yarclang.pipeline.inputs import Options, open_program
-from yarclang.pipeline.line_map import Listed
 from yarclang.pipeline.stages import check_program
 from yarclang.robot.model import Robot
 

@@ -18,12 +18,16 @@ if TYPE_CHECKING:
 
 @frozen
 class SignalVariable:
-    """The controller's variable of an input or output in its usual form, M1 for M01; else None, what is wrong with it, and the remedy; `is_taken` if yarclang itself uses it."""
+    """The controller's variable of an input or output in its usual form; else None, what is wrong with it, and the remedy; `is_taken` if yarclang itself uses it."""
 
     name: str | None
     fault: str = ""
     remedy: str = ""
     is_taken: bool = False
+
+
+NO_SIGNAL = SignalVariable(None, "is no variable: this controller has none", "leave it out")
+"""The answer of a kind without inputs and outputs."""
 
 
 class Controller(Protocol):
@@ -88,9 +92,9 @@ class Kind:
     name: str
     title: str
     table: Callable[[], type[Table]]
-    check: Callable[[TomlFile, Any, int], None]
-    not_coupled: Callable[[Sequence[str]], str]
     controller: Callable[[Any, Sequence[int]], Controller]
     restored: Callable[[Mapping[str, Any]], Controller]
     lines: Callable[[int], Sequence[str]]
-    signal: Callable[[str], SignalVariable]
+    check: Callable[[TomlFile, Any, int], None] = lambda file, table, size: None  # noqa: ARG005
+    not_coupled: Callable[[Sequence[str]], str] = lambda axes: ""  # noqa: ARG005
+    signal: Callable[[str], SignalVariable] = lambda text: NO_SIGNAL  # noqa: ARG005

@@ -37,6 +37,12 @@ def known_signal(text: str) -> SignalVariable:
     return next((one for one in found if one.name is not None), found[0])
 
 
+def title_of(name: str) -> str:
+    """Return what a kind is called for people, with its article; its name if there is no such kind."""
+    kind = kind_of(name)
+    return name if kind is None else kind.title
+
+
 def kind_names() -> tuple[str, ...]:
     """Return the names of all kinds, in alphabetic order."""
     return tuple(sorted({*_own(), *_elsewhere(), *_plugged}))

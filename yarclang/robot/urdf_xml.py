@@ -64,6 +64,8 @@ class UrdfText:
         subject: Subject | None = None,
     ) -> None:
         """Adds a finding at an element's tag, or at one of its attributes."""
+        # names may have line ends, or marks that turn the direction of writing on a terminal
+        message = "".join(one if one.isprintable() else "?" for one in message)
         start, end = place.start, place.end
         if attribute:
             match = self._attribute(place, attribute)

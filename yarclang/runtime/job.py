@@ -82,7 +82,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """A certified rotary program, ready to be streamed.
+    """A certified program, ready to be streamed.
 
     Attributes:
         name: of the program, for people.

@@ -72,7 +72,7 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Abort:
-    """Each motor comes to rest at its Ixx15 at once, off the path, and the program ends (^A)."""
+    """Each motor comes to rest at once, off the path, and the program ends."""
 
 
 @dataclass(frozen=True, slots=True)

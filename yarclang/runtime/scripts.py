@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from yarclang.robot.kinds import DEFAULT, module_of
 from yarclang.robot.model import Array, Robot
-from yarclang.runtime.actions import Script
+from yarclang.runtime.actions import Script, Trouble
 from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
@@ -144,6 +144,21 @@ class EndWhatRuns(Protocol):
         """Hold it (or abort it), and end it at rest; return where the robot stands then (n,) [rad or m], None if nobody knows."""
 
 
+def _reads_nothing(operation: Any, variables: Sequence[str]) -> Script[tuple[float, ...]]:  # noqa: ARG001
+    yield from ()
+    raise Trouble("this kind of controller has no variables", "leave them out")
+
+
+def _writes_nothing(operation: Any, variable: str, value: float) -> Script[None]:  # noqa: ARG001
+    yield from ()
+    raise Trouble("this kind of controller has no variables", "leave them out")
+
+
+def _measures_nothing(operation: Any, robot: Robot) -> Script[Measured]:  # noqa: ARG001
+    yield from ()
+    return Measured((), {})
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scripts:
     """All that a run asks of a kind of controller. The first argument of each script is what `operation` has made.
@@ -160,11 +175,11 @@ class Scripts:
         perform_live: likewise a live motion; None: the kind has none.
         end_leftovers: ends a program that was left in the middle, where the robot stands; whether there was one.
         end_what_runs: see there.
-        read: the values of variables.
-        write: gives a variable a value, at rest.
         picture: what a controller says of itself; whatever it does isn't disturbed.
-        measured: how fast the link is.
         patience: how long a controller may be busy before that is a fault [s].
+        read: the values of variables; without it, the kind has none.
+        write: gives a variable a value, at rest; without it, the kind has none.
+        measured: how fast the link is; without it, nobody measures it.
         services: what gets a controller ready; None: the kind has none.
     """
 
@@ -179,11 +194,11 @@ class Scripts:
     perform_live: Callable[[Any, Live], Script[Ended]] | None
     end_leftovers: Callable[[Any, Robot], Script[bool]]
     end_what_runs: EndWhatRuns
-    read: Callable[[Any, Sequence[str]], Script[tuple[float, ...]]]
-    write: Callable[[Any, str, float], Script[None]]
     picture: Callable[[Any, Robot], Script[Picture]]
-    measured: Callable[[Any, Robot], Script[Measured]]
     patience: float
+    read: Callable[[Any, Sequence[str]], Script[tuple[float, ...]]] = _reads_nothing
+    write: Callable[[Any, str, float], Script[None]] = _writes_nothing
+    measured: Callable[[Any, Robot], Script[Measured]] = _measures_nothing
     services: Services | None = None
 
 

@@ -11,11 +11,11 @@ class State(Enum):
     """What the robot does for us; the value is what people read."""
 
     DISCONNECTED = "disconnected"
-    """No connection: the controller is on its own, and its guard PLC holds what we don't feed."""
+    """No connection: the controller is on its own, and its guard holds what we don't feed."""
     STOP = "stop"
     """Connected, and no motion of ours: the controller is being looked at, or has nothing to do."""
     INIT = "init"
-    """The rotary buffer is made and filled (the paper's Listing 3); nothing moves."""
+    """The controller takes the first lines of a program; nothing moves."""
     MOVE = "move"
     """The controller executes what we stream."""
     HOLD = "hold"

@@ -196,7 +196,7 @@ def value_of(text: str) -> float | None:
 
 
 def input_variable(text: str, known: Known) -> str | Diagnostic:
-    """Return the variable of an input by its name or as M11, or a finding without a place."""
+    """Return the variable of an input by its name or its variable, or a finding without a place."""
     name = text.strip().upper()
     shown = name[:40]
     if name in known.inputs:

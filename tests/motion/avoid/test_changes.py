@@ -27,7 +27,7 @@ def said(text, *obstacles, robot="INDUSTRIAL6"):
 
 @pytest.fixture(scope="module")
 def ur5(tmp_path_factory):
-    """An arm without a closed form."""
+    """An arm with three parallel axes."""
     name = next(name for name in REAL if "ur5" in name)
     folder = tmp_path_factory.mktemp("arm") / "ur5"
     file, arguments, _ = REAL[name]

@@ -200,3 +200,39 @@ def test_no_poses_and_no_candidates():
     q, miss = polished(chain, np.empty((0, 4, 4)), np.empty((0, 6)))
     assert q.shape == (0, 6)
     assert miss.shape == (0,)
+
+
+Z = (0.0, 0.0, 1.0)
+ODD = {
+    "all axes parallel": [((0.3, 0, 0), Z)] * 6,
+    "all axes in one": [((0, 0, 0.1), Z)] * 6,
+    "all axes through a point": [((0, 0, 0), axis) for axis in np.vstack([np.eye(3), np.eye(3) + 0.3])],
+    "two in one": [
+        ((0, 0, 0.1), Z),
+        ((0, 0, 0.1), Z),
+        ((0.3, 0, 0), (0, 1, 0)),
+        ((0.3, 0, 0), (0, 1, 0)),
+        ((0, 0, 0.1), (1, 0, 0)),
+        ((0.1, 0, 0), (0, 1, 0)),
+    ],
+    "far away": [((1e3, 0, 0), (0, 1, 0)), *arms.JOINTS_SEED6[1:]],
+    "tiny": [(1e-4 * np.array(point), axis) for point, axis in arms.JOINTS_SEED6],
+}
+"""Arms that nobody builds but a URDF may describe."""
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("name", ODD)
+def test_odd_arms_are_answered(name):
+    """Whatever is found stands at its pose; nothing is raised."""
+    chain = arms.chain_of(ODD[name], flange=(0.1, 0.02, 0.0))
+    limits = arms.limits_of(np.full(6, -3.0), np.full(6, 3.0))
+    q = np.random.default_rng(8).uniform(-2.5, 2.5, (3, 6))
+    poses = flange_poses(chain, q)
+    found, valid = branches(chain, poses)
+    stand = flange_poses(chain, found.reshape(-1, 6)).reshape(*valid.shape, 4, 4)
+    assert np.abs(stand - poses[:, None])[valid].max(initial=0.0) < 1e-6
+    for pose, here in zip(poses, q, strict=True):
+        solved = nearest_solutions(chain, limits, pose, here)
+        assert isinstance(solved, Solutions)
+        assert np.abs(flange_poses(chain, solved.q[:1])[0] - pose).max() < 1e-6

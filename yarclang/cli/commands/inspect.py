@@ -10,8 +10,9 @@ import click
 from yarclang.cli.options import file_argument, format_option, planning_options, tm_option
 
 if TYPE_CHECKING:
+    from yarclang.emitted.purposes import Stretch
     from yarclang.hir import Program
-    from yarclang.pipeline.line_map import LineMap, Stretch
+    from yarclang.pipeline.line_map import LineMap
     from yarclang.pipeline.origins import Origins
     from yarclang.report.inspection.inspected import Studied
 
@@ -270,7 +271,7 @@ def _text_sections(
     text: str,
     all_lines: bool,
 ) -> list[Any]:
-    from yarclang.pipeline.line_map import MOVE
+    from yarclang.emitted.purposes import MOVE
     from yarclang.report.inspection.text import Section, stretch_lines
 
     lines = tuple(text.split("\n"))

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import click
 
 from yarclang.cli.options import format_option, robot_argument
+
+if TYPE_CHECKING:
+    from yarclang.robot.checklist.item import Item
+    from yarclang.robot.model import Robot
 
 _COLOURS = {"ok": "green", "note": "cyan", "to do": "red"}
 
@@ -23,7 +30,7 @@ def command(robot: str, format_: str) -> None:
     from yarclang.collision.checklist import body_items
     from yarclang.robot.checklist import check_robot
 
-    checked = check_robot(robot, body_items)
+    checked = check_robot(robot, body_items, _times)
     if format_ == "json":
         import json
 
@@ -42,3 +49,19 @@ def command(robot: str, format_: str) -> None:
     notes = sum(item.verdict == "note" for item in checked.items)
     click.echo(f"{name}: {checked.to_do} to do, {notes} note{'s' * (notes != 1)}")
     raise SystemExit(1 if checked.to_do else 0)
+
+
+def _times(robot: Robot) -> Iterator[Item]:
+    """How long solutions take: for many poses at once, of this process's time."""
+    import time
+
+    from yarclang.robot.checklist.geometry import POSES
+    from yarclang.robot.checklist.item import Item
+    from yarclang.robot.kinematics.fk import flange_poses
+    from yarclang.robot.kinematics.search import reaching, within
+
+    poses = flange_poses(robot.chain, within(robot.chain, robot.limits, POSES))
+    begun = time.process_time()
+    reaching(robot.chain, robot.limits, poses)
+    each = (time.process_time() - begun) / POSES
+    yield Item("time of solutions", "ok", f"{each * 1e6:,.0f} µs a pose, of {POSES} at once")

@@ -47,6 +47,13 @@ _EACH = "one for all joints, or one a joint"
     metavar="FOLDER",
     help="Also copy collision meshes from here (default: only from the URDF's own package). Repeatable.",
 )
+@click.option(
+    "--package-path",
+    multiple=True,
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    metavar="FOLDER",
+    help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH. Repeatable.",
+)
 @click.option("-y", "--yes", is_flag=True, help="Ask nothing; what isn't said goes by rules.")
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     """Make a robot's folder, robot.toml and a copy of the URDF, of a URDF.
@@ -55,14 +62,27 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     terminal, or from stated rules; each value that came from a rule has a comment with "guess:" in robot.toml.
     """
     from yarclang.cli.show import show_findings
+    from yarclang.diagnostics import Diagnostic
     from yarclang.robot.new.folder import make, open_arm, proposed_name, questions
 
-    opened = open_arm(Path(urdf), said["base"], said["tip"])
+    packages = _packages(said["package_path"])
+    said["source"] = None
+    if Path(urdf).suffix.lower() == ".xacro" and Path(urdf).is_file():
+        from yarclang.cli.xacro import expanded
+
+        said["source"] = expanded(Path(urdf), packages)
+        if isinstance(said["source"], Diagnostic):
+            show_findings((said["source"],))
+            raise SystemExit(1)
+    opened = open_arm(Path(urdf), said["base"], said["tip"], said["source"])
     if opened.value is None:
         show_findings(opened.diagnostics)
         raise SystemExit(1)
     arm = opened.value
     unknown = questions(arm, _given(arm, said), bool(said["name"]), bool(said["base"]), bool(said["tip"]))
+    if yes and arm.chain.left_out:
+        show_findings((arm.chain.incomplete(arm.urdf.source),))
+        raise SystemExit(1)
     if unknown and not yes:
         arm = _ask(arm, Path(urdf), said, unknown)
     name = said["name"] or proposed_name(arm.urdf)
@@ -71,11 +91,19 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
         raise click.UsageError(f"{folder} is there already and isn't empty; write elsewhere with -o")
     title = said["title"] or f"Made of {arm.path.name}"
     ends = bool(said["base"]), bool(said["tip"])
-    made = make(arm, _given(arm, said), name, title, ends, said["meshes"])
+    made = make(arm, _given(arm, said), name, title, ends, said["meshes"], packages)
     if made.value is None:
         show_findings(made.diagnostics)
         raise SystemExit(1)
     _write(folder, made.value)
+
+
+def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
+    """The folders with ROS packages."""
+    import os
+
+    around = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
+    return (*said, *(Path(one) for one in around if one and Path(one).is_dir()))
 
 
 def _given(arm: Arm, said: dict[str, Any]) -> Given:
@@ -148,7 +176,7 @@ def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ..
             before = said[key]
             try:
                 said[key] = _read(key, text)
-                opened = open_arm(path, said["base"], said["tip"])
+                opened = open_arm(path, said["base"], said["tip"], said["source"])
                 if opened.value is not None:
                     arm = opened.value
                     _given(arm, said)
@@ -223,17 +251,26 @@ def _undo(folder: Path, written: list[Path]) -> None:
 
 def _notes(made: NewRobot) -> list[str]:
     """What whoever reads the folder wouldn't see."""
+    from yarclang.robot.checklist.item import listed
     from yarclang.robot.new.copying import VISUALS
+    from yarclang.robot.urdf import UNARMED
 
     chain, urdf = made.sketch.chain, made.urdf
-    notes: list[str] = []
+    notes: list[str] = list(made.arm.notes)
     if chain.other_tips and not made.sketch.tip_said:
         notes.append(f"chains as long end at {', '.join(chain.other_tips[:6])}: choose one with --tip")
     if chain.fingers:
         notes.append(
             f"fingers aren't joints of the arm: {', '.join(chain.fingers[:6])}{', ...' * (len(chain.fingers) > 6)}"
         )
-    others = [name for name in chain.ignored if name not in chain.fingers]
+    if chain.followers:
+        notes.append(
+            f"joints that follow another by <mimic> (rods, counterweights) count as standing at 0: {listed(chain.followers)}"
+        )
+    vehicle = [name for name in chain.ignored if made.arm.urdf.joints[name].kind in UNARMED]
+    if vehicle:
+        notes.append(f"planar and floating joints of a vehicle count as fixed: {listed(vehicle)}")
+    others = [name for name in chain.ignored if name not in (*chain.fingers, *chain.followers, *vehicle)]
     if others:
         notes.append(
             f"moving joints off the chain are ignored: {', '.join(others[:6])}{', ...' * (len(others) > 6)}"

@@ -14,7 +14,7 @@ from yarclang.cli.options import cell_option
 from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:
-    from yarclang.backend import Bench, Server
+    from yarclang.backend import Backend, Bench, Server
     from yarclang.robot.model import Robot
     from yarclang.simulated_cell.playing import SimulatedCell
 
@@ -158,7 +158,7 @@ def _bench(robot: str | None) -> tuple[Bench, Robot | None]:
     from yarclang.robot.kinds import DEFAULT
 
     if robot is None:
-        return backend_called(DEFAULT).bench(), None
+        return _made(backend_called(DEFAULT)), None
     loaded = named_robot(Path(), robot)
     show_findings(loaded.diagnostics)
     if loaded.value is None:
@@ -167,7 +167,15 @@ def _bench(robot: str | None) -> tuple[Bench, Robot | None]:
     show_findings(settings.diagnostics)
     if settings.value is None:
         raise SystemExit(1)
-    return backend_of(loaded.value).bench(), loaded.value
+    return _made(backend_of(loaded.value)), loaded.value
+
+
+def _made(backend: Backend) -> Bench:
+    if backend.bench is None:
+        raise click.UsageError(
+            f"{backend.kind.title} has no simulator on a port: use `yarc run`, which simulates"
+        )
+    return backend.bench()
 
 
 def _around(robot: str | None, inputs: str | None, cell: str | None) -> SimulatedCell:

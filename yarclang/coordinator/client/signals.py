@@ -62,7 +62,7 @@ class Signals(Part):
         return Result(value)
 
     def set_input(self, name: str, value: float | str) -> Result[float]:
-        """Give an input of a simulated robot a value, also while a program runs: an input of the session, of a program that was run, or one such as M11.
+        """Give an input of a simulated robot a value, also while a program runs: an input of the session, of a program that was run, or a variable of the controller.
 
         Raises:
             NotOwner: somebody else owns the robot and doesn't share it.

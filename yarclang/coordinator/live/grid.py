@@ -1,4 +1,4 @@
-"""Wanted joint velocities to control points of SPLINE1, with bounded velocity, acceleration and jerk.
+"""Wanted joint velocities to control points of a uniform cubic B-spline, with bounded velocity, acceleration and jerk.
 
 With control points c at the grid's times, v = (c[k] - c[k-1]) / h, a = (v[k] - v[k-1]) / h, j = (a[k] - a[k-1]) / h. The executed velocity lies in the convex hull of
 these v, its acceleration between these a, and its jerk is these j: limits that they keep, the motion keeps.

@@ -217,9 +217,13 @@ class ModelJoint(Message):
 
 
 class Model(Reply):
-    """The robot. `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if it has no {TCP})."""
+    """The robot. `controller` is the kind of its controller, for people.
+
+    `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if it has no {TCP}).
+    """
 
     name: str
+    controller: str = ""
     urdf: str
     """Its text, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml are links on the flange; joints that aren't the robot's axes are fixed at zero."""
     base: str
@@ -510,7 +514,7 @@ class Serviced(Reply):
 
 
 class MotorSearch(Message):
-    """The controller's own home search of a motor: the joint that it moves, how fast (Ixx23, with its sign) [unit/s], and how long it may take [s]; `refused` says why it isn't done here."""
+    """The controller's own home search of a motor: the joint that it moves, how fast (with its sign) [unit/s], and how long it may take [s]; `refused` says why it isn't done here."""
 
     motor: int
     joint: str

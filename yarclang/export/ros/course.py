@@ -95,7 +95,7 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
         content: the text as the judge reads it.
         mapped: the same text's lines, for the names of commands.
         robot: whom it is for.
-        names: the program's names of the controller's variables, such as M1.
+        names: the program's names of the controller's variables.
     """
     made = _Making(
         mapped,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import lru_cache
 
@@ -20,6 +20,7 @@ from yarclang.collision.zones.watched import Moving
 from yarclang.collision.zones.workspace import Watch, slack_at, slack_of, watches_of
 from yarclang.frozen import frozen
 from yarclang.hir import Array
+from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Robot
 
@@ -61,6 +62,18 @@ class Room:
         by, watch = min(broken, key=lambda one: one[0])
         watched = watch.item.name if watch.item is not None else JOINTS
         return Obstruction((watched, watch.zone.name), -by, is_zone=True)
+
+    def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
+        """Yield what is worst at each of some joint positions (n,) [rad or m], as `obstruction`, as far as anybody asks: full turns of joints leave bodies where they are."""
+        turning = ~self.robot.chain.is_prismatic & (links_of(self.robot.chain).slide == 0.0)
+        known = dict[bytes, Obstruction]()
+        for one in q:
+            turned = np.where(turning, one - 2.0 * np.pi * np.round(one / (2.0 * np.pi)), one)
+            key = (np.round(turned, 9) + 0.0).tobytes()
+            found = known.get(key) or self.obstruction(one)
+            if found is not None and not found.is_zone:
+                known[key] = found
+            yield found
 
     def is_free(self, q: Array) -> bool:
         """Whether nothing is in the way at a joint position (n,), but for the inside of hollow meshes."""

@@ -17,7 +17,8 @@ from yarclang.motion.leading import messages
 from yarclang.motion.wording import Message
 from yarclang.motion.zones import moving_of
 from yarclang.robot.kinematics.in_turn import nearest_in_turn
-from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
+from yarclang.robot.kinematics.nearest import EDGE, Unreachable, beyond, full_turns, nearest_solutions
+from yarclang.robot.kinematics.redundant import reaches, self_motion
 from yarclang.robot.model import Robot
 
 
@@ -62,14 +63,36 @@ class Solver:
         if room is None or room.is_free(q) or (found := room.obstruction(q)) is None:
             return q
         blocked: list[tuple[Array, Obstruction]] = [(q, found)]
-        for other in self.solutions(goal, near)[1:]:
-            if (inside := room.obstruction(other)) is None:
+        others = self.solutions(goal, near)[1:]
+        for other, inside in zip(others, room.obstructions(others), strict=True):
+            if inside is None:
                 findings.add(*configuration_blocked(self.robot, step, other, blocked[0], which))
                 return other
             blocked.append((other, inside))
+        beside = self._along_self_motion(goal, near, [one for one, _ in blocked], room)
+        if beside is not None:
+            findings.add(*configuration_blocked(self.robot, step, beside, blocked[0], which))
+            return beside
         told = every_configuration_blocked(self.robot, step, blocked, which)
         findings.add(*self._with_changes(told, goal, near, step, which))
         return q
+
+    def _along_self_motion(
+        self, goal: PoseGoal, near: Array, blocked: list[Array], room: Room
+    ) -> Array | None:
+        """Return the joint position nearest to `near` at which nothing is in the way, of those that an arm with more than six joints can take while its flange stands still."""
+        chain, limits = self.robot.chain, self.robot.limits
+        if chain.size <= 6:
+            return None
+        flange = flange_at(goal)
+        seeds = blocked[:_SEEDS]
+        if np.abs(beyond(limits, near)).max() <= EDGE and reaches(chain, flange, near):
+            # the very position in which it stands
+            seeds = [near, *seeds[:-1]]
+        more = np.concatenate((np.array(seeds), self_motion(chain, limits, flange, np.array(seeds))))
+        nearest = more[np.argsort(np.round(np.square(more - near).sum(axis=1), 9), kind="stable")]
+        free = (one for one in nearest if room.is_free(one) and room.obstruction(one) is None)
+        return next(free, None)
 
     def chosen_in_turn(self, goals: Sequence[PoseGoal], near: Array, step: Motion) -> Array:
         """Return the joint positions (k, n) that `chosen` gives for the first k of some goals of one moving frame, each near the one before: as far as there is
@@ -106,7 +129,13 @@ class Solver:
         """The solutions behind the nearest at which nothing is in the way, the nearest to `near` first."""
         room = self.room(step)
         others = self.solutions(goal, near)[1:]
-        return others if room is None else [q for q in others if room.obstruction(q) is None]
+        if room is None:
+            return others
+        return [q for q, found in zip(others, room.obstructions(others), strict=True) if found is None]
+
+
+_SEEDS = 6
+"""Solutions of an arm with more than six joints from which its self-motion is followed."""
 
 
 def is_free(goal: object) -> bool:

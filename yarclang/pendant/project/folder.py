@@ -12,6 +12,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from yarclang.backend import suffixes
 from yarclang.pendant.project.draft import Draft
 from yarclang.pendant.project.guarded import Guarded
 from yarclang.pendant.project.names import check_new, folded, parts_of, quoted
@@ -29,7 +30,6 @@ MOST_COPIED = 1 << 30
 
 _PIECE = 1 << 20
 
-_PROGRAMS = (".yarc", ".pmc")
 _OWN = ("", "-wal", "-shm", "-journal")
 """Ends of the names of SQLite's files."""
 
@@ -91,7 +91,7 @@ class ProjectFolder:
 
     def programs(self, most: int) -> tuple[tuple[Entry, ...], bool]:
         """Return the programs, at most so many, and True if there may be more."""
-        return self.with_suffix(_PROGRAMS, most)
+        return self.with_suffix((".yarc", *suffixes()), most)
 
     def with_suffix(self, suffixes: tuple[str, ...], most: int) -> tuple[tuple[Entry, ...], bool]:
         """Return the files whose names end in one of these, at most so many, and True if there may be more."""

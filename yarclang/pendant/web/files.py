@@ -14,6 +14,7 @@ from urllib.parse import quote
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response, StreamingResponse
 
+from yarclang.backend import suffixes
 from yarclang.pendant.accounts.roles import Role
 from yarclang.pendant.filing import MOST_UPLOADED
 from yarclang.pendant.messages.files import (
@@ -48,7 +49,7 @@ _PIECE = 1 << 18
 
 _Kind = Literal["folder", "program", "text", "picture", "other"]
 _KINDS: dict[str, _Kind] = {
-    **dict.fromkeys((".yarc", ".pmc"), "program"),
+    ".yarc": "program",
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".gif", ".webp", ".bmp", ".tif", ".tiff"), "picture"),
     **dict.fromkeys(
         (".toml", ".txt", ".md", ".csv", ".urdf", ".srdf", ".xml", ".json", ".yaml", ".yml", ".ini", ".py", ".svg"),
@@ -69,7 +70,8 @@ async def _list(service: Service, request: Request) -> Response:
 
 
 def _shown(entry: Entry) -> FileShown:
-    kind: _Kind = _KINDS.get(PurePosixPath(entry.file).suffix.lower(), "other")
+    suffix = PurePosixPath(entry.file).suffix.lower()
+    kind: _Kind = "program" if suffix in suffixes() else _KINDS.get(suffix, "other")
     return FileShown(
         file=entry.file,
         size=entry.size,

@@ -23,6 +23,7 @@ from yarclang.pendant.messages.health import SystemHealth, VersionShown, Watched
 from yarclang.pendant.web.answers import answer
 from yarclang.pendant.web.routes import Route
 from yarclang.pendant.web.service import Service
+from yarclang.robot.kinds import title_of
 from yarclang.runtime.actions import Trouble
 
 
@@ -84,7 +85,7 @@ async def _robot(service: Service) -> tuple[tuple[str, str], ...]:
         attached = service.watched.attached
         status = await attached.ask(orders.AskStatus())
         simulated = ", simulated" if attached.welcome.simulated else ""
-        controller = f"Turbo PMAC{simulated}, {status.state.value}"
+        controller = f"{title_of(robot.controller.kind)}{simulated}, {status.state.value}"
     except Trouble:
         pass  # the page says the rest all the same
     return ("Controller", controller), ("Robot", robot.name), ("Fingerprint of the robot", robot.fingerprint)

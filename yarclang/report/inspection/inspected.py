@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
+
 import numpy as np
 
 from yarclang.certify.certificate import CommandCertificate
 from yarclang.diagnostics import Diagnostic
+from yarclang.emitted.purposes import Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
@@ -22,7 +25,7 @@ from yarclang.hir import (
 from yarclang.lasting import Lasting
 from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.checking import Checked
-from yarclang.pipeline.line_map import Stretch, map_lines
+from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled, Request
 from yarclang.report.carried import carried_in_plan
 from yarclang.report.inspection.branches import Solution, solutions_of
@@ -79,6 +82,7 @@ class Inspected:
         flows: the corners in motion that it has to do with.
         carries: the parts that grippers hold during a motion.
         deeds: what a SET does to parts, verb and names.
+        following: further steps of the same command, as those of a PULSE.
     """
 
     robot: Robot
@@ -98,6 +102,7 @@ class Inspected:
     flows: Flows = NO_FLOWS
     carries: tuple[str, ...] = ()
     deeds: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    following: tuple[Step, ...] = ()
 
     @property
     def origin(self) -> Origin:
@@ -117,6 +122,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
     """Look at step `number` of a program, which isn't a Gap."""
     program, request, compiled = studied.program, studied.request, studied.compiled
     step = program.steps[number]
+    assert not isinstance(step, Gap)
     way = _way(studied, number)
     motion = way.motion
     begins: float | None = None
@@ -158,6 +164,12 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         flows=flows,
         carries=() if certificate is None else certificate.carries,
         deeds=() if carried is None else carried.deeds(number),
+        following=tuple(
+            takewhile(
+                lambda one: not isinstance(one, Gap) and one.origin == step.origin,
+                program.steps[number + 1 :],
+            )
+        ),
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
 from yarclang.decisions import in_words, simple
+from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
@@ -18,12 +19,12 @@ from yarclang.hir import (
     PoseDelta,
     SetOutput,
     SetRegister,
+    Step,
     TimedMove,
     Timing,
     WaitInput,
     When,
 )
-from yarclang.pipeline.line_map import MOVE, Stretch
 from yarclang.report.distances import distances_of
 from yarclang.report.inspection.branches import Solution
 from yarclang.report.inspection.flow import flow_lines, when_set
@@ -82,17 +83,17 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield printable(line)
     if origin.place and origin.place != origin.index:
         yield f"place {origin.place}, step {inspected.number} of the program"
-    if (told := _told(inspected)) is not None:
-        yield told
+    told = (_told(inspected, one) for one in (inspected.step, *inspected.following))
+    yield from (one for one in told if one is not None)
     for verb, names in inspected.deeds:
         yield f"it {verb} {', '.join(names)}"
     if inspected.carries:
         yield f"the robot carries {', '.join(inspected.carries)}"
 
 
-def _told(inspected: Inspected) -> str | None:
-    """What a command does that moves nothing."""
-    match inspected.step:
+def _told(inspected: Inspected, step: Step) -> str | None:
+    """What a step of a command does that moves nothing."""
+    match step:
         case Dwell(duration=duration):
             return f"the robot stands for {duration:g} s"
         case SetOutput(output=output, value=value):

@@ -55,7 +55,7 @@ class Pass:
 
 @frozen(eq=False)
 class Outcome:
-    """How the run has ended, as `yarclang.runtime.pmac.performance.Ended` says it."""
+    """How the run has ended, as `yarclang.runtime.outcome.Ended` says it."""
 
     time: float
     well: bool

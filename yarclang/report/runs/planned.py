@@ -74,7 +74,7 @@ def planned_motion(run: RecordedRun) -> Result[Planned]:
     if isinstance(content, Unreadable):
         return _refused(run, f"line {content.line} {content.reason}")
     if content.start.printed is None:
-        return _refused(run, "it isn't for the rotary buffer, so that it was never streamed")
+        return _refused(run, "it isn't for being streamed, so that it was never carried out")
     return Result(
         _planned(content, content.start.printed, run.robot.axis_units, counts_dwells=run.counts_dwells)
     )

@@ -10,6 +10,7 @@ from yarclang.robot.checklist.item import Item
 from yarclang.robot.kinematics.fk import flange_poses, tool_poses
 from yarclang.robot.kinematics.geometry import nominal_form, parallel_arm, wristed_arm
 from yarclang.robot.kinematics.inverse import has_all
+from yarclang.robot.kinematics.nearest import Unreachable, nearest_solutions
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.kinematics.search import reaching, within
 from yarclang.robot.kinematics.singularity import nearness
@@ -17,7 +18,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MM
 
-POSES = 200
+POSES = 500
 """Joint positions, spread over the limits, at which kinematics are tried."""
 
 EXACT = 1e-9
@@ -25,6 +26,18 @@ EXACT = 1e-9
 
 SOLVED = 0.99
 """The share of poses that the search has to solve."""
+
+LINES = 12
+"""Straight lines through the middle of the workspace that are tried, each of six directions twice."""
+
+STEPS = 20
+"""Poses of each."""
+
+LINE = 0.1
+"""How long a line is, as a share of the arm's length."""
+
+JUMP = 0.5
+"""From one pose of a line to the next, no joint goes further than this [rad or m]."""
 
 STRAIGHT = 0.01
 """A smallest singular value below this is near a singularity."""
@@ -51,6 +64,8 @@ def geometry_items(robot: Robot) -> Iterator[Item]:
     yield _method(robot)
     yield _forward(robot, q)
     yield _back(robot, q)
+    if robot.size >= 6:
+        yield _lines(robot, q)
     yield _home(robot)
     yield _reach(robot, q)
     yield from _frames(robot)
@@ -138,6 +153,33 @@ def _back(robot: Robot, q: Array) -> Item:
         found,
         "look for joints that undo each other, or limits that leave no room",
     )
+
+
+def _lines(robot: Robot, q: Array) -> Item:
+    """Straight lines at fixed orientations, from positions where the flange is about as far as it mostly is."""
+    poses = flange_poses(robot.chain, q)
+    far = np.linalg.norm(poses[:, :3, 3] - np.median(poses[:, :3, 3], axis=0), axis=1)
+    clear = nearness(robot.chain, q, np.eye(4)).smallest >= 5 * STRAIGHT
+    middle = np.argsort(np.where(clear, far, far + far.max()))[: LINES // 6]
+    length = LINE * arm_length(robot.chain, np.eye(4))
+    ways = np.vstack([np.eye(3), -np.eye(3)]) * length
+    followed = sum(_follows(robot, q[start], poses[start], way) for start in middle for way in ways)
+    found = f"{followed} of {LINES} lines of {length / MM:.0f} mm through the middle of the workspace are followed"
+    if followed >= LINES // 2:
+        return Item("lines", "ok", found)
+    remedy = "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
+    return Item("lines", "to do" if not followed else "note", found, remedy)
+
+
+def _follows(robot: Robot, q: Array, pose: Array, way: Array) -> bool:
+    for share in np.linspace(0.0, 1.0, STEPS)[1:]:
+        there = pose.copy()
+        there[:3, 3] += share * way
+        found = nearest_solutions(robot.chain, robot.limits, there, q, measures=False)
+        if isinstance(found, Unreachable) or np.abs(found.q[0] - q).max() > JUMP:
+            return False
+        q = found.q[0]
+    return True
 
 
 def _home(robot: Robot) -> Item:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import links_of, walk_with_jacobian
+from yarclang.robot.kinematics.fk import links_of, walk, walk_with_jacobian
 from yarclang.robot.kinematics.numeric import pose_columns, pose_error
 from yarclang.robot.model import Array, Chain
 
@@ -182,17 +182,27 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
         kept = active[better]
         best[:, kept], miss[kept] = trial[:, kept], size[better]
         # what is exact as far as numbers go is done, and so is what goes nowhere: even towards a double solution the miss is quartered
-        going = (size > EXACT) | (better & (size > 1e-13))
+        going = (size > EXACT) | (better & (size > 1e-12))
         going &= size < LESS**step_number
         if not going.any():
             break
         active, jacobian, error = active[going], jacobian[:, :, going].transpose(2, 0, 1), error[:, going].T
         squares = jacobian.transpose(0, 2, 1) @ jacobian
-        squares += (1e-15 + 1e-3 * np.square(size[going]))[:, None, None] * np.eye(6)
+        # enough that axes which fall together leave it regular
+        least = 1e-14 * np.trace(squares, axis1=1, axis2=2) + 1e-15
+        squares += (least + 1e-3 * np.square(size[going]))[:, None, None] * np.eye(6)
         step = np.linalg.solve(squares, jacobian.transpose(0, 2, 1) @ error[:, :, None])[:, :, 0]
         step *= np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
         trial[:, active] += step.T
     return np.ascontiguousarray(best.T), miss
+
+
+def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
+    """Return what joint positions (K, n) miss their poses (K, 4, 4) by, (K,) [m and rad together]."""
+    columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
+    error = pose_error(columns, pose_columns(base_from_flange))
+    result: Array = np.sqrt((error * error).sum(axis=0))
+    return result
 
 
 @lru_cache(maxsize=64)
@@ -206,7 +216,8 @@ def best_elimination(chain: Chain) -> Elimination:
     random = np.random.default_rng(0)
     q = random.uniform(-3.0, 3.0, (TRIED, 6))
     poses = flange_poses(chain, q)
-    best, most, sure = None, -1, 0
+    # an arm that reaches no pose in an isolated way has none that is good
+    best, most, sure = _bent(chain, _ORDERS[0]), -1, 0
     for form in (
         *(_elimination(chain, order) for order in _ORDERS),
         *(_bent(chain, order) for order in _ORDERS),
@@ -226,7 +237,6 @@ def best_elimination(chain: Chain) -> Elimination:
             sure += bool((near < 1e-4).all())
             if sure == 2:
                 break
-    assert best is not None
     return best
 
 
@@ -295,6 +305,20 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
     return joints, steps, -1.0 if form.order >= 3 else 1.0
 
 
+@lru_cache(maxsize=256)
+def _left_side(form: Elimination) -> Array:
+    """Return the side of the fourteen equations that no pose is in: coefficients (14, 3, 3, 3) of 1, cos, sin of the third, fourth and fifth angle of the loop."""
+    _, (_, _, cd, de, ef, _), _ = _loop(form, np.eye(4)[None])
+    turned_c = _turns(_THIRDS + _OFFSETS[0])[:, None, None]
+    turned_d = _turns(_THIRDS + _OFFSETS[1])[None, :, None]
+    turned_e = _turns(_THIRDS + _OFFSETS[2])[None, None]
+    left = turned_c @ cd @ turned_d @ de @ turned_e @ ef
+    values = _fourteen(left[..., :3, 2], left[..., :3, 3])
+    side: Array = np.einsum("xi,yj,zk,ijkm->mxyz", _TRIGONOMETRIC, _TRIGONOMETRIC, _TRIGONOMETRIC, values)
+    side.setflags(write=False)
+    return side
+
+
 def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_], Array]:
     """Return candidates of poses, as `candidates`.
 
@@ -304,12 +328,7 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
     count = len(base_from_flange)
     joints, (ab, bc, cd, de, ef, fa), sense = _loop(form, base_from_flange)
     # R_c cd R_d de R_e ef = bc⁻¹ R_b⁻¹ ab⁻¹ R_a⁻¹ fa⁻¹ R_f⁻¹: its third and fourth columns are free of the last angle
-    turned_c = _turns(_THIRDS + _OFFSETS[0])[:, None, None]
-    turned_d = _turns(_THIRDS + _OFFSETS[1])[None, :, None]
-    turned_e = _turns(_THIRDS + _OFFSETS[2])[None, None]
-    left = turned_c @ cd @ turned_d @ de @ turned_e @ ef
-    three = _fourteen(left[..., :3, 2], left[..., :3, 3])
-    three = np.einsum("xi,yj,zk,ijkm->mxyz", _TRIGONOMETRIC, _TRIGONOMETRIC, _TRIGONOMETRIC, three)
+    three = _left_side(form)
     back = _turns(-_THIRDS)
     right = _inverse(fa)[..., 2:4]
     right = _inverse(ab) @ (back[:, None] @ (right if right.ndim == 3 else right[None]))

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from yarclang.robot.kinematics.fk import walk_with_jacobian
 from yarclang.robot.kinematics.inverse import reached_within
 from yarclang.robot.kinematics.numeric import damped_step, fit, pose_columns, pose_error
+from yarclang.robot.kinematics.redundant import weights
 from yarclang.robot.kinematics.strands import FINEST, NEAR, End, Strand
-from yarclang.robot.model import Array, Chain
+from yarclang.robot.model import Array, Chain, Limits
 
 LEAP = 8
 """Samples of one leap: all are predicted from its start and solved together."""
@@ -29,11 +30,23 @@ BEND = 0.04
 """How much two moves from sample to sample may differ [rad or m]; more, and what looks like one curve may
 be two branches that come near each other."""
 
+AWAY = 1.5
+"""How quickly joints near their limits go back to the middle of these, as a share of the motion of the others."""
+
+STEEP = 5
+"""The power with which that grows from the middle of the limits to their ends."""
+
 DAMPING = 1e-7
 """Of the prediction: at a singularity a joint that doesn't help stays where it is."""
 
 
-def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends: int = 0) -> Strand:
+def march(
+    chain: Chain,
+    pose_at: Callable[[Array], Array],
+    q_start: Array,
+    bends: int = 0,
+    limits: Limits | None = None,
+) -> Strand:
     """The strand that starts at `q_start` (n,), which stands at pose_at(0).
 
     Each leap predicts its samples along the arm's least joint velocities, improves them by damped least
@@ -45,6 +58,7 @@ def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends
         pose_at: base_from_flange (N, 4, 4) at places (N,).
         q_start: (n,) [rad or m].
         bends: about how many bends the path may have; a leap passes a few of them at most.
+        limits: what a redundant arm keeps clear of, by motions that leave the flange at rest; None for the least motion of the joints.
     """
     places, joints = [np.zeros(1)], [q_start[None]]
     here, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
@@ -58,7 +72,7 @@ def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends
         s = here + length * np.arange(1, LEAP + 1) / LEAP
         if length == 1.0 - here:
             s[-1] = 1.0
-        solution, drift, reached = _leap(chain, pose_at, here, q, s)
+        solution, drift, reached = _leap(chain, pose_at, here, q, s, limits)
         moves = np.diff(solution, axis=0, prepend=q[None])
         bend = np.append(drift[:1], np.abs(np.diff(moves, axis=0)).max(axis=1))
         good = reached & (drift < DRIFT) & (np.abs(moves).max(axis=1) < NEAR) & (bend < BEND)
@@ -79,7 +93,7 @@ def march(chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends
 
 
 def _leap(
-    chain: Chain, pose_at: Callable[[Array], Array], here: float, q: Array, s: Array
+    chain: Chain, pose_at: Callable[[Array], Array], here: float, q: Array, s: Array, limits: Limits | None
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Solutions (K, n) at places `s` (K,), how far each is from its prediction (K,), and which are
     solutions.
@@ -89,11 +103,31 @@ def _leap(
     start, target = np.repeat(columns[:, :, :1], len(s), axis=2), columns[:, :, 1:]
     twist = pose_error(start, target)
     jacobian = walk_with_jacobian(chain, q[:, None], np.eye(4))[1]
-    step = damped_step(
-        np.ascontiguousarray(np.broadcast_to(jacobian, (6, chain.size, len(s)))),
-        twist,
-        np.full(len(s), DAMPING),
-    )
+    if limits is None:
+        step = damped_step(
+            np.ascontiguousarray(np.broadcast_to(jacobian, (6, chain.size, len(s)))),
+            twist,
+            np.full(len(s), DAMPING),
+        )
+    else:
+        step = _clear_step(chain, limits, jacobian[:, :, 0], twist, q)
     guess = q + step.T
     found = fit(chain, poses[1:], guess, rounds=25)
     return found.q, np.abs(found.q - guess).max(axis=1), found.total < reached_within(chain)
+
+
+def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: Array) -> Array:
+    """Return the least steps (n, K) that make twists (6, K), each joint's way counted as a share of its range, with a motion in the null space that leads joints away from their limits."""
+    scale = weights(chain, limits)
+    scaled = jacobian * scale
+    inverse = scaled.T @ np.linalg.inv(scaled @ scaled.T + DAMPING * np.eye(len(scaled)))
+    step: Array = inverse @ twist
+    bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
+    middle = np.where(bounded, 0.5 * (limits.lower + limits.upper), q)
+    # beyond a limit the way back grows no more
+    place = np.clip((q - middle) / scale, -1.0, 1.0)
+    back = -(np.sign(place) * np.abs(place) ** STEEP)
+    back -= inverse @ (scaled @ back)
+    # as much as the path itself moves the joints
+    step += AWAY * np.abs(step).max(axis=0) * back[:, None]
+    return step * scale[:, None]

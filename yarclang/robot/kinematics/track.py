@@ -150,6 +150,11 @@ def track(
         march(chain, pose_at, start[0], bends) if arm is None else follow_branches(arm, pose_at, s, start[0])
     )
     outside = _leaving(chain, limits, pose_at, strand)
+    if chain.size > 6 and (outside is not None or strand.end != "whole"):
+        # the least motion of the joints doesn't lead along the whole path within limits: another one may
+        clear = march(chain, pose_at, start[0], bends, limits)
+        if clear.end == "whole" and not (np.abs(beyond(limits, clear.q)) > EDGE).any():
+            strand, outside = clear, None
     if outside is not None:
         return outside
     if strand.end == "whole":

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.frozen import frozen
 from yarclang.robot.chain import find_links, joints_between
 from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
+from yarclang.source import SourceFile
 
 FINGERS = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw", re.IGNORECASE)
 """Names of joints that move a hand, not an arm."""
@@ -19,10 +20,18 @@ LONGEST_HAND = 4
 MOST_ARMS = 3
 """Where it splits up into more parts, they are fingers however long they are."""
 
+DEEPEST = 100
+"""Joints, fixed ones too, from the root to a tip: more are no robot."""
+
 SHORTEST_ARM = 3
 """An arm has at least so many joints before it may split up into fingers."""
 
-_FLANGE_NAMES = (r"flange", r"^tool0$", r"ee_link|link_ee|end_effector")
+HANDS = re.compile(r"gripper|robotiq|schunk|finger|camera|sensor|_sc$", re.IGNORECASE)
+"""Names of links that stand on a flange, or are a second shape of the last link."""
+
+_FLANGE_NAMES = (r"(^|_)tool0$", r"(^|_)flange(_link|_frame)?$", r"flange", r"ee_link|link_ee|end_effector")
+"""REP 199: tool0 has z out along the tool, as PICKPLACE and PALLET have it; of flange it is x that leads out."""
+
 _TCP_NAMES = (r"tcp|grasp|tool_tip",)
 
 
@@ -40,6 +49,8 @@ class ArmChain:
         other_tips: the tips of other chains that are as long.
         ignored: the moving joints that aren't in the chain.
         fingers: those of them that move a gripper on the tip.
+        followers: those of them that follow another joint by <mimic>: rods, counterweights.
+        left_out: joints with a motor of their own that are a limb of an arm's size outside the chain.
     """
 
     base: str
@@ -51,13 +62,27 @@ class ArmChain:
     other_tips: tuple[str, ...]
     ignored: tuple[str, ...]
     fingers: tuple[str, ...]
+    followers: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+    def incomplete(self, source: SourceFile) -> Diagnostic:
+        """Return the finding about limbs of an arm's size that the chain doesn't have."""
+        names = f"{', '.join(self.left_out[:6])}{', ...' * (len(self.left_out) > 6)}"
+        message = (
+            f"the chain from {self.base} to {self.flange} has {len(self.joints)} joints and leaves out "
+            f"{len(self.left_out)} that have motors of their own: {names}"
+        )
+        ends = f" (or {', '.join(self.other_tips[:4])})" if self.other_tips else ""
+        remedy = f"Say which arm is meant with --tip: {self.flange}{ends}, or a link further on."
+        return Diagnostic("Y1365", message, source, help=remedy)
 
 
 def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
     """The longest serial chain of a URDF, or the one between two links.
 
-    Joints that mimic another or are mimicked, that are called fingers, or into which an arm splits up at its end
-    are left out. Of chains with as many joints the first one of the file is taken.
+    Joints that are called fingers, that others on the tip mimic, or into which an arm splits up at its end are left out. A
+    joint that mimics another is left out as well, but not the one that it follows. Where one carries the rest of the arm,
+    the chain is coupled, and that is a finding. Of chains with as many joints the first one of the file is taken.
 
     Args:
         urdf: a sound tree.
@@ -69,6 +94,9 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     if lost:
         _, message, remedy, subject = lost[0]
         return Diagnostic("Y1347", message, urdf.source, help=remedy, subject=subject)
+    if deepest := tree.deeper_than(DEEPEST):
+        message = f"link {deepest[:40]} hangs more than {DEEPEST} joints below the root"
+        return Diagnostic("Y1353", message, urdf.source, help="Keep the arm and what stands on it.")
     others: tuple[str, ...] = ()
     if tip is None:
         starts = [base] if base else tree.starts()
@@ -99,11 +127,21 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
         back = joints_between(urdf, flange, base)
         remedy = "Exchange --base and --tip." if back else "Name a link above the tip with --base."
         return Diagnostic("Y1353", message, urdf.source, help=remedy)
+    coupled = next((joint for joint in joints if joint.name in tree.leaders), None)
+    if coupled is not None:
+        message = (
+            f"joint {coupled.name} is between the base {base} and the tip {flange} and follows joint "
+            f"{tree.leaders[coupled.name][:40]} by <mimic>: the chain is coupled"
+        )
+        remedy = f"Name a link above it with --tip {coupled.parent}, or give the joint limits and a motor of its own instead of <mimic>."
+        return Diagnostic("Y1353", message, urdf.source, help=remedy)
     inside = {joint.name for joint in between or ()}
     ignored = tuple(j.name for j in urdf.joints.values() if j.kind != "fixed" and j.name not in inside)
     on_tip = {joint.name for joint in tree.below_of(joints[-1].child)}
     fingers = tuple(name for name in ignored if name in on_tip)
     tcp = tree.tcp_of(flange)
+    followers = tuple(name for name in ignored if name in tree.leaders and name not in on_tip)
+    left_out = () if tip else tree.limbs(inside | on_tip)
     return ArmChain(
         base,
         flange,
@@ -114,6 +152,8 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
         tuple(dict.fromkeys(others)),
         ignored,
         fingers,
+        followers,
+        left_out,
     )
 
 
@@ -124,13 +164,21 @@ class _Tree:
         self.fingers = fingers
         self.below: dict[str, list[Joint]] = {link: [] for link in urdf.links}
         self.above: dict[str, Joint] = {}
-        self.mimicked: set[str] = set()
+        self._moving: dict[str, list[Joint]] = {}
+        self.leaders: dict[str, str] = {}  # the joint that each mimic joint follows
         for joint in urdf.joints.values():
             self.below[joint.parent].append(joint)
             self.above[joint.child] = joint
             mimic = joint.element.first("mimic")
             if mimic is not None:
-                self.mimicked |= {joint.name, mimic.attributes.get("joint", "")}
+                self.leaders[joint.name] = mimic.attributes.get("joint", "")
+
+    def deeper_than(self, most: int) -> str:
+        """Return a link that hangs more joints than this below a root, or nothing."""
+        row = [link for link in self.below if link not in self.above]
+        for _ in range(most + 1):
+            row = [joint.child for link in row for joint in self.below[link]]
+        return next(iter(row), "")
 
     def starts(self) -> list[str]:
         """Where an arm may begin: at the root, and below a joint that only a vehicle has."""
@@ -145,14 +193,41 @@ class _Tree:
         return found
 
     def moving(self, link: str) -> list[Joint]:
-        """The joints that move a part of an arm against the body of `link`."""
-        return [
-            joint
-            for name in self.body(link)
-            for joint in self.below[name]
-            if joint.kind in MOVING and joint.name not in self.mimicked
-            if not (self.fingers and self.fingers.search(joint.name))
-        ]
+        """The joints that move a part of an arm against the body of `link`: those with a motor, and those that follow
+        one but carry what has one, or the flange.
+        """
+        if link not in self._moving:
+            found = self._unnamed(link)
+            self._moving[link] = [
+                joint
+                for joint in found
+                if (self.carries(joint) if joint.name in self.leaders else not self.grips(joint, found))
+            ]
+        return self._moving[link]
+
+    def _unnamed(self, link: str) -> list[Joint]:
+        """The moving joints on the body of `link` that no name makes fingers."""
+        below = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
+        return [joint for joint in below if not (self.fingers and self.fingers.search(joint.name))]
+
+    def carries(self, joint: Joint) -> bool:
+        """Return True if the chain goes on behind a joint: to a motor's joint, or to a link called flange."""
+        return bool(_named(self.body(joint.child), _FLANGE_NAMES) or self.moving(joint.child))
+
+    def grips(self, joint: Joint, beside: Sequence[Joint]) -> bool:
+        """Return True if nothing but fingers hangs on a joint: the last of its branch, and joints beside or below follow it."""
+        if joint.name not in self.leaders.values():
+            return False
+        near = {other.name for other in (*beside, *self.below_of(joint.child))}
+        follow = any(leader == joint.name and name in near for name, leader in self.leaders.items())
+        return follow and not self.carries(joint)
+
+    def limbs(self, taken: Collection[str]) -> tuple[str, ...]:
+        """The joints of limbs outside the chain that are as long as an arm."""
+        paths = [path for start in self.starts() for path in self.arms(start)]
+        outside = [[joint.name for joint in path if joint.name not in taken] for path in paths]
+        long = [names for names in outside if len(names) >= SHORTEST_ARM]
+        return tuple(dict.fromkeys(name for names in long for name in names))
 
     def depth(self, link: str) -> int:
         """The most moving joints of a chain that begins at `link`."""
@@ -174,6 +249,7 @@ class _Tree:
         body = self.body(link)
         named = _named(body, _FLANGE_NAMES)
         fixed = [joint.child for joint in self.below[link] if joint.kind == "fixed"]
+        fixed = [name for name in fixed if not HANDS.search(name)]
         flange = named or (fixed[0] if len(fixed) == 1 else link)
         return flange, tuple(name for name in body if name != flange)
 

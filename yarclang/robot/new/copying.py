@@ -16,6 +16,7 @@ from urllib.parse import urlparse
 from yarclang.files import reason_of
 from yarclang.frozen import frozen
 from yarclang.robot.new.meshes import LARGEST_TOGETHER, NoMeshError, Surroundings, read_mesh
+from yarclang.robot.new.packages import Packages
 from yarclang.robot.urdf import Urdf
 from yarclang.robot.urdf_shapes import mesh_path, mesh_places
 from yarclang.robot.urdf_xml import Element
@@ -47,15 +48,19 @@ class UrdfCopy:
     unseen: tuple[tuple[str, str], ...]
 
 
-def copy_urdf(urdf: Urdf, file: Path, more: Iterable[Path] = ()) -> UrdfCopy:
+def copy_urdf(
+    urdf: Urdf, file: Path, more: Iterable[Path] = (), packages: Packages | None = None
+) -> UrdfCopy:
     """Return the copy of a URDF; its findings say which files can't be copied.
 
     Args:
         urdf: a sound tree.
         file: where it stands.
         more: folders that meshes may come from besides.
+        packages: the ROS packages that `package://` may name.
     """
-    surroundings = Surroundings(file, more)
+    packages = packages or Packages(file)
+    surroundings = Surroundings(file, more, packages)
     contents: dict[Path, bytes] = {}
     edits: list[tuple[int, int, str]] = []
     names: dict[Path, str] = {}
@@ -66,7 +71,7 @@ def copy_urdf(urdf: Urdf, file: Path, more: Iterable[Path] = ()) -> UrdfCopy:
             if mesh is None:
                 continue
             name = mesh.attributes.get("filename", "")
-            path = _found(name, file.parent)
+            path = _found(name, file.parent, packages)
             if path is None:
                 without.append((link.attributes.get("name", ""), name))
                 end = urdf.text.index("</collision>", body.end) + len("</collision>")
@@ -112,7 +117,7 @@ def _copy_visuals(
     bodies = [body for link in (urdf.root.all("link") if urdf.root else ()) for body in link.all("visual")]
     for mesh in filter(None, map(_mesh, bodies)):
         name = mesh.attributes.get("filename", "")
-        path = _found(name, folder)
+        path = _found(name, folder, surroundings.packages)
         if path is None:
             unseen[_shown(name)] = "isn't there"
             continue
@@ -188,10 +193,11 @@ def _mesh(body: Element) -> Element | None:
     return geometry.first("mesh") if geometry is not None else None
 
 
-def _found(name: str, folder: Path) -> Path | None:
+def _found(name: str, folder: Path, packages: Packages | None) -> Path | None:
     """Return what a mesh's name means, if there is something, and no empty file."""
     try:
-        path = mesh_path(name, folder)
+        named = packages.path(name) if packages else None
+        path = named if named is not None and named.is_file() else mesh_path(name, folder)
         if path is None:
             return next((one for one in mesh_places(name, folder) if name and one.exists()), None)
         return path if path.stat().st_size > 0 else None

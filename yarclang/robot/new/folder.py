@@ -13,19 +13,23 @@ from yarclang.robot.checks import MOST_JOINTS
 from yarclang.robot.new.chains import ArmChain, find_chain
 from yarclang.robot.new.copying import UrdfCopy, copy_urdf
 from yarclang.robot.new.home import home
+from yarclang.robot.new.mending import mend
+from yarclang.robot.new.packages import Packages
 from yarclang.robot.new.sketch import COUNTS, EASE, RISE, Given, Sketch, sketch
 from yarclang.robot.new.writing import robot_toml
 from yarclang.robot.urdf import Urdf, read_urdf
+from yarclang.source import SourceFile, Span
 from yarclang.toml.reading import read_text
 
 
 @frozen
 class Arm:
-    """A URDF with the chain that is the robot."""
+    """A URDF with the chain that is the robot, and what was mended in it."""
 
     path: Path
     urdf: Urdf
     chain: ArmChain
+    notes: tuple[str, ...] = ()
 
 
 @frozen
@@ -35,6 +39,7 @@ class NewRobot:
     sketch: Sketch
     toml: str
     urdf: UrdfCopy
+    arm: Arm
 
 
 @frozen
@@ -46,11 +51,22 @@ class Question:
     rule: str
 
 
-def open_arm(path: Path, base: str | None, tip: str | None) -> Result[Arm]:
-    """Reads a URDF and finds the arm in it."""
-    source = read_text(path, "Name a URDF file; of a .xacro file make one with xacro.")
-    if isinstance(source, Diagnostic):
-        return Result(None, (source,))
+def open_arm(path: Path, base: str | None, tip: str | None, source: SourceFile | None = None) -> Result[Arm]:
+    """Reads a URDF and finds the arm in it.
+
+    Args:
+        path: the file.
+        base: the link that is {B}, or None.
+        tip: the link that is {FLANGE}, or None.
+        source: the URDF, if it isn't what stands in the file.
+    """
+    read = source or read_text(path, "Name a URDF file.")
+    if isinstance(read, Diagnostic):
+        return Result(None, (read,))
+    if other := _other_format(read):
+        return Result(None, (other,))
+    mended = mend(read)
+    source = mended.source
     urdf = read_urdf(source)
     if not urdf.sound or has_errors(urdf.findings):
         return Result(None, in_order(urdf.findings))
@@ -64,7 +80,19 @@ def open_arm(path: Path, base: str | None, tip: str | None) -> Result[Arm]:
         )
         remedy = f"Begin nearer to the tip with --base, or end earlier with --tip: the joints are {', '.join(j.name for j in chain.joints)}."
         return Result(None, (Diagnostic("Y1318", message, source, help=remedy),))
-    return Result(Arm(path, urdf, chain), in_order(urdf.findings))
+    return Result(Arm(path, urdf, chain, mended.notes), in_order(urdf.findings))
+
+
+def _other_format(source: SourceFile) -> Diagnostic | None:
+    """Return what to do with a description of a robot that isn't a URDF."""
+    root = re.search(r"<(mujoco|sdf)\b", source.text[:10_000])
+    if root is None or re.search(r"<robot\b", source.text[: root.start()]):
+        return None
+    name, way = {
+        "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
+        "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
+    }[root[1]]
+    return Diagnostic("Y1341", f"The file is {name}, and not a URDF.", source, Span.on_line(1, 1, 2), way)
 
 
 def proposed_name(urdf: Urdf) -> str:
@@ -106,7 +134,13 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
 
 
 def make(
-    arm: Arm, given: Given, name: str, title: str, said: tuple[bool, bool], meshes: Iterable[Path] = ()
+    arm: Arm,
+    given: Given,
+    name: str,
+    title: str,
+    said: tuple[bool, bool],
+    meshes: Iterable[Path] = (),
+    packages: Iterable[Path] = (),
 ) -> Result[NewRobot]:
     """The files of the folder.
 
@@ -117,14 +151,15 @@ def make(
         title: one line about it.
         said: whether base and tip were said.
         meshes: folders that meshes may come from, besides the URDF's own package.
+        packages: folders with ROS packages that `package://` may name.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
     made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
     chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
     if chain is None or has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
-    copy = copy_urdf(arm.urdf, arm.path, meshes)
+    copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages))
     if has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
     toml = robot_toml(made, home(chain, made, given))
-    return Result(NewRobot(made, toml, copy), in_order(arm.urdf.findings))
+    return Result(NewRobot(made, toml, copy, arm), in_order(arm.urdf.findings))

@@ -12,10 +12,14 @@ import re
 import stat
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlparse
 from xml.parsers import expat
 
 from yarclang.toml.bodies import MESHES
+
+if TYPE_CHECKING:
+    from yarclang.robot.new.packages import Packages
 
 LARGEST = 100_000_000
 """Largest mesh file [bytes]."""
@@ -88,9 +92,11 @@ class Surroundings:
     Args:
         urdf: its file. If that is a link, what it leads to has a package as well.
         more: folders that the user names.
+        packages: ROS packages by the names in their package.xml.
     """
 
-    def __init__(self, urdf: Path, more: Iterable[Path] = ()) -> None:
+    def __init__(self, urdf: Path, more: Iterable[Path] = (), packages: Packages | None = None) -> None:
+        self.packages = packages
         self._roots = {one.resolve() for one in more}
         for here in {urdf.absolute().parent, urdf.resolve().parent}:
             package = next((above for above in (here, *here.parents) if (above / PACKAGE).is_file()), None)
@@ -108,6 +114,9 @@ class Surroundings:
         if any(there.is_relative_to(root) for root in self._roots):
             return True
         package = _package(name, path)
+        if self.packages is not None and self.packages.path(name) == path:
+            package = self.packages.folder(urlparse(name).netloc)
+            package = package.resolve() if package is not None else None
         return package is not None and there.is_relative_to(package)
 
 
@@ -125,7 +134,7 @@ def _is_stl(content: bytes) -> bool:
     """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for one of text."""
     if len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little"):
         return True
-    return content.startswith(b"solid") and _NO_STL_LINE.search(content) is None
+    return content.startswith((b"solid ", b"solid\n", b"solid\r")) and _NO_STL_LINE.search(content) is None
 
 
 def _is_obj(content: bytes) -> bool:

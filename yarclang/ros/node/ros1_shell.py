@@ -365,12 +365,12 @@ class Node:
 
     def _robot_info(self, _request: Any) -> Any:
         try:
-            name = self._connected().model()["name"]
+            model = self._connected().model()
         except _FAILED:
             return self._answer(self._kinds.robot_info, False)
         answer = self._answer(self._kinds.robot_info, True)
-        answer.controller = self._kinds.device(model="Turbo PMAC")
-        answer.robots = [self._kinds.device(model=name)]
+        answer.controller = self._kinds.device(model=model.get("controller", ""))
+        answer.robots = [self._kinds.device(model=model["name"])]
         return answer
 
     @staticmethod

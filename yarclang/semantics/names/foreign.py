@@ -19,7 +19,6 @@ INSTEAD = MappingProxyType(
         "JMP": _JUMPS,
         "JUMP": _JUMPS,
         "LBL": _JUMPS,
-        "PULSE": "SET GLUE ON, WAIT [0.5] (s) and SET GLUE OFF make a pulse, at rest",
         "PTP": "MOVEJ goes in joint space, MOVEJ_RPY to a pose",
         "LIN": "MOVEL goes straight",
         "CIRC": "MOVEC goes along an arc",

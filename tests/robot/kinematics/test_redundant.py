@@ -1,0 +1,93 @@
+"""Arms with more joints than a pose needs: their self-motion, and lines that keep within limits by it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.robot.kinematics import arms
+from yarclang.robot.kinematics import Track, flange_poses, track
+from yarclang.robot.kinematics.march import march
+from yarclang.robot.kinematics.nearest import beyond
+from yarclang.robot.kinematics.redundant import reaches, self_motion, weights
+
+REDUNDANT = [arms.seven7, arms.slider9]
+
+
+def line(pose, way):
+    """A straight way (3,) [m] from a pose, without a turn."""
+
+    def pose_at(s):
+        poses = np.repeat(pose[None], len(s), axis=0)
+        poses[:, :3, 3] += s[:, None] * way
+        return poses
+
+    return pose_at
+
+
+def starts(arm, count, seed=0):
+    chain, limits = arm()
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(0.8 * limits.lower, 0.8 * limits.upper, (count, chain.size))
+    return chain, limits, q, rng
+
+
+@pytest.mark.parametrize("arm", REDUNDANT)
+def test_the_flange_stays_where_it_is(arm):
+    chain, limits, starting, _ = starts(arm, 8)
+    total = 0
+    for q in starting:
+        pose = flange_poses(chain, q[None])[0]
+        assert reaches(chain, pose, q)
+        found = self_motion(chain, limits, pose, q[None])
+        assert np.abs(flange_poses(chain, found) - pose).max(initial=0.0) < 1e-9
+        assert np.abs(beyond(limits, found)).max(initial=0.0) <= 1e-8
+        total += len(found)
+        # each is a small step from another
+        every = np.vstack([q, found])
+        apart = np.abs((every[:, None] - every[None]) / weights(chain, limits) * np.pi).max(axis=2)
+        np.fill_diagonal(apart, 9.0)
+        assert len(found) == 0 or apart.min(axis=1).max() < 0.4
+    assert total > 8 * 20
+
+
+def test_it_goes_all_round_as_far_as_limits_allow():
+    """With shoulder, elbow and wrist in line the elbow of seven joints goes round a circle: both ends are limits of joints, or all of it is seen."""
+    chain, limits = arms.seven7()
+    free = arms.limits_of(np.full(7, -np.inf), np.full(7, np.inf))
+    q = np.array([0.2, 0.5, 0.3, 1.2, -0.4, 0.8, 0.1])
+    pose = flange_poses(chain, q[None])[0]
+    found = self_motion(chain, free, pose, q[None])
+    assert np.ptp(found[:, 2]) > 4.0
+    narrow = self_motion(chain, limits, pose, q[None])
+    assert 0 < len(narrow) < len(found)
+
+
+def test_arms_without_a_spare_joint_have_none():
+    chain, limits = arms.industrial6()
+    assert self_motion(chain, limits, chain.base_from_flange, np.zeros((1, 6))).shape == (0, 6)
+    chain, limits = arms.seven7()
+    assert self_motion(chain, limits, chain.base_from_flange, np.empty((0, 7))).shape == (0, 7)
+    assert not reaches(chain, chain.base_from_flange, np.full(7, 0.5))
+
+
+def test_lines_keep_within_limits_by_the_null_space():
+    """A rail and eight turns: the least motion leaves some limit where another one needn't."""
+    chain, limits, starting, rng = starts(arms.slider9, 40)
+    plain = kept = 0
+    for q in starting:
+        way = rng.normal(size=3)
+        pose_at = line(flange_poses(chain, q[None])[0], 0.35 * way / np.linalg.norm(way))
+        least = march(chain, pose_at, q)
+        is_plain = least.end == "whole" and np.abs(beyond(limits, least.q)).max() <= 1e-8
+        found = track(chain, limits, pose_at, q, reason="any")
+        plain += is_plain
+        kept += isinstance(found, Track)
+        if isinstance(found, Track):
+            assert np.abs(flange_poses(chain, found.q) - pose_at(found.s)).max() < 1e-8
+            assert np.abs(beyond(limits, found.q)).max() <= 1e-8
+            assert np.abs(np.diff(found.q, axis=0)).max() <= 0.2
+        if is_plain:
+            assert isinstance(found, Track)
+            np.testing.assert_array_equal(found.q, least.q)
+    assert kept >= plain + 3, (plain, kept)

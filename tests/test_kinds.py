@@ -1,0 +1,94 @@
+"""No neutral room has a word of one kind of controller: import-linter sees imports alone."""
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "yarclang"
+
+OWN = ("backend_pmac", "certify/pmac", "pmac", "runtime/pmac", "simulator")
+"""The rooms of the kind."""
+
+WORDS = re.compile(
+    r"turbo|pmac|\.pmc\b|rotary|\bP81\d\d\b|(?-i:\bM[1-9]\d*\b)|\bixx?\d\d\b|\bi8\b|\bi10\b|SPLINE1|DWELL0|\bBSTART\b",
+    re.IGNORECASE,
+)
+"""Names of the kind, of its files, its buffer, its variables and its statements."""
+
+EXAMPLES = "an example of a program or a cell for INDUSTRIAL6, which hangs on a Turbo PMAC"
+HELP = "what people read of the kind that is delivered; what happens is asked of the backend"
+FINDING = "the catalogue keeps the explanations of all codes, those of a kind's rooms as well"
+
+ALLOWED = {
+    "__init__.py": HELP,
+    "cell/schema.py": EXAMPLES,
+    "certify/read/layout.py": "names the manual of the law of the curve, which kinds share",
+    "cli": HELP,
+    "certify/blends/ball.py": "a bound of mathematics, M4",
+    "certify/motion/cartesian.py": "a bound of mathematics, M4",
+    "coordinator/live/proof.py": "names the law of the curve, as the manual does",
+    "findings": FINDING,
+    "lint/rules": EXAMPLES,
+    "pipeline/checking.py": HELP,
+    "repl/dots/looking.py": EXAMPLES,
+    "robot/kinds.py": "the kind of a robot.toml that says none: files were written before there were kinds",
+    "runtime/log_record.py": "the name of a log's attachment, which is the format of logs",
+    "semantics/declared/meanings.py": EXAMPLES,
+    "semantics/names/signals.py": EXAMPLES,
+    "simulated_cell/script.py": EXAMPLES,
+    "teaching/forms.py": EXAMPLES,
+    "words/builtin/input.py": EXAMPLES,
+    "words/builtin/output.py": EXAMPLES,
+}
+"""Modules and folders with such words, and why they are no knowledge of the kind."""
+
+
+def spoken(source: str) -> list[tuple[int, str]]:
+    """Return line and text of each word of the kind."""
+    lines = enumerate(source.splitlines(), 1)
+    return [(number, found.group()) for number, line in lines for found in WORDS.finditer(line)]
+
+
+@cache
+def neutral() -> dict[str, list[tuple[int, str]]]:
+    """Return what each module outside the rooms of the kind says."""
+    names = {path.relative_to(PACKAGE).as_posix(): path for path in PACKAGE.rglob("*.py")}
+    return {
+        name: spoken(path.read_text(encoding="utf-8"))
+        for name, path in names.items()
+        if not name.startswith(tuple(f"{room}/" for room in OWN))
+    }
+
+
+def is_of(name: str, place: str) -> bool:
+    return name == place or name.startswith(f"{place}/")
+
+
+def test_no_neutral_room_has_a_word_of_a_kind():
+    found = [
+        f"{name}:{line}: {word}"
+        for name, words in neutral().items()
+        for line, word in words
+        if not any(is_of(name, place) for place in ALLOWED)
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("place", ALLOWED)
+def test_no_exception_is_needless(place: str):
+    assert any(words for name, words in neutral().items() if is_of(name, place))
+
+
+@pytest.mark.parametrize(
+    "source",
+    ['Literal["turbo-pmac"]', '"job.pmc"', "if P8100:", '"M11"', "rotary_words", "table.i8", "ixx08"],
+)
+def test_the_rule_sees(source: str):
+    assert spoken(source)
+
+
+@pytest.mark.parametrize("source", ["MOVEJ", "P0010 WAIT [1]", "six_i", "class Motor", "np.pi * 8"])
+def test_the_rule_spares(source: str):
+    assert not spoken(source)

@@ -1,0 +1,80 @@
+"""xacro files to URDF, in a process of its own with bounded time and memory."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.source import SourceFile
+
+LONGEST = 30.0
+"""xacro is a language with recursion: it gets so much time [s]."""
+
+LARGEST = 20_000_000
+"""Bytes that it may write, as for any URDF."""
+
+MEMORY = 2_000_000_000
+"""Bytes of memory that it gets."""
+
+
+def expanded(path: Path, packages: Sequence[Path]) -> SourceFile | Diagnostic:
+    """Return the URDF that a xacro file writes.
+
+    Args:
+        path: of the file.
+        packages: folders with the ROS packages that `$(find ...)` names.
+    """
+    import subprocess
+    from importlib.util import find_spec
+
+    if find_spec("xacro") is None:
+        remedy = "Install it: pip install 'yarclang[xacro]'; or run xacro yourself and name the URDF that it writes."
+        return Diagnostic("Y1341", f"{path.name[:80]} is xacro, and xacro isn't installed.", help=remedy)
+    arguments = [sys.executable, "-m", __name__, str(path), *map(str, packages)]
+    try:
+        done = subprocess.run(
+            arguments, capture_output=True, timeout=LONGEST, check=False, stdin=subprocess.DEVNULL
+        )
+    except subprocess.TimeoutExpired:
+        message = f"xacro doesn't get through {path.name[:80]} within {LONGEST:g} s."
+        return Diagnostic("Y1341", message, help="Look for a macro that calls itself.")
+    if done.returncode:
+        lines = [line for line in done.stderr.decode("utf-8", "replace").splitlines() if line.strip()]
+        said = "".join(one if one.isprintable() else "?" for one in (lines or ["no word"])[-1])[:200]
+        remedy = "Correct the file, or name the folders of its packages with --package-path."
+        return Diagnostic("Y1341", f"xacro can't read {path.name[:80]}: {said}", help=remedy)
+    if len(done.stdout) > LARGEST:
+        message = f"xacro makes more than {LARGEST:,} bytes of {path.name[:80]}."
+        return Diagnostic("Y1341", message, help="A URDF has less.")
+    return SourceFile(str(path), done.stdout.decode("utf-8", "replace"))
+
+
+def _child(path: str, packages: Sequence[str]) -> None:
+    """Write the URDF on standard output."""
+    import resource
+    from types import ModuleType
+
+    import xacro
+
+    from yarclang.robot.new.packages import Packages
+
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    known = Packages(Path(path), map(Path, packages))
+
+    def share(name: str) -> str:
+        folder = known.folder(name)
+        if folder is None:
+            raise LookupError(f"the ROS package {name} isn't found")
+        return str(folder)
+
+    # what xacro asks for packages, without ROS
+    index, module = ModuleType("ament_index_python"), ModuleType("ament_index_python.packages")
+    module.get_package_share_directory = share  # type: ignore[attr-defined]
+    sys.modules |= {index.__name__: index, module.__name__: module}
+    sys.stdout.write(xacro.process_file(path).toprettyxml(indent="  "))
+
+
+if __name__ == "__main__":
+    _child(sys.argv[1], sys.argv[2:])

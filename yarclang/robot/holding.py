@@ -1,0 +1,64 @@
+"""Where an arm can hold its flange, and in how many orientations: a wrong robot is seen by it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.robot.kinematics.search import within
+from yarclang.robot.model import Array, Robot
+
+CELLS = 32
+"""Cells of a side of a section."""
+
+TRIED = 300_000
+"""Joint positions within limits, spread evenly: the same time for any arm, which a search for solutions doesn't have."""
+
+
+@frozen(eq=False)
+class Held:
+    """The flange's places, in cells, and the share of the 24 orientations of a cube near which it was held in each.
+
+    `share` (CELLS, CELLS) is from 0 to 1, NaN where the flange never was; its rows go along `up`, its columns along `across`,
+    both the edges (CELLS + 1,) of cells [m] in {B}.
+    """
+
+    axes: tuple[str, str]
+    across: Array
+    up: Array
+    share: Array
+
+
+def sections(robot: Robot) -> tuple[Held, Held]:
+    """Return what is seen from the side, by the distance from the z axis of {B}, and from above, by x and y.
+
+    Orientations are seen from the side from a frame that turns about z with the flange's place, and from above from {B}. An arm whose
+    first joint turns about z loses nothing by it from the side.
+    """
+    poses = flange_poses(robot.chain, within(robot.chain, robot.limits, TRIED))
+    x, y, z = poses[:, :3, 3].T
+    around = np.arctan2(y, x)
+    turned = poses[:, :3, :3].copy()
+    turned[:, 0] = np.cos(around)[:, None] * poses[:, 0, :3] + np.sin(around)[:, None] * poses[:, 1, :3]
+    turned[:, 1] = np.cos(around)[:, None] * poses[:, 1, :3] - np.sin(around)[:, None] * poses[:, 0, :3]
+    return (
+        _section(("from the z axis", "z"), np.hypot(x, y), z, turned),
+        _section(("x", "y"), x, y, poses[:, :3, :3]),
+    )
+
+
+def _section(axes: tuple[str, str], across: Array, up: Array, turns: Array) -> Held:
+    from scipy.spatial.transform import Rotation
+
+    cube = Rotation.create_group("O").as_matrix()
+    nearest = np.argmax(turns.reshape(-1, 9) @ cube.reshape(-1, 9).T, axis=1)  # the largest trace of R' C
+    edges = [np.linspace(values.min() - 1e-9, values.max() + 1e-9, CELLS + 1) for values in (across, up)]
+    column, row = (
+        np.clip(np.searchsorted(edge, values) - 1, 0, CELLS - 1)
+        for edge, values in zip(edges, (across, up), strict=True)
+    )
+    seen = np.zeros((CELLS, CELLS, len(cube)), dtype=bool)
+    seen[row, column, nearest] = True
+    share = seen.mean(axis=2)
+    return Held(axes, edges[0], edges[1], np.where(share > 0.0, share, np.nan))

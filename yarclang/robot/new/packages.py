@@ -1,0 +1,82 @@
+"""ROS packages: which folder a `package://` name begins in."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote, urlparse
+
+from yarclang.robot.new.meshes import PACKAGE
+
+MOST_FOLDERS = 20_000
+"""Folders that are looked through for packages."""
+
+_NAME = re.compile(rb"<name>\s*([A-Za-z0-9_\-]+)\s*</name>")
+_LONGEST = 100_000
+
+
+class Packages:
+    """The packages around a URDF and below the folders that are said, by the names in their package.xml.
+
+    Args:
+        urdf: its file; the packages that it lies in, and those beside these, count.
+        paths: folders with packages, the first one first.
+    """
+
+    def __init__(self, urdf: Path, paths: Iterable[Path] = ()) -> None:
+        self._paths = tuple(paths)
+        self._urdf = urdf.absolute()
+        self._found: dict[str, Path] | None = None
+
+    def folder(self, name: str) -> Path | None:
+        """Return the folder of a package."""
+        if self._found is None:
+            self._found = {}
+            for folder in (*self._near(), *(one for path in self._paths for one in _below(path))):
+                if (found := package_name(folder)) is not None:
+                    self._found.setdefault(found, folder)
+        return self._found.get(name)
+
+    def path(self, filename: str) -> Path | None:
+        """Return the file that a `package://` name means by package.xml; None if there is none."""
+        url = urlparse(filename)
+        inside = PurePosixPath(unquote(url.path).lstrip("/"))
+        if url.scheme != "package" or not url.netloc or ".." in inside.parts:
+            return None
+        folder = self.folder(url.netloc)
+        return folder / inside if folder is not None else None
+
+    def _near(self) -> Iterator[Path]:
+        for above in self._urdf.parents:
+            if (above / PACKAGE).is_file():
+                yield above
+                with contextlib.suppress(OSError):
+                    yield from sorted(one for one in above.parent.iterdir() if one.is_dir())
+                return
+
+
+def package_name(folder: Path) -> str | None:
+    """Return the name in a folder's package.xml."""
+    file = folder / PACKAGE
+    try:
+        if not file.is_file():
+            return None
+        with file.open("rb") as stream:
+            match = _NAME.search(stream.read(_LONGEST))
+    except OSError:
+        return None
+    return match[1].decode() if match else None
+
+
+def _below(top: Path) -> Iterator[Path]:
+    """All folders below one, none below a package, up to `MOST_FOLDERS`."""
+    for count, (here, folders, files) in enumerate(os.walk(top)):
+        if count >= MOST_FOLDERS:
+            return
+        if PACKAGE in files:
+            folders.clear()
+            yield Path(here)
+        folders[:] = sorted(one for one in folders if not one.startswith("."))

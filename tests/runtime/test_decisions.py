@@ -172,7 +172,7 @@ def test_a_new_run_begins_anew(robot):
 
 @pytest.mark.parametrize(
     "lines",
-    [("P10 SET N = 1",), ("WHEN N = 1", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
+    [("P10 SET N = 1",), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
 )  # fmt: skip
 def test_a_program_buffer_can_not_decide(robot, lines):
     text = HEAD + "\n".join((*COUNTED, *lines)) + "\n"

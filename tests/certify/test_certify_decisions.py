@@ -4,10 +4,10 @@ import random
 
 import pytest
 from programs import compiled
-from yarclang.certify.judge import certify, certify_text
 
 from tests.floors import exercises
 from yarclang.backend_pmac.deciding import canonical
+from yarclang.certify.certifying import certify, certify_text
 from yarclang.certify.read.deciding import read_assignment, read_condition, read_value
 from yarclang.decisions import (
     ARITHMETIC,

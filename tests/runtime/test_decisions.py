@@ -1,8 +1,9 @@
 """Registers, run-time conditions and CASE: what is decided on the simulator, and what ends a run."""
 
 import pytest
+from programs import compiled
 
-from tests.runtime.test_legs import job, joints, value, world
+from tests.runtime.test_legs import HEAD, job, joints, value, world
 from yarclang.runtime.notices import Remark, Stop
 from yarclang.runtime.pmac.performance import perform
 
@@ -167,3 +168,14 @@ def test_a_new_run_begins_anew(robot):
     again = made.perform(perform(made.operation, job(robot, *COUNTED, "P10 SET N = N + 1")))
     assert again.well
     assert dict(again.registers) == {"N": 1}
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [("P10 SET N = 1",), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
+)  # fmt: skip
+def test_a_program_buffer_can_not_decide(robot, lines):
+    text = HEAD + "\n".join((*COUNTED, *lines)) + "\n"
+    made, found = compiled(text, robot.name, target="prog")
+    assert made is None
+    assert [one.code for one in found if one.is_error] == ["Y1106"]
